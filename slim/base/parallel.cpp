@@ -1,0 +1,55 @@
+#include "slim/base/parallel.h"
+
+#include "slim/base/error.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace slim {
+namespace {
+
+/// The count in an environment variable, 0 if it is not set.
+int threads_from(const char* variable) {
+    const char* text = std::getenv(variable);
+    if (!text || !*text) return 0;
+    int n = 0;
+    const char* end = text + std::strlen(text);
+    const auto result = std::from_chars(text, end, n);
+    if (result.ec != std::errc() || result.ptr != end || n < 1)
+        throw ConfigError(std::string(variable) + "=" + text + ": expected a count of threads >= 1");
+    return n;
+}
+
+}  // namespace
+
+int resolve_threads(int wanted) {
+    if (wanted > 0) return wanted;
+    if (const int n = threads_from("SLIM_THREADS")) return n;
+    if (const int n = threads_from("SLURM_CPUS_PER_TASK")) return n;
+    return std::max(1, oneapi::tbb::info::default_concurrency());
+}
+
+ThreadLimit::ThreadLimit(int n_threads)
+    : control_(new tbb::global_control(tbb::global_control::max_allowed_parallelism,
+                                       static_cast<std::size_t>(n_threads))) {}
+
+ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+
+void parallel_blocks(std::size_t n, std::size_t grain,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+    const std::size_t n_blocks = (n + grain - 1) / grain;
+    tbb::parallel_for(std::size_t{0}, n_blocks, [&](std::size_t block) {
+        const std::size_t begin = block * grain;
+        body(begin, std::min(n, begin + grain));
+    });
+}
+
+}  // namespace slim

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <experimental/simd>
+
+namespace slim {
+
+namespace stdx = std::experimental;
+
+/// Lanes of float that one instruction of the target works on (16 with AVX-512, 8 with AVX2).
+using FloatV = stdx::native_simd<float>;
+inline constexpr int kLanes = static_cast<int>(FloatV::size());
+
+/// mask ? a : b, for values with lanes and for plain ones: a kernel is written once.
+template <class V>
+inline V select(const typename V::mask_type& mask, const V& a, const V& b) {
+    V r = b;
+    stdx::where(mask, r) = a;
+    return r;
+}
+inline float select(bool mask, float a, float b) { return mask ? a : b; }
+inline double select(bool mask, double a, double b) { return mask ? a : b; }
+
+}  // namespace slim

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "slim/base/bbox.h"
+#include "slim/base/vec.h"
+#include "slim/model/surfel.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+/// Floats a surfel takes in the file: centre 3, radius 1, octahedral normal 2, then 1, 6 or 10
+/// coefficients (a linear surfel's normal is turned so that its slopes are zero): 7, 12 or 16.
+constexpr int floats_per_surfel(int degree) { return degree <= 1 ? 7 : 6 + n_coefficients(degree); }
+
+inline constexpr std::uint32_t kNoNode = 0xffffffffu;
+inline constexpr std::size_t kSurfelsPerPage = 1024;
+
+enum NodeFlags : std::uint8_t {
+    kLeaf = 1,       ///< carries the surface; the others stand in for their children when small
+    kSaturated = 2,  ///< E still fell at the largest radius
+    kForced = 4,     ///< radius not chosen by E: too few points, or the smallest radius
+};
+
+/// Node i of the ball tree owns surfel i. Node 0 is the root: it encloses everything and has no surface.
+/// Children of a node stand together: [first_child, first_child + n_children). Parents come first.
+struct TreeNode {
+    std::uint32_t first_child = kNoNode;
+    std::uint32_t n_children = 0;
+    float bound_radius = 0;     ///< ball about the surfel's centre that holds its ball and all below
+    float fit_error = 0;        ///< eps, RMS residual, model units
+    std::uint32_t n_points = 0; ///< points in the ball at the fit
+    std::uint8_t level = 0;     ///< 1 is the coarsest
+    std::uint8_t degree = 0;    ///< 0..3, after fallbacks
+    std::uint8_t flags = 0;     ///< NodeFlags
+    std::uint8_t reserved = 0;
+
+    bool is_leaf() const { return (flags & kLeaf) != 0; }
+};
+static_assert(sizeof(TreeNode) == 24);
+
+/// What a model says of itself; small, read first.
+struct ModelHeader {
+    int degree = 2;             ///< largest degree; fixes the record size
+    Vec3d origin;               ///< world = origin + local
+    Bbox bounds;                ///< of the input points, local frame
+    double diagonal = 0;        ///< L
+    double noise_variance = 0;  ///< lambda, length^2
+    double mdl_threshold = 0;   ///< T_MDL, fraction of L
+    std::uint64_t n_points = 0; ///< finite input points
+    std::uint64_t n_leaves = 0;
+    std::uint64_t seed = 0;
+};
+
+/// Read-only view of a model, wherever its arrays live (a mapped file, or vectors in a test).
+/// Coordinates are floats relative to the origin of the surfel's page (double, local frame).
+class SurfelTree {
+public:
+    SurfelTree(const ModelHeader& header, std::span<const Vec3d> page_origins,
+               std::span<const float> records, std::span<const TreeNode> nodes)
+        : header_(header), page_origins_(page_origins), records_(records), nodes_(nodes) {}
+
+    const ModelHeader& header() const { return header_; }
+    std::size_t n_nodes() const { return nodes_.size(); }
+    const TreeNode& node(std::size_t i) const { return nodes_[i]; }
+    std::span<const TreeNode> nodes() const { return nodes_; }
+    std::span<const Vec3d> page_origins() const { return page_origins_; }
+    std::span<const float> records() const { return records_; }
+
+    const float* record(std::size_t i) const {
+        return records_.data() + i * static_cast<std::size_t>(floats_per_surfel(header_.degree));
+    }
+    Vec3d center(std::size_t i) const {
+        const float* r = record(i);
+        return page_origins_[i / kSurfelsPerPage] + Vec3d{r[0], r[1], r[2]};
+    }
+    double support_radius(std::size_t i) const { return record(i)[3]; }
+    /// Surfel i in doubles; i = 0 (the root) has a centre and a radius only.
+    Surfel surfel(std::size_t i) const;
+
+private:
+    ModelHeader header_;
+    std::span<const Vec3d> page_origins_;
+    std::span<const float> records_;
+    std::span<const TreeNode> nodes_;
+};
+
+/// The arrays of a model in memory, as the tree stage builds them and tests make them.
+struct SurfelTreeData {
+    ModelHeader header;
+    std::vector<Vec3d> page_origins;
+    std::vector<float> records;
+    std::vector<TreeNode> nodes;
+
+    SurfelTree view() const { return {header, page_origins, records, nodes}; }
+};
+
+/// Rounds surfels (node order, the root first) to the file's floats: page origins and records.
+/// A surfel's frame must be the one its rounded normal gives (round_normal below), or its surface turns.
+void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out);
+
+/// The normal as the file will give it back: fit in this frame (NUMERICS 2.1).
+Vec3d round_normal(const Vec3d& unit_normal);
+
+/// A surfel of degree 0 or 1 in a frame whose slopes are zero: the same plane, up to the rounded
+/// normal. Degrees 2 and 3 come back unchanged.
+Surfel level_linear(const Surfel& surfel);
+
+}  // namespace slim
