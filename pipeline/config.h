@@ -29,8 +29,8 @@ public:
                                 std::vector<int>*, std::vector<double>*>;
     enum class Kind { boolean, integer, real, text };
 
-    Field(std::string key, Target target, std::string help, FieldRole role)
-        : key(std::move(key)), help(std::move(help)), role(role), target_(target) {}
+    Field(std::string its_key, Target target, std::string its_help, FieldRole its_role)
+        : key(std::move(its_key)), help(std::move(its_help)), role(its_role), target_(target) {}
 
     std::string key;   ///< snake_case, as in TOML
     std::string help;  ///< one line

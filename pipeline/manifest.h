@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/peak_memory.h"
 #include "pipeline/stage.h"
 
 #include <nlohmann/json.hpp>
@@ -19,7 +20,7 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder, const s
 
 /// The record of one finished piece of work, written last, so that its existence says "done":
 /// program version, stage, config and its hash, XXH3-128 hashes and sizes of inputs and outputs,
-/// the result, seconds, threads, host. Use:
+/// the result, seconds, peak memory since the Stamp was made, threads, host. Use:
 ///
 ///     Stamp stamp(context, manifest_path(config.output));
 ///     stamp.input(config.cloud);
@@ -43,8 +44,7 @@ public:
     /// inputs, and every output is there with its recorded bytes. Empty with --force.
     std::optional<nlohmann::json> up_to_date() const;
 
-    /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`
-    /// with "seconds" since the Stamp was made.
+    /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.
     nlohmann::json commit(const std::vector<std::filesystem::path>& outputs, nlohmann::json result);
 
 private:
@@ -59,6 +59,7 @@ private:
     std::vector<Input> inputs_;
     std::string depends_;
     std::chrono::steady_clock::time_point start_;
+    PeakMeter peak_;
     mutable nlohmann::json hashed_;  // inputs_json(), made once
 };
 
