@@ -48,7 +48,8 @@ std::string hex(const XXH128_hash_t& hash) {
 }
 
 json file_json(const fs::path& file, const fs::path& shown) {
-    return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"xxh3_128", hash_file(file)}};
+    const std::string hash = hash_file(file);  // first: its message names a missing file
+    return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"xxh3_128", hash}};
 }
 
 /// The manifest's folder may be moved as a whole: outputs in it are named relative to it.
@@ -157,6 +158,8 @@ std::optional<json> Stamp::up_to_date() const {
             if (!output_intact(output, folder_of(manifest_))) return std::nullopt;
         json result = manifest.at("result");
         result["up_to_date"] = true;
+        result["recorded"] = {{"seconds", manifest.at("seconds")},
+                              {"peak_memory_bytes", manifest.at("peak_memory_bytes")}};
         context_.reporter.info(fmt::format("{}: up to date", context_.stage));
         return result;
     } catch (const json::exception&) {

@@ -40,8 +40,9 @@ public:
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
 
-    /// The recorded result with "up_to_date": true, if the manifest fits program, stage, config and
-    /// inputs, and every output is there with its recorded bytes. Empty with --force.
+    /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run under
+    /// "recorded", if the manifest fits program, stage, config and inputs, and every output is there
+    /// with its recorded bytes. Empty with --force.
     std::optional<nlohmann::json> up_to_date() const;
 
     /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.

@@ -16,6 +16,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <string_view>
 
@@ -139,6 +140,9 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         return fail(error.code(), error.what());
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, "out of memory");
+    } catch (const std::filesystem::filesystem_error& error) {
+        const bool full = error.code() == std::errc::no_space_on_device;
+        return fail(full ? ExitCode::resource : ExitCode::bad_data, error.what());
     } catch (const std::exception& error) {
         return fail(ExitCode::internal, std::string("internal error: ") + error.what());
     }
