@@ -1,6 +1,5 @@
 #include "slim/scanner/scan.h"
 
-#include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/scanner/range_grid.h"
 #include "tests/support/shapes.h"
