@@ -118,6 +118,8 @@ public:
         add(std::move(key), &member, std::move(help), FieldRole::path);
     }
 
+    void append(const Field& field) { fields_.push_back(field); }
+
     const std::vector<Field>& fields() const { return fields_; }
     const Field* find(std::string_view key) const;
 

@@ -1,5 +1,6 @@
 #include "pipeline/manifest.h"
 
+#include "formats/atomic_file.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
@@ -74,15 +75,6 @@ std::string utc_now() {
     char text[32];
     std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
     return text;
-}
-
-void write_file_atomically(const std::string& path, const std::string& text) {
-    const std::string temporary = path + ".tmp." + std::to_string(getpid());
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) fail(path, "write");
-    fs::rename(temporary, path);
 }
 
 bool output_intact(const json& output, const fs::path& folder) {

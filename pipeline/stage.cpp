@@ -91,6 +91,14 @@ bool answered(const ErasedStage& stage, const CommonOptions& common) {
     return common.help || common.version || common.print_config;
 }
 
+std::vector<std::string> passed_on(const CommonOptions& common, int threads) {
+    std::vector<std::string> options = {fmt::format("--threads={}", threads)};
+    if (common.force) options.push_back("--force");
+    if (common.quiet) options.push_back("--quiet");
+    if (common.verbose) options.push_back("--verbose");
+    return options;
+}
+
 void work(const ErasedStage& stage, int argc, char** argv) {
     const CommonOptions common = parse_command_line(argc, argv, stage.fields);
     if (answered(stage, common)) return;
@@ -101,7 +109,8 @@ void work(const ErasedStage& stage, int argc, char** argv) {
     const ThreadLimit limit(threads);
     Console console("slim-" + stage.description.name, console_level(common));
     StageContext context{console, threads, common.force, stage.description.name,
-                         canonical_config(stage.fields), print_config(stage.fields), ""};
+                         canonical_config(stage.fields), print_config(stage.fields), "",
+                         passed_on(common, threads)};
     if (common.verbose) console.info("configuration:\n" + context.config_toml);
     json result = stage.run(context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

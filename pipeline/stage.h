@@ -22,6 +22,7 @@ struct StageContext {
     std::string config;       ///< canonical_config: one `key = value` line per field that counts
     std::string config_toml;  ///< the whole resolved configuration
     std::string text;  ///< if set: printed on stdout instead of the result's values (unless --json)
+    std::vector<std::string> passed_on;  ///< common options for child processes: --threads=2, --force
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
     void check_stop() const;
@@ -61,7 +62,7 @@ template <class Config>
 StageContext for_stage(const StageContext& parent, std::string stage, Config config) {
     const FieldList fields = fields_of(config);
     return {parent.reporter, parent.threads,       parent.force, std::move(stage),
-            canonical_config(fields), print_config(fields), ""};
+            canonical_config(fields), print_config(fields), "", parent.passed_on};
 }
 
 }  // namespace slim

@@ -1,0 +1,170 @@
+#include "pipeline/index_page.h"
+
+#include "pipeline/memory_size.h"
+#include "pipeline/version.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kHead = R"(<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{0}</title>
+<style>
+body {{ font: 16px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 78rem; padding: 0 1rem;
+       color: #222; background: #fafafa }}
+h1 {{ margin-bottom: 0 }}
+h2 {{ margin-top: 2.2rem; font-size: 1.2rem }}
+p.note {{ color: #666; margin-top: .2rem }}
+table {{ border-collapse: collapse; margin: .6rem 0 }}
+th, td {{ text-align: right; padding: .25rem .9rem; border-bottom: 1px solid #ddd }}
+th:first-child, td:first-child {{ text-align: left }}
+.views {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(24rem, 1fr)); gap: 1rem }}
+figure {{ margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem }}
+figure img {{ width: 100%; display: block }}
+figcaption {{ font-size: .85rem; color: #555; padding-top: .3rem }}
+</style>
+</head>
+<body>
+<h1>{0}</h1>
+)";
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '>')
+            out += "&gt;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
+    }
+    return out;
+}
+
+/// A path for src="...": what a browser would read as something else is percent-encoded.
+std::string url_of(const std::string& path) {
+    std::string out;
+    for (const char c : path) {
+        if (c == ' ' || c == '#' || c == '%' || c == '?' || c == '"')
+            out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+        else
+            out += c;
+    }
+    return escaped(out);
+}
+
+std::string grouped(std::uint64_t n) {
+    std::string text = std::to_string(n);
+    for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+    return text;
+}
+
+std::string figure_text(const std::string& key, const json& value) {
+    if (value.is_number_integer() && key.ends_with("bytes"))
+        return memory_size_text(value.get<std::uint64_t>());
+    if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
+    if (value.is_number()) return fmt::format("{:.4g}", value.get<double>());
+    return value.is_string() ? escaped(value.get<std::string>()) : escaped(value.dump());
+}
+
+using Columns = std::vector<std::pair<std::string, std::string>>;  // key, heading
+
+/// One row per outcome of the verb; a column that no outcome has is left out.
+std::string table_of(const std::vector<StepOutcome>& outcomes, const std::string& verb,
+                     const Columns& columns) {
+    std::string head, rows;
+    Columns present;
+    for (const auto& column : columns)
+        for (const StepOutcome& outcome : outcomes)
+            if (outcome.step.verb == verb && outcome.result.contains(column.first)) {
+                present.push_back(column);
+                break;
+            }
+    if (present.empty()) return "";
+    for (const auto& [key, heading] : present) head += "<th>" + heading + "</th>";
+    for (const StepOutcome& outcome : outcomes) {
+        if (outcome.step.verb != verb) continue;
+        rows += "<tr><td>" + escaped(outcome.step.name) + "</td>";
+        for (const auto& [key, heading] : present)
+            rows += "<td>" +
+                    (outcome.result.contains(key) ? figure_text(key, outcome.result.at(key)) : "") +
+                    "</td>";
+        rows += "</tr>\n";
+    }
+    return "<table>\n<tr><th></th>" + head + "</tr>\n" + rows + "</table>\n";
+}
+
+std::string cost_row(const std::string& name, double seconds, double bytes, const std::string& note) {
+    return fmt::format("<tr><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td></tr>\n", name, seconds,
+                       memory_size_text(static_cast<std::uint64_t>(bytes)), note);
+}
+
+/// Seconds and peak memory of each step; below a step those of its stages, if it says them.
+std::string cost_table(const std::vector<StepOutcome>& outcomes) {
+    std::string text =
+        "<table>\n<tr><th></th><th>seconds</th><th>peak memory</th><th></th></tr>\n";
+    for (const StepOutcome& outcome : outcomes) {
+        text += cost_row(escaped(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
+                         outcome.up_to_date ? "up to date: as recorded" : "");
+        if (!outcome.result.contains("stages") || !outcome.result.at("stages").is_array()) continue;
+        for (const json& stage : outcome.result.at("stages"))
+            if (stage.is_object())
+                text += cost_row("&emsp;" + escaped(stage.value("stage", "")),
+                                 stage.value("seconds", 0.0), stage.value("peak_memory_bytes", 0.0), "");
+    }
+    return text + "</table>\n";
+}
+
+std::string pictures_of(const Job& job, const StepOutcome& outcome) {
+    std::string text = "<h2>" + escaped(outcome.step.name) + "</h2>\n<div class=\"views\">\n";
+    if (!outcome.result.contains("files")) return "";
+    for (const json& file : outcome.result.at("files")) {
+        const fs::path path = file.get<std::string>();
+        if (path.extension() != ".png") continue;
+        const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
+        const std::string caption = path.stem().string();
+        text += fmt::format("<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"
+                            "<figcaption>{1}</figcaption></figure>\n",
+                            url_of(relative.string()), escaped(caption));
+    }
+    return text + "</div>\n";
+}
+
+}  // namespace
+
+std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes) {
+    std::string text = fmt::format(kHead, escaped(job.title));
+    text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped(program_version()),
+                        escaped(job.file.filename().string()));
+    text += "<h2>Model</h2>\n" +
+            table_of(outcomes, "build", {{"points", "points"}, {"leaves", "leaves"},
+                                         {"surfels", "surfels"}, {"bytes", "size"}});
+    const std::string errors = table_of(
+        outcomes, "measure",
+        {{"points", "points"}, {"missed", "missed"}, {"l2", "L2 / L"}, {"max", "max / L"},
+         {"normal_rms_deg", "normals (RMS, &deg;)"},
+         {"mean_curvature_rms_x_diagonal", "mean curvature (RMS &times; L)"},
+         {"k1_rms_x_diagonal", "k1 (RMS &times; L)"}, {"k2_rms_x_diagonal", "k2 (RMS &times; L)"}});
+    if (!errors.empty())
+        text += "<h2>Errors</h2>\n" + errors +
+                "<p class=\"note\">L: diagonal of the bounding box of the input; k &gt; 0: convex</p>\n";
+    for (const StepOutcome& outcome : outcomes)
+        if (outcome.step.verb == "render") text += pictures_of(job, outcome);
+    return text + "<h2>Cost</h2>\n" + cost_table(outcomes) + "</body>\n</html>\n";
+}
+
+}  // namespace slim

@@ -1,0 +1,212 @@
+#include "pipeline/info_stage.h"
+
+#include "formats/fit_file.h"
+#include "formats/model_file.h"
+#include "formats/point_source.h"
+#include "formats/slice_file.h"
+#include "formats/truth_file.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+bool finite(const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Corners in the world, given a box in the local frame.
+json bounds_json(const Bbox& box, const Vec3d& origin = {}) {
+    if (box.empty()) return nullptr;
+    return {{"min", vector_json(box.lo + origin)},
+            {"max", vector_json(box.hi + origin)},
+            {"diagonal", box.diagonal()}};
+}
+
+json parsed(const std::string& text) {
+    const json value = json::parse(text, nullptr, false);
+    return value.is_discarded() ? json(text) : value;
+}
+
+/// Counts by a small number, such as surfels per level: {"1": 12, "2": 40}.
+class Tally {
+public:
+    void add(std::size_t i) { ++counts_[i]; }
+    json to_json() const {
+        json out = json::object();
+        for (std::size_t i = 0; i < counts_.size(); ++i)
+            if (counts_[i]) out[std::to_string(i)] = counts_[i];
+        return out;
+    }
+
+private:
+    std::array<std::uint64_t, 256> counts_{};
+};
+
+json model_info(const std::string& path) {
+    const ModelFile file = ModelFile::open(path);
+    const ModelHeader& header = file.header();
+    const SurfelTree tree = file.tree();
+    Tally levels, degrees;
+    std::uint64_t saturated = 0, forced = 0;
+    for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
+        if (!node.is_leaf()) continue;
+        levels.add(node.level);
+        degrees.add(node.degree);
+        saturated += (node.flags & kSaturated) != 0;
+        forced += (node.flags & kForced) != 0;
+    }
+    return {{"kind", "model"},
+            {"bytes", file.file_size()},
+            {"degree", header.degree},
+            {"points", header.n_points},
+            {"leaves", header.n_leaves},
+            {"surfels", tree.n_nodes() ? tree.n_nodes() - 1 : 0},
+            {"origin", vector_json(header.origin)},
+            {"bounds", bounds_json(header.bounds, header.origin)},
+            {"diagonal", header.diagonal},
+            {"noise", std::sqrt(header.noise_variance)},
+            {"t_mdl", header.mdl_threshold},
+            {"seed", header.seed},
+            {"leaves_by_level", levels.to_json()},
+            {"leaves_by_degree", degrees.to_json()},
+            {"health",
+             {{"checksums", "ok"}, {"radius_at_the_largest", saturated}, {"radius_not_chosen", forced}}},
+            {"provenance", parsed(file.provenance_json())}};
+}
+
+json slice_info(const std::string& path) {
+    const PointBlock block = read_slice(path);
+    Bbox box;
+    for (const Vec3d& p : block.position) box.extend(p);
+    std::uint64_t without_normal = 0;
+    for (const Vec3f& n : block.normal) without_normal += dot(n, n) == 0;
+    json attributes = json::array({"id"});
+    if (block.has_normals()) attributes.push_back("normal");
+    if (block.has_scans()) attributes.push_back("scan");
+    return {{"kind", "slice"},
+            {"bytes", fs::file_size(path)},
+            {"points", block.size()},
+            {"origin", vector_json(block.origin)},
+            {"bounds", bounds_json(box, block.origin)},
+            {"attributes", attributes},
+            {"health", {{"checksums", "ok"}, {"points_without_normal", without_normal}}}};
+}
+
+json fit_info(const std::string& path) {
+    const FitFile fit = read_fit(path);
+    Tally levels;
+    std::uint64_t leaves = 0;
+    for (const FittedSurfel& surfel : fit.surfels) {
+        levels.add(surfel.level);
+        leaves += (surfel.flags & kLeaf) != 0;
+    }
+    return {{"kind", "fit"},          {"bytes", fs::file_size(path)},
+            {"surfels", fit.surfels.size()}, {"leaves", leaves},
+            {"surfels_by_level", levels.to_json()}, {"health", {{"checksums", "ok"}}},
+            {"header", parsed(fit.header_json)}};
+}
+
+/// Totals of a cloud, gathered chunk by chunk.
+struct CloudTotals {
+    std::uint64_t points = 0, not_finite = 0, without_normal = 0;
+    Bbox box;
+    std::set<std::uint16_t> scans;
+
+    void add(const PointChunk& chunk) {
+        points += chunk.size();
+        for (const Vec3d& p : chunk.position) {
+            if (finite(p))
+                box.extend(p);
+            else
+                ++not_finite;
+        }
+        for (const Vec3f& n : chunk.normal) {
+            const float sq = dot(n, n);
+            without_normal += !(sq > 0) || !std::isfinite(sq);
+        }
+        scans.insert(chunk.scan.begin(), chunk.scan.end());
+    }
+};
+
+json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
+    json attributes = json::array();
+    for (const std::string& name : info.carried) attributes.push_back(name);
+    json out = {{"kind", "cloud"},
+                {"format", info.format},
+                {"bytes", info.file_size},
+                {"points", totals.points},
+                {"bounds", bounds_json(totals.box)},
+                {"attributes", attributes},
+                {"skipped", info.skipped},
+                {"normals", info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
+                {"truth", fs::exists(truth_path(info.path))},
+                {"health", {{"not_finite", totals.not_finite}}}};
+    if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;
+    if (info.has_scan) out["scans"] = totals.scans.size();
+    if (info.origin) out["origin"] = vector_json(*info.origin);
+    return out;
+}
+
+json cloud_info(const std::string& path, StageContext& context) {
+    const std::unique_ptr<PointSource> source = open_cloud(path);
+    CloudTotals totals;
+    for (PointChunk chunk; source->read(chunk, kChunk);) {
+        totals.add(chunk);
+        context.reporter.progress("bytes read", source->bytes_read(), source->info().file_size);
+    }
+    return cloud_json(source->info(), totals);
+}
+
+std::string first_bytes(const std::string& path, std::size_t n) {
+    std::ifstream in(path, std::ios::binary);
+    std::string head(n, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(n));
+    head.resize(static_cast<std::size_t>(in.gcount()));
+    return head;
+}
+
+json json_info(const std::string& path) {
+    std::ifstream in(path);
+    try {
+        json contents = json::parse(in);
+        return {{"kind", "json"}, {"bytes", fs::file_size(path)}, {"contents", std::move(contents)}};
+    } catch (const json::parse_error& error) {
+        throw FormatError(fmt::format("{}: byte {}: not JSON: {}", path, error.byte, error.what()));
+    }
+}
+
+}  // namespace
+
+json run_info(const InfoConfig& config, StageContext& context) {
+    const std::string head = first_bytes(config.file, 8);
+    json out;
+    if (head == "SLIMTREE")
+        out = model_info(config.file);
+    else if (head == "SLIMSLCE")
+        out = slice_info(config.file);
+    else if (head == "SLIMFITS")
+        out = fit_info(config.file);
+    else if (config.file.ends_with(".json"))
+        out = json_info(config.file);
+    else
+        out = cloud_info(config.file, context);
+    out["file"] = config.file;
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,289 @@
+#include "pipeline/job.h"
+
+#include "pipeline/build_stage.h"
+#include "pipeline/measure_stage.h"
+#include "pipeline/render_stage.h"
+#include "pipeline/scan_stage.h"
+#include "pipeline/toml_file.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InputTable {
+    std::vector<std::string> files;
+    template <class V>
+    void visit(V&& field) {
+        field.path("files", files, "point clouds");
+    }
+};
+
+struct OutputTable {
+    std::string dir;
+    std::string title;
+    std::vector<std::string> aovs = {"shaded"};
+    bool html = true;
+    template <class V>
+    void visit(V&& field) {
+        field.path("dir", dir, "folder for everything that is written");
+        field("title", title, "heading of the page");
+        field("aovs", aovs, "pictures of every view that names none");
+        field("html", html, "write DIR/index.html");
+    }
+};
+
+/// The keys of a view that are the job's own; the others are options of slim-render.
+struct ViewTable {
+    std::string name;
+    std::vector<std::string> aovs;
+    template <class V>
+    void visit(V&& field) {
+        field("name", name, "begins the names of the view's pictures");
+        field("aovs", aovs, "pictures of this view");
+    }
+};
+
+std::string place(const fs::path& file, const TomlTable& table) {
+    return fmt::format("{}:{}", file.string(), table.line);
+}
+
+/// A field's value as one option, or one per path.
+void append_option(const Field& field, std::vector<std::string>& out) {
+    if (field.is_flag()) {
+        const bool on = field.items()[0] == "true";
+        out.push_back(on ? field.option() : "--no-" + field.option().substr(2));
+    } else if (field.is_path()) {
+        for (const std::string& item : field.items()) out.push_back(field.option() + "=" + item);
+    } else {
+        out.push_back(fmt::format("{}={}", field.option(), fmt::join(field.items(), ",")));
+    }
+}
+
+/// Checks a table against the fields of a verb and of the job's own part of it, and returns the verb's
+/// as command-line options. `owned` are the verb's keys that the job fills in itself.
+template <class Config, class Own>
+std::vector<std::string> read_options(const TomlTable& table, const fs::path& file, Own& own,
+                                      const std::set<std::string>& owned) {
+    Config config;
+    FieldList all;
+    own.visit(all);
+    FieldList verb = fields_of(config);
+    for (const Field& field : verb.fields())
+        if (!owned.contains(field.key)) all.append(field);
+    apply_table(table, all, file);
+    std::vector<std::string> options;
+    for (const TomlValue& value : table.values)
+        if (const Field* field = verb.find(value.key); field && !fields_of(own).find(value.key))
+            append_option(*field, options);
+    return options;
+}
+
+struct NoKeys {
+    template <class V>
+    void visit(V&&) {}
+};
+
+/// The tables of a job file, found by name and strictly known.
+class JobReader {
+public:
+    explicit JobReader(const fs::path& file) : file_(file), root_(read_toml(file)) {}
+
+    Job read() {
+        check_tables(root_, {"input", "fit", "render", "view", "output", "measure"});
+        if (!root_.values.empty())
+            throw ConfigError(fmt::format(
+                "{}:{}: unknown key '{}': keys stand in the tables input, fit, render, view, output "
+                "and measure",
+                file_.string(), root_.values[0].line, root_.values[0].key));
+        job_.file = file_;
+        read_output();
+        read_input();
+        read_fit();
+        read_measure();
+        read_views();
+        note_left_out();
+        return std::move(job_);
+    }
+
+private:
+    const TomlTable* find(const TomlTable& in, const std::string& name) const {
+        const TomlTable* found = nullptr;
+        for (const TomlTable& table : in.tables) {
+            if (table.name != name) continue;
+            if (found)
+                throw ConfigError(fmt::format("{}: a second [{}]", place(file_, table), name));
+            found = &table;
+        }
+        return found;
+    }
+
+    void check_tables(const TomlTable& in, const std::vector<std::string>& known) const {
+        for (const TomlTable& table : in.tables)
+            if (std::find(known.begin(), known.end(), table.name) == known.end())
+                throw ConfigError(fmt::format("{}: unknown table [{}]{}", place(file_, table), table.name,
+                                              suggestion(table.name, known)));
+    }
+
+    void read_output() {
+        if (const TomlTable* table = find(root_, "output")) {
+            check_tables(*table, {});
+            apply_table(*table, fields_of(output_), file_);
+        }
+        const fs::path stem = file_.stem();
+        job_.folder = output_.dir.empty() ? file_.parent_path() / "out" / stem : fs::path(output_.dir);
+        job_.title = output_.title.empty() ? stem.string() : output_.title;
+        job_.html = output_.html;
+    }
+
+    void read_input() {
+        const TomlTable* table = find(root_, "input");
+        if (!table)
+            throw ConfigError(fmt::format("{}: no [input]: expected files = [...] or a scan",
+                                          file_.string()));
+        check_tables(*table, {"scan"});
+        InputTable input;
+        apply_table(*table, fields_of(input), file_);
+        const TomlTable* scan = find(*table, "scan");
+        if (input.files.empty() == (scan == nullptr))
+            throw ConfigError(fmt::format("{}: [input]: expected either files or a scan",
+                                          place(file_, *table)));
+        for (const std::string& name : input.files) clouds_.push_back(name);
+        if (scan) read_scan(*scan);
+    }
+
+    void read_scan(const TomlTable& table) {
+        NoKeys none;
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}};
+        // The shape is a word of slim-scan, not an option.
+        for (std::string& option : step.arguments)
+            if (option.starts_with("--shape=")) option = option.substr(8);
+        step.output = job_.folder / "cloud.ply";
+        add_output(step);
+        clouds_.push_back(step.output);
+        job_.steps.push_back(std::move(step));
+    }
+
+    void read_fit() {
+        static const TomlTable empty;
+        const TomlTable* table = find(root_, "fit");
+        NoKeys none;
+        JobStep step{"build", "build", {}, clouds_, job_.folder / "model.slim"};
+        if (table) check_tables(*table, {});
+        for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
+        const std::vector<std::string> options =
+            read_options<BuildConfig>(table ? *table : empty, file_, none, {"inputs", "output"});
+        step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+        add_output(step);
+        model_ = step.output;
+        job_.steps.push_back(std::move(step));
+    }
+
+    void read_measure() {
+        const TomlTable* table = find(root_, "measure");
+        if (!table) {
+            job_.left_out.push_back("measure: there is no [measure]");
+            return;
+        }
+        check_tables(*table, {});
+        NoKeys none;
+        const std::vector<std::string> options =
+            read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
+        for (const fs::path& cloud : clouds_) {
+            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}};
+            if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
+            step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+            job_.steps.push_back(std::move(step));
+        }
+    }
+
+    void read_views() {
+        ViewTable none;
+        std::vector<std::string> defaults;
+        if (const TomlTable* table = find(root_, "render"))
+            defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
+        for (const TomlTable& table : root_.tables)
+            if (table.name == "view") read_view(table, defaults);
+        if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
+    }
+
+    void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
+        check_tables(table, {});
+        ViewTable view;
+        const std::vector<std::string> options =
+            read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        if (view.name.empty()) view.name = name_of(options);
+        if (!names_.insert(view.name).second)
+            throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
+                                          view.name));
+        if (view.aovs.empty()) view.aovs = output_.aovs;
+        aovs_.insert(view.aovs.begin(), view.aovs.end());
+        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}};
+        step.arguments.insert(step.arguments.end(), defaults.begin(), defaults.end());
+        step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+        step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
+        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
+        const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
+        step.output = job_.folder / (view.name + aov + ".png");
+        add_output(step);
+        job_.steps.push_back(std::move(step));
+    }
+
+    /// A view without a name takes its camera's, "view" if that is given by numbers.
+    static std::string name_of(const std::vector<std::string>& options) {
+        for (const std::string& option : options)
+            if (option.starts_with("--camera=") && option.find(',') == std::string::npos)
+                return option.substr(9);
+        return "view";
+    }
+
+    void note_left_out() {
+        RenderConfig render;
+        const FieldList fields = fields_of(render);
+        const bool curvature = asks({"mean", "gauss", "k1", "k2"});
+        if (!curvature) job_.left_out.push_back("curvature: no AOV asks for it");
+        std::vector<std::string> rest;
+        if (const Field* aov = fields.find("aov"))
+            for (const std::string& name : aov->choices)
+                if (!aovs_.contains(name)) rest.push_back(name);
+        if (!rest.empty())
+            job_.left_out.push_back(fmt::format("pictures of {}: no view asks for them",
+                                                fmt::join(rest, ", ")));
+        if (!job_.html) job_.left_out.push_back("index.html: output.html is false");
+        if (job_.steps[0].verb != "scan")
+            job_.left_out.push_back("scan: the input is files");
+    }
+
+    bool asks(const std::vector<std::string>& names) const {
+        return std::any_of(names.begin(), names.end(),
+                           [&](const std::string& name) { return aovs_.contains(name); });
+    }
+
+    static void add_output(JobStep& step) {
+        step.arguments.push_back("-o");
+        step.arguments.push_back(step.output.string());
+    }
+
+    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov"};
+
+    fs::path file_;
+    TomlTable root_;
+    OutputTable output_;
+    Job job_;
+    std::vector<fs::path> clouds_;
+    fs::path model_;
+    std::set<std::string> names_;
+    std::set<std::string> aovs_;
+};
+
+}  // namespace
+
+Job read_job(const fs::path& file) { return JobReader(file).read(); }
+
+}  // namespace slim

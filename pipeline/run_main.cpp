@@ -1,0 +1,11 @@
+#include "pipeline/run_stage.h"
+
+int main(int argc, char** argv) {
+    return slim::run_stage<slim::RunConfig>(
+        {"run",
+         "All that a job file asks for: scan or read, build, measure, draw, and a page with the "
+         "results.",
+         {"slim run configs/demo.toml", "slim plan configs/demo.toml --explain"},
+         true},
+        argc, argv, slim::run_job);
+}
