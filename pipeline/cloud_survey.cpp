@@ -1,0 +1,151 @@
+#include "pipeline/cloud_survey.h"
+
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
+
+/// Progress in bytes over all files: the only measure that every format knows.
+class ByteProgress {
+public:
+    ByteProgress(const std::vector<std::string>& paths, std::string doing, Reporter& reporter)
+        : reporter_(reporter), doing_(std::move(doing)) {
+        for (const std::string& path : paths) {
+            std::error_code ignored;
+            const auto size = std::filesystem::file_size(path, ignored);
+            total_ += ignored ? 0 : size;
+        }
+    }
+    void show(std::uint64_t in_file) { reporter_.progress(doing_, done_ + in_file, total_); }
+    void finish_file(std::uint64_t size) { done_ += size; }
+
+private:
+    Reporter& reporter_;
+    std::string doing_;
+    std::uint64_t done_ = 0;
+    std::uint64_t total_ = 0;
+};
+
+/// Takes the chunks of one input after another into a survey.
+class Surveyor {
+public:
+    Surveyor(CloudSurvey& survey, const std::vector<std::string>& paths, bool strict)
+        : survey_(survey), paths_(paths), strict_(strict) {}
+
+    void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t i, const CloudInfo& info) {
+        while (survey_.inputs.size() <= i) begin_input(first_id, info);
+        PlanInput& input = survey_.inputs[i];
+        const Bbox box = take_positions(chunk, input);
+        if (!box.empty()) take_histograms(chunk, box);
+        for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
+        for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
+        if (end_scan_ > 0x10000u)
+            throw DataError(fmt::format("{}: the scans of all inputs together are more than 65536",
+                                        input.path));
+        survey_.coordinate_quantum =
+            std::max(survey_.coordinate_quantum, coordinate_quantum(info, box));
+    }
+
+private:
+    void begin_input(std::uint64_t first_id, const CloudInfo& info) {
+        PlanInput input;
+        input.path = paths_[survey_.inputs.size()];
+        input.format = info.format;
+        input.has_normals = info.has_normals;
+        input.normals_from_faces = info.normals_from_faces;
+        input.has_scan = info.has_scan;
+        input.first_id = first_id;
+        input.first_scan = end_scan_;
+        // A cloud that does not say is one scan, so that its numbers stay apart from the others'.
+        if (!info.has_scan) ++end_scan_;
+        survey_.is_float32 |= info.coordinates == CoordinateType::float32;
+        survey_.inputs.push_back(input);
+    }
+
+    Bbox take_positions(const PointChunk& chunk, PlanInput& input) {
+        Bbox box;
+        for (const Vec3d& p : chunk.position) {
+            ++input.n_points;
+            if (is_finite(p)) {
+                box.extend(p);
+                ++survey_.n_points;
+                continue;
+            }
+            if (strict_)
+                throw DataError(fmt::format("{}: point {}: coordinates are not finite", input.path,
+                                            input.n_points));
+            ++input.n_dropped;
+            ++survey_.n_dropped;
+        }
+        survey_.bounds.extend(box);
+        return box;
+    }
+
+    void take_histograms(const PointChunk& chunk, const Bbox& box) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            auto& histogram = survey_.histograms[axis];
+            if (!histogram) histogram.emplace(box.lo[axis], box.hi[axis]);
+            for (const Vec3d& p : chunk.position)
+                if (is_finite(p)) histogram->add(p[axis]);
+        }
+    }
+
+    CloudSurvey& survey_;
+    const std::vector<std::string>& paths_;
+    bool strict_;
+    std::uint32_t end_scan_ = 0;
+};
+
+}  // namespace
+
+double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds) {
+    if (world_bounds.empty()) return 0;
+    if (info.coordinates == CoordinateType::integer) return 1;
+    if (info.coordinates != CoordinateType::float32) return 0;
+    const Vec3d shift = info.origin.value_or(Vec3d{});
+    double largest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        largest = std::max({largest, std::abs(world_bounds.lo[axis] - shift[axis]),
+                            std::abs(world_bounds.hi[axis] - shift[axis])});
+    return largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 23) : 0;
+}
+
+void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
+                    const std::string& doing,
+                    const std::function<void(const PointChunk&, std::uint64_t, std::size_t,
+                                             const CloudInfo&)>& take) {
+    ByteProgress progress(paths, doing, reporter);
+    PointChunk chunk;
+    std::uint64_t first_id = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        const auto source = open_cloud(paths[i]);
+        bool more = true;
+        while (more) {
+            more = source->read(chunk, kChunkPoints);
+            take(chunk, first_id, i, source->info());
+            first_id += chunk.size();
+            progress.show(source->bytes_read());
+        }
+        progress.finish_file(source->info().file_size);
+    }
+}
+
+CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict, Reporter& reporter) {
+    CloudSurvey survey;
+    Surveyor surveyor(survey, paths, strict);
+    for_each_chunk(paths, reporter, "reading",
+                   [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
+                       const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); });
+    return survey;
+}
+
+}  // namespace slim

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "formats/point_source.h"
+#include "pipeline/plan_file.h"
+#include "slim/base/bbox.h"
+#include "slim/base/reporter.h"
+#include "slim/slicing/axis_histogram.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What one pass over all clouds of a job finds out.
+struct CloudSurvey {
+    std::vector<PlanInput> inputs;
+    Bbox bounds;                ///< world frame, finite points
+    std::uint64_t n_points = 0; ///< finite
+    std::uint64_t n_dropped = 0;
+    std::array<std::optional<AxisHistogram>, 3> histograms;  ///< world frame; empty without points
+    bool is_float32 = false;
+    double coordinate_quantum = 0;
+};
+
+/// Reads all clouds once. strict: a point without finite coordinates is a DataError naming it.
+/// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
+/// cost   one chunk of points in memory
+CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict, Reporter& reporter);
+
+/// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all points.
+void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
+                    const std::string& doing,
+                    const std::function<void(const PointChunk&, std::uint64_t first_id,
+                                             std::size_t input, const CloudInfo&)>& take);
+
+/// Step between floats at the magnitude of the coordinates as stored, 1 for integers, else 0.
+double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds);
+
+}  // namespace slim

@@ -1,0 +1,132 @@
+#include "pipeline/plan_file.h"
+
+#include "formats/atomic_file.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace slim {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kVersion = 1;
+
+json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Vec3d vec_from(const json& j) {
+    return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+json to_json(const Bbox& b) { return {{"lo", to_json(b.lo)}, {"hi", to_json(b.hi)}}; }
+Bbox box_from(const json& j) { return {vec_from(j.at("lo")), vec_from(j.at("hi"))}; }
+
+json to_json(const PlanInput& in) {
+    return {{"path", in.path},
+            {"format", in.format},
+            {"points", in.n_points},
+            {"dropped", in.n_dropped},
+            {"bad_normals", in.n_bad_normals},
+            {"has_normals", in.has_normals},
+            {"normals_from_faces", in.normals_from_faces},
+            {"has_scan", in.has_scan},
+            {"first_id", in.first_id},
+            {"first_scan", in.first_scan}};
+}
+
+PlanInput input_from(const json& j) {
+    PlanInput in;
+    j.at("path").get_to(in.path);
+    j.at("format").get_to(in.format);
+    j.at("points").get_to(in.n_points);
+    j.at("dropped").get_to(in.n_dropped);
+    j.at("bad_normals").get_to(in.n_bad_normals);
+    j.at("has_normals").get_to(in.has_normals);
+    j.at("normals_from_faces").get_to(in.normals_from_faces);
+    j.at("has_scan").get_to(in.has_scan);
+    j.at("first_id").get_to(in.first_id);
+    j.at("first_scan").get_to(in.first_scan);
+    return in;
+}
+
+json to_json(const SlicePlan& plan) {
+    json inputs = json::array();
+    for (const PlanInput& in : plan.inputs) inputs.push_back(to_json(in));
+    json slices = json::array();
+    for (const PlanSlice& s : plan.slices)
+        slices.push_back({{"points", s.n_points}, {"bounds", to_json(s.bounds)}});
+    return {{"version", kVersion},
+            {"inputs", inputs},
+            {"origin", to_json(plan.origin)},
+            {"bounds", to_json(plan.bounds)},
+            {"diagonal", plan.diagonal},
+            {"points", plan.n_points},
+            {"dropped", plan.n_dropped},
+            {"axis", plan.axis},
+            {"cuts", plan.cuts},
+            {"slices", slices},
+            {"has_normals", plan.has_normals},
+            {"has_scans", plan.has_scans},
+            {"float32", plan.is_float32},
+            {"coordinate_quantum", plan.coordinate_quantum}};
+}
+
+SlicePlan plan_from(const json& j) {
+    SlicePlan plan;
+    for (const json& in : j.at("inputs")) plan.inputs.push_back(input_from(in));
+    plan.origin = vec_from(j.at("origin"));
+    plan.bounds = box_from(j.at("bounds"));
+    j.at("diagonal").get_to(plan.diagonal);
+    j.at("points").get_to(plan.n_points);
+    j.at("dropped").get_to(plan.n_dropped);
+    j.at("axis").get_to(plan.axis);
+    j.at("cuts").get_to(plan.cuts);
+    for (const json& s : j.at("slices"))
+        plan.slices.push_back({s.at("points").get<std::uint64_t>(), box_from(s.at("bounds"))});
+    j.at("has_normals").get_to(plan.has_normals);
+    j.at("has_scans").get_to(plan.has_scans);
+    j.at("float32").get_to(plan.is_float32);
+    j.at("coordinate_quantum").get_to(plan.coordinate_quantum);
+    if (plan.axis < 0 || plan.axis > 2) throw FormatError("axis is not 0, 1 or 2");
+    if (plan.slices.empty() || plan.cuts.size() + 1 != plan.slices.size())
+        throw FormatError("the number of cuts and slices do not fit");
+    return plan;
+}
+
+int version_of(const json& j) { return j.at("version").get<int>(); }
+
+}  // namespace
+
+std::filesystem::path plan_path(const std::filesystem::path& work) { return work / "plan.json"; }
+
+std::filesystem::path slice_folder(const std::filesystem::path& work, std::size_t slice) {
+    return work / fmt::format("slice_{:04}", slice);
+}
+
+std::filesystem::path slice_points_path(const std::filesystem::path& work, std::size_t slice) {
+    return slice_folder(work, slice) / "points.slice";
+}
+
+void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
+    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n");
+}
+
+SlicePlan read_plan(const std::filesystem::path& work) {
+    const std::string path = plan_path(work).string();
+    std::ifstream in(path);
+    if (!in) throw IoError(fmt::format("{}: cannot be opened; run the slice stage first", path));
+    try {
+        const json j = json::parse(in);
+        if (version_of(j) > kVersion)
+            throw FormatError(fmt::format("written by a newer slim: version {}, this one reads up to {}",
+                                          version_of(j), kVersion));
+        return plan_from(j);
+    } catch (const json::exception& error) {
+        throw FormatError(fmt::format("{}: not a slice plan: {}", path, error.what()));
+    } catch (const FormatError& error) {
+        throw FormatError(fmt::format("{}: {}", path, error.what()));
+    }
+}
+
+}  // namespace slim

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "slim/base/bbox.h"
+#include "slim/base/vec.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// One cloud of a job, as it was found.
+struct PlanInput {
+    std::string path;               ///< as it was given
+    std::string format;
+    std::uint64_t n_points = 0;     ///< in the file, those that were dropped included
+    std::uint64_t n_dropped = 0;    ///< without finite coordinates
+    std::uint64_t n_bad_normals = 0;///< not finite: set to zero, "none measured"
+    bool has_normals = false;
+    bool normals_from_faces = false;
+    bool has_scan = false;
+    std::uint64_t first_id = 0;     ///< id of its first point
+    std::uint32_t first_scan = 0;   ///< added to its own scan numbers
+};
+
+struct PlanSlice {
+    std::uint64_t n_points = 0;
+    Bbox bounds;  ///< local frame
+};
+
+/// What the slice stage decided for a whole job: plan.json in the work folder. Lengths in model units;
+/// "local" is world minus origin.
+struct SlicePlan {
+    std::vector<PlanInput> inputs;
+    Vec3d origin;
+    Bbox bounds;                ///< local frame, of all finite points
+    double diagonal = 0;        ///< L
+    std::uint64_t n_points = 0; ///< finite
+    std::uint64_t n_dropped = 0;
+    int axis = 0;               ///< slabs lie along x, y or z
+    std::vector<double> cuts;   ///< local frame, increasing; slice i is [cuts[i-1], cuts[i])
+    std::vector<PlanSlice> slices;
+    bool has_normals = false;   ///< slices carry them; zero where an input had none
+    bool has_scans = false;
+    bool is_float32 = false;    ///< some input stores its coordinates as floats
+    double coordinate_quantum = 0;  ///< largest step between stored coordinates; 0: not known
+};
+
+/// WORK/plan.json and WORK/slice_0007/points.slice.
+std::filesystem::path plan_path(const std::filesystem::path& work);
+std::filesystem::path slice_folder(const std::filesystem::path& work, std::size_t slice);
+std::filesystem::path slice_points_path(const std::filesystem::path& work, std::size_t slice);
+
+/// Writes WORK/plan.json atomically. Throws as AtomicFile.
+void write_plan(const std::filesystem::path& work, const SlicePlan& plan);
+/// throws IoError if there is none; FormatError if it is not what write_plan writes
+SlicePlan read_plan(const std::filesystem::path& work);
+
+}  // namespace slim

@@ -1,0 +1,168 @@
+#include "slim/normals/orient.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slim {
+namespace {
+
+constexpr double kClearFlux = 0.15;  // |sum (p - c) . n| / sum |p - c| of a shape that has an outside
+
+/// Union-find whose members carry a sign relative to their root.
+class SignedForest {
+public:
+    explicit SignedForest(std::size_t n) : parent_(n), flipped_(n, false), size_(n, 1) {
+        std::iota(parent_.begin(), parent_.end(), 0u);
+    }
+    struct Root {
+        std::uint32_t index;
+        bool flipped;
+    };
+    Root find(std::uint32_t i) {
+        std::uint32_t root = i;
+        bool sign = false;
+        while (parent_[root] != root) {
+            sign ^= flipped_[root];
+            root = parent_[root];
+        }
+        compress(i, root, sign);
+        return {root, sign};
+    }
+    /// Joins the trees of a and b so that their signs differ iff `opposed`; false if joined before.
+    bool join(std::uint32_t a, std::uint32_t b, bool opposed) {
+        Root ra = find(a), rb = find(b);
+        if (ra.index == rb.index) return false;
+        if (size_[ra.index] < size_[rb.index]) std::swap(ra, rb);
+        parent_[rb.index] = ra.index;
+        flipped_[rb.index] = ra.flipped ^ rb.flipped ^ opposed;
+        size_[ra.index] += size_[rb.index];
+        return true;
+    }
+
+private:
+    void compress(std::uint32_t i, std::uint32_t root, bool sign) {
+        while (parent_[i] != root && i != root) {
+            const std::uint32_t next = parent_[i];
+            const bool own = flipped_[i];
+            parent_[i] = root;
+            flipped_[i] = sign;
+            sign ^= own;
+            i = next;
+        }
+    }
+    std::vector<std::uint32_t> parent_;
+    std::vector<bool> flipped_;
+    std::vector<std::uint32_t> size_;
+};
+
+struct Edge {
+    float weight;
+    std::uint32_t a, b;
+    bool operator<(const Edge& o) const {
+        return weight != o.weight ? weight < o.weight : a != o.a ? a < o.a : b < o.b;
+    }
+};
+
+std::vector<Edge> edges_of(const PointBlock& points, const NeighborGraph& graph) {
+    std::vector<Edge> edges;
+    edges.reserve(points.size() * graph.k / 2);
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+        for (const std::uint32_t j : graph.of(i)) {
+            // A mutual pair is listed once, by its smaller end.
+            const auto back = graph.of(j);
+            if (i == j || (j < i && std::find(back.begin(), back.end(), i) != back.end())) continue;
+            const float cosine = dot(points.normal[i], points.normal[j]);
+            edges.push_back({1 - std::abs(cosine), i, j});
+        }
+    tbb::parallel_sort(edges.begin(), edges.end());
+    return edges;
+}
+
+/// What a component without a known sign looks like, signs relative to its root.
+struct Shape {
+    Vec3d centroid;
+    double n = 0, flux = 0, reach = 0, up = 0;
+};
+
+double sign_of(const SignedForest::Root& root) { return root.flipped ? -1.0 : 1.0; }
+
+std::vector<Shape> shapes_of(const PointBlock& points, const std::vector<SignedForest::Root>& roots) {
+    std::vector<Shape> shapes(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        Shape& s = shapes[roots[i].index];
+        s.centroid += points.position[i];
+        s.n += 1;
+    }
+    for (Shape& s : shapes)
+        if (s.n > 0) s.centroid *= 1 / s.n;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        Shape& s = shapes[roots[i].index];
+        const Vec3d arm = points.position[i] - s.centroid;
+        const Vec3d n = to_double(points.normal[i]) * sign_of(roots[i]);
+        s.flux += dot(arm, n);
+        s.reach += length(arm);
+        s.up += n.z;
+    }
+    return shapes;
+}
+
+bool has_outside(const Shape& s) { return std::abs(s.flux) > kClearFlux * s.reach; }
+
+}  // namespace
+
+std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t> wanted,
+                              std::span<const Vec3d> sensors) {
+    std::size_t turned = 0;
+    for (const std::uint32_t i : wanted) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
+        Vec3f& n = points.normal[i];
+        if (dot(to_double(n), sensors[scan] - points.position[i]) < 0) n = -n;
+        ++turned;
+    }
+    return turned;
+}
+
+OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
+                                 std::vector<bool>& known) {
+    SignedForest forest(points.size());
+    for (const Edge& e : edges_of(points, graph))
+        forest.join(e.a, e.b, dot(points.normal[e.a], points.normal[e.b]) < 0);
+    std::vector<SignedForest::Root> roots(points.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) roots[i] = forest.find(i);
+
+    // Votes of the points whose sign is known, by component.
+    std::vector<std::int64_t> votes(points.size(), 0);
+    std::vector<bool> anchored(points.size(), false);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!known[i]) continue;
+        votes[roots[i].index] += roots[i].flipped ? -1 : 1;
+        anchored[roots[i].index] = true;
+    }
+    const std::vector<Shape> shapes = shapes_of(points, roots);
+    const auto largest = std::max_element(shapes.begin(), shapes.end(), [](auto& a, auto& b) {
+        return a.n < b.n;
+    });
+    // A scene whose main part has no outside is a terrain or a wall: all its parts are seen from above.
+    const bool flat_scene = !shapes.empty() && !has_outside(*largest);
+
+    OrientReport report;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const std::size_t root = roots[i].index;
+        const Shape& s = shapes[root];
+        if (root == i && !anchored[root]) ++report.components;
+        if (known[i]) continue;
+        const double vote = anchored[root]                     ? static_cast<double>(votes[root])
+                            : !flat_scene && has_outside(s) ? s.flux
+                                                               : s.up;
+        if ((vote < 0) != roots[i].flipped) points.normal[i] = -points.normal[i];
+        ++(anchored[root] ? report.by_neighbors : report.by_rule);
+        known[i] = true;
+    }
+    return report;
+}
+
+}  // namespace slim

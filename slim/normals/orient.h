@@ -1,0 +1,34 @@
+#pragma once
+
+#include "slim/model/point_block.h"
+#include "slim/normals/estimate.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+/// How the sign of estimated normals was found.
+struct OrientReport {
+    std::size_t by_sensor = 0;
+    std::size_t by_neighbors = 0;  ///< spread over the neighbour graph from points with a known sign
+    std::size_t by_rule = 0;       ///< their component holds no point with a known sign
+    std::size_t components = 0;    ///< of the neighbour graph without a known sign
+};
+
+/// Turns the normals of `wanted` towards their scan's sensor (frame of the block). Points of scans without
+/// an entry in `sensors` are left.
+std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t> wanted,
+                              std::span<const Vec3d> sensors);
+
+/// Gives the points with unknown sign (`known[i]` false) a consistent one: a minimum spanning forest of the
+/// neighbour graph, edge weight 1 - |n_i . n_j| (Hoppe et al. 1992), carries signs from points whose sign
+/// is known. A component without one is turned so that its flux about its centroid is outwards; where
+/// the flux says nothing (a terrain, a wall), upwards (+z).
+/// Own code, not CGAL's mst_orient_normals: linear memory, no re-search of neighbours, deterministic, and fast
+/// enough for every point of a slice (the sort of the edges is the cost).
+OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
+                                 std::vector<bool>& known);
+
+}  // namespace slim

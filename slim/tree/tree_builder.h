@@ -1,0 +1,28 @@
+#pragma once
+
+#include "slim/model/fitted_surfel.h"
+#include "slim/model/surfel_tree.h"
+
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// What linking the levels met.
+struct TreeCounts {
+    std::uint64_t orphans = 0;    ///< surfels in no ball of the level above: hung on the nearest one
+    std::uint64_t childless = 0;  ///< internal surfels without a child: left out
+};
+
+/// Links surfels to a ball tree (Ohtake 2005 sec. 2): the parent of a surfel of level k + 1 is the internal
+/// surfel of level k whose centre is nearest (balls of a level are equal, so this is the smallest
+/// |c' - c| / rho), the root encloses all.
+/// Departs from the paper: one parent a node instead of every ball that holds the centre, so that a
+/// traversal meets each surfel once (NUMERICS 3.5); children stick out, hence the bound radii.
+/// Siblings stand together and families near in space stand near in the file.
+/// header.n_leaves and the page arrays are filled in. Throws DataError if there is no leaf.
+/// Cost: O(n log n).
+SurfelTreeData build_tree(std::span<const FittedSurfel> surfels, const ModelHeader& header,
+                          TreeCounts& counts);
+
+}  // namespace slim
