@@ -26,7 +26,7 @@ double tile_start(const Shape& shape, const Station& station, std::uint64_t row,
 }
 
 Interval ray_part(const Shape& shape, const Ray& ray, double start) {
-    Interval part = clip_to_box(ray, shape.bounds);
+    Interval part = clip_to_shape(ray, shape);
     part.begin = std::max(part.begin, start);
     return part;
 }
@@ -48,7 +48,7 @@ void cast_tile(const Shape& shape, const ScanSettings& settings, const Station& 
             if (uniform_draw(settings.seed, key, Draw::dropout) <
                 loss_probability(settings.dropout, hit->cos_incidence))
                 continue;
-            cell = measured_return(shape, settings, ray, *hit, clip_to_box(ray, shape.bounds), key);
+            cell = measured_return(shape, settings, ray, *hit, clip_to_shape(ray, shape), key);
         }
 }
 

@@ -49,6 +49,13 @@ Interval clip_to_box(const Ray& ray, const Bbox& box) {
     return part;
 }
 
+Interval clip_to_shape(const Ray& ray, const Shape& shape) {
+    if (shape.open) return clip_to_box(ray, shape.bounds);
+    const double margin = kLeastStep * shape.bounds.diagonal();
+    const Vec3d grow{margin, margin, margin};
+    return clip_to_box(ray, {shape.bounds.lo - grow, shape.bounds.hi + grow});
+}
+
 Interval clip_to_ball(const Ray& ray, const Vec3d& center, double radius) {
     const Vec3d oc = ray.origin - center;
     const double b = dot(oc, ray.direction), q = b * b - sq_length(oc) + radius * radius;

@@ -19,6 +19,9 @@ struct Interval {
 
 /// The part of the ray (t >= 0) inside a box or a ball.
 Interval clip_to_box(const Ray& ray, const Bbox& box);
+/// The part of the ray where the surface may be: in the bounds of an open shape, which cut it off, and a
+/// little beyond those of a closed one, whose flat faces may lie in the bounds.
+Interval clip_to_shape(const Ray& ray, const Shape& shape);
 Interval clip_to_ball(const Ray& ray, const Vec3d& center, double radius);
 
 struct Crossing {

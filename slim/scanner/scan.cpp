@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kSurplus = 1.03;                  // rays that return over points asked
 constexpr std::uint64_t kBatchRays = 1'000'000;    // in memory at a time
+constexpr std::uint64_t kLeastReturns = 2'000;     // a pass is no coarser, however few points are asked
+constexpr int kMostIdlePasses = 20;
 
 /// One band between casting and writing.
 struct BandResult {
@@ -69,18 +71,24 @@ ScanSummary Scanner::run() {
                           std::to_string(settings_.n_stations) +
                           " stations returns; more stations or less dropout are needed");
     needed_ = settings_.n_points;
-    const double pitch = std::sqrt(estimate.returning_area() /
-                                   (kSurplus * static_cast<double>(settings_.n_points)));
+    const std::uint64_t n_returns = std::max(settings_.n_points, kLeastReturns);
+    const double pitch =
+        std::sqrt(estimate.returning_area() / (kSurplus * static_cast<double>(n_returns)));
     summary_.sigma = settings_.noise * shape_.bounds.diagonal();
     summary_.spacing = pitch * 1.5 * shape_.bounds.diagonal();
     stride_ = normal_stride(summary_.sigma, summary_.spacing);
-    for (std::uint64_t pass = 0; needed_ > 0; ++pass)
+    int idle_passes = 0;
+    for (std::uint64_t pass = 0; needed_ > 0; ++pass) {
+        const std::uint64_t needed_before = needed_;
         run_pass(plan_pass(estimate, stations, pitch, pass, summary_.rays));
+        idle_passes = needed_ == needed_before ? idle_passes + 1 : 0;
+        if (idle_passes > kMostIdlePasses)
+            throw ConfigError("scan of " + std::string(shape_.name) + ": no ray returns");
+    }
     return summary_;
 }
 
 void Scanner::run_pass(const ScanPass& pass) {
-    const std::uint64_t needed_before = needed_;
     expected_left_ = pass.expected;
     for (std::size_t begin = 0; begin < pass.bands.size() && needed_ > 0;) {
         const std::size_t end = end_of_batch(pass, begin);
@@ -89,8 +97,6 @@ void Scanner::run_pass(const ScanPass& pass) {
         reporter_.progress("points", settings_.n_points - needed_, settings_.n_points);
     }
     summary_.rays += pass.rays;
-    if (needed_ == needed_before)
-        throw ConfigError("scan of " + std::string(shape_.name) + ": no ray returned");
 }
 
 std::size_t Scanner::end_of_batch(const ScanPass& pass, std::size_t begin) const {

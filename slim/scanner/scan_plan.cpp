@@ -22,7 +22,7 @@ double row_share(const Shape& shape, const ScanSettings& settings, const Station
         const double v = station.v_hi - (station.v_hi - station.v_lo) * kCell *
                                             (static_cast<double>(row) + 0.5);
         const Ray ray{station.position, normalized(station.axes.world_from_local({u, v, 1}))};
-        if (const auto hit = first_hit(shape, ray, clip_to_box(ray, shape.bounds)))
+        if (const auto hit = first_hit(shape, ray, clip_to_shape(ray, shape)))
             sum += 1 - loss_probability(settings.dropout, hit->cos_incidence);
     }
     return sum * kCell;

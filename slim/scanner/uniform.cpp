@@ -50,7 +50,7 @@ void sample_lines(const Shape& shape, const ScanSettings& settings, std::uint64_
     block = {};
     for (std::uint64_t id = begin; id < end; ++id) {
         const Ray ray = random_line(shape, settings.seed, id);
-        const Interval part = clip_to_box(ray, shape.bounds);
+        const Interval part = clip_to_shape(ray, shape);
         Interval rest = part;
         // Behind a crossing the march goes on a little deeper, where f has its new sign for certain.
         const double past = 1e-9 * shape.bounds.diagonal();

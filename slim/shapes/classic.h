@@ -38,15 +38,18 @@ struct EllipsoidShape {
     }
 };
 
-/// Dupin ring cyclide (|p|^2 + b^2 - d^2)^2 = 4 (a x + c d)^2 + 4 b^2 y^2 with b^2 = a^2 - c^2,
-/// written as the root near the surface; for c = 0 a torus with radii a and d.
+/// Dupin ring cyclide (|p|^2 + b^2 - d^2)^2 = 4 (a x - c d)^2 + 4 b^2 y^2 with b^2 = a^2 - c^2; for
+/// c = 0 a torus with radii a and d. With q = |p|^2 + b^2 - 2 root(...), d^2 on the surface and > -m
+/// everywhere, sqrt(q + m) grows like a distance.
 struct CyclideShape {
     static constexpr double kA = 1, kC = 0.3, kD = 0.5, kSqB = kA * kA - kC * kC;
+    static constexpr double kM = kC * kC + 2 * kC * kD + 0.01;
     template <class T>
     static T value(const Vec3<T>& p) {
         using std::sqrt;
-        const T r = sqrt(square(T(kA * p.x + kC * kD)) + kSqB * square(p.y));
-        return (square(p.x) + square(p.y) + square(p.z) + (kSqB - kD * kD) - 2.0 * r) / (2 * kD);
+        const T root = sqrt(square(T(kA * p.x - kC * kD)) + kSqB * square(p.y));
+        const T q = square(p.x) + square(p.y) + square(p.z) + kSqB - 2.0 * root;
+        return sqrt(q + kM) - std::sqrt(kD * kD + kM);
     }
 };
 

@@ -47,12 +47,13 @@ std::array<Shape, 10> make_shapes() {
             closed<SphereShape>("sphere", {-1, -1, -1}, {1, 1, 1}, 1, 0.9),
             closed<TorusShape>("torus", {-1.35, -1.35, -0.35}, {1.35, 1.35, 0.35}, 1, 0.3),
             closed<EllipsoidShape>("ellipsoid", {-1, -0.7, -0.4}, {1, 0.7, 0.4}, 1, 0.3),
-            closed<CyclideShape>("cyclide", {-1.8, -1.7, -0.85}, {1.8, 1.7, 0.85}, 4, 0.2),
+            closed<CyclideShape>("cyclide", {-1.8, -1.5, -0.8}, {1.2, 1.5, 0.8}, 1.3, 0.2),
             patch<CylinderShape>("cylinder", {-1, -1, -1}, {1, 1, 1}, 1, 0.9),
             patch<ConeShape>("cone", {-1, -1, -1}, {1, 1, 1}, 1, 0.3),
-            patch<MonkeyShape>("monkey", {-0.75, -0.75, -0.85}, {0.75, 0.75, 0.85}, 5.7, 1),
+            patch<MonkeyShape>("monkey", {-0.75, -0.75, -0.85}, {0.75, 0.75, 0.85}, 6.8, 1),
             closed<BumpyShape>("bumpy", {-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}, 1.25, 0.1),
-            closed<SculptureShape>("sculpture", {-1, -1, -1}, {1, 1.2, 1}, 1.5, 0.02)};
+            closed<SculptureShape>("sculpture", {-0.755, -1, -0.56}, {0.755, 1.2, 0.46}, 1.5,
+                                    0.02)};
 }
 
 const std::array<Shape, 10>& shapes() {

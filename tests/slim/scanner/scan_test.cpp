@@ -1,6 +1,5 @@
 #include "slim/scanner/scan.h"
 
-#include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/scanner/range_grid.h"
 #include "tests/support/shapes.h"
@@ -172,10 +171,13 @@ TEST(Scan, NormalsOfACleanScanAreNearTheTruth) {
 
 TEST(Scan, AnOpenShapeShowsItsFrontOnly) {
     const test::Cloud cloud = test::scanned("plane", settings_for(4'000));
+    std::size_t upright = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
         ASSERT_LE(std::max(std::abs(cloud.positions[i].x), std::abs(cloud.positions[i].y)), 1 + 1e-12);
-        ASSERT_GT(cloud.normals[i].z, 0.99f);
+        ASSERT_GT(cloud.normals[i].z, 0);  // the front faces the scanner
+        upright += cloud.normals[i].z > 0.9999f;
     }
+    EXPECT_GT(upright, 3'900u);  // all but corners and grazing rows, where the view direction stands in
     const std::set<std::uint16_t> seen(cloud.scan_ids.begin(), cloud.scan_ids.end());
     EXPECT_LT(seen.size(), 6u);
 }
