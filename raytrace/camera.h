@@ -1,0 +1,76 @@
+#pragma once
+
+#include "slim/base/bbox.h"
+#include "slim/base/vec.h"
+
+#include <string>
+#include <string_view>
+
+namespace slim {
+
+/// A camera in the frame of the job: right-handed, looks along its -Z, +Y up; image origin top left,
+/// pixel centres at +0.5 (CONVENTIONS 1.4).
+struct Camera {
+    Vec3d eye{0, 0, 1};
+    Vec3d target{0, 0, 0};
+    Vec3d up{0, 1, 0};
+    bool orthographic = false;
+    double fov_y_deg = 35;  ///< perspective: full angle, top to bottom
+    double width = 1;       ///< orthographic: model units across the picture
+    double near_plane = 0;  ///< camera z before which nothing is seen; 0: 1e-6 |target - eye|
+};
+
+/// Throws ConfigError naming the value: not finite, eye = target, up parallel to the view, angle
+/// outside (0, 180), width <= 0, near plane < 0.
+void validate(const Camera& camera);
+
+/// How named_camera frames a box.
+struct Framing {
+    bool z_up = false;          ///< up is +Z (terrain) instead of +Y
+    bool orthographic = false;
+    double fov_y_deg = 35;
+    double margin = 0.04;       ///< free border, as a share of the picture
+};
+
+/// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the box in a
+/// picture of the given aspect (width / height). `front` looks along -Z (with z_up: along +Y).
+/// Throws ConfigError on another name, listing these.
+Camera named_camera(std::string_view name, const Bbox& box, double aspect,
+                    const Framing& framing = {});
+
+/// True if named_camera knows the name.
+bool is_camera_name(std::string_view name);
+
+/// A camera with a picture's size: everything that projection needs, in doubles. Camera coordinates
+/// are x right, y *down*, z along the view, so that they run with the pixels.
+struct PixelView {
+    Vec3d eye, right, down, forward;
+    bool orthographic = false;
+    double center_x = 0, center_y = 0;  ///< pixel coordinates of the axis
+    double focal_px = 0;                ///< perspective: pixels per unit of x / z
+    double px_per_unit = 0;             ///< orthographic: pixels per model unit
+    double near_plane = 0;
+
+    Vec3d camera_from_local(const Vec3d& p) const {
+        const Vec3d d = p - eye;
+        return {dot(right, d), dot(down, d), dot(forward, d)};
+    }
+    Vec3d rotate_to_camera(const Vec3d& d) const {
+        return {dot(right, d), dot(down, d), dot(forward, d)};
+    }
+    Vec3d rotate_from_camera(const Vec3d& d) const {
+        return right * d.x + down * d.y + forward * d.z;
+    }
+    /// Point on the ray of pixel coordinates (px, py) at camera z.
+    Vec3d point_at(double px, double py, double z) const;
+    /// Origin of the ray through (px, py): the eye, or its plane.
+    Vec3d ray_origin(double px, double py) const;
+    /// Unit direction of that ray.
+    Vec3d ray_direction(double px, double py) const;
+};
+
+/// Checks the camera and fixes it for a picture of width x height pixels. Throws ConfigError also on a
+/// size below 1.
+PixelView pixel_view(const Camera& camera, int width, int height);
+
+}  // namespace slim

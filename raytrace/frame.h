@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// What a renderer is asked for: a set of bits. The hit mask is always there.
+enum Channel : std::uint32_t {
+    kDepthChannel = 1,      ///< camera z
+    kPositionChannel = 2,   ///< P, frame of the job
+    kNormalChannel = 4,     ///< N, unit, outwards, world axes
+    kCurvatureChannel = 8,  ///< k1, k2, mean, gauss
+    kSurfelIdChannel = 16,  ///< node of the surfel that set the first hit
+    kFitErrorChannel = 32,  ///< its eps, model units
+    kLevelChannel = 64,     ///< its level
+    kCoverageChannel = 128, ///< sum of the weights G
+    kCountChannel = 256,    ///< number of surfels blended
+};
+using Channels = std::uint32_t;
+inline constexpr Channels kAllChannels = 511;
+
+/// The G-buffer: flat planes, row by row from the top left; pixel (x, y) is entry y * width + x. Only
+/// the planes asked for are allocated, the others are empty. Pixels without a hit hold 0 everywhere.
+struct GBuffer {
+    int width = 0, height = 0;
+    Channels channels = 0;
+    std::vector<std::uint8_t> hit;              ///< 1: the surface covers the pixel's centre
+    std::vector<float> depth;                   ///< camera z, model units
+    std::array<std::vector<float>, 3> position; ///< frame of the job
+    std::array<std::vector<float>, 3> normal;
+    std::vector<float> k1, k2, mean, gauss;     ///< 1 / length (gauss: 1 / length^2), convex positive
+    std::vector<std::uint32_t> surfel_id;
+    std::vector<float> fit_error, level, coverage;
+    std::vector<std::uint32_t> count;
+
+    std::size_t n_pixels() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x);
+    }
+    bool has(Channels wanted) const { return (channels & wanted) == wanted; }
+
+    /// All pixels without a hit; keeps the memory of a buffer of the same size and channels.
+    void reset(int new_width, int new_height, Channels wanted) {
+        width = new_width, height = new_height, channels = wanted;
+        hit.assign(n_pixels(), 0);
+        clear(depth, kDepthChannel);
+        for (auto& plane : position) clear(plane, kPositionChannel);
+        for (auto& plane : normal) clear(plane, kNormalChannel);
+        for (auto* plane : {&k1, &k2, &mean, &gauss}) clear(*plane, kCurvatureChannel);
+        clear(surfel_id, kSurfelIdChannel);
+        clear(fit_error, kFitErrorChannel);
+        clear(level, kLevelChannel);
+        clear(coverage, kCoverageChannel);
+        clear(count, kCountChannel);
+    }
+
+private:
+    template <class T>
+    void clear(std::vector<T>& plane, Channels channel) const {
+        if (has(channel)) plane.assign(n_pixels(), T(0));
+        else plane = {};
+    }
+};
+
+}  // namespace slim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "raytrace/camera.h"
+#include "raytrace/frame.h"
+
+#include <cstdint>
+
+namespace slim {
+
+/// Part of a picture: `width` x `height` pixels from (x, y) on. Width 0: the whole picture.
+struct PixelWindow {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// What a renderer is given, besides the model.
+struct RenderRequest {
+    Camera camera;
+    int width = 1600, height = 1200;  ///< of the whole picture
+    Channels wanted = kDepthChannel | kNormalChannel;
+    double lod_px = 4;      ///< descend while a ball's projected diameter exceeds it; 0: leaves only
+    PixelWindow window{};   ///< the part to render; the G-buffer has its size
+
+    /// The window, resolved and checked against the picture (ConfigError).
+    PixelWindow resolved_window() const;
+};
+
+/// What it cost and what came out. Times are wall clock; counts do not depend on threads.
+struct RenderStats {
+    std::uint64_t nodes_visited = 0;
+    std::uint64_t surfels_drawn = 0;    ///< in the cut and on the screen
+    std::uint64_t tile_entries = 0;     ///< (surfel, tile) pairs
+    std::uint64_t root_tests = 0;       ///< lanes whose root was asked for, both stages
+    std::uint64_t distance_tests = 0;   ///< lanes of the test |q^ - c| < rho
+    std::uint64_t covered_pixels = 0;
+    std::uint64_t unblended_pixels = 0; ///< hit, but without weight in stage 2: they keep q^
+    double cut_ms = 0, decode_ms = 0, bin_ms = 0, draw_ms = 0, total_ms = 0;
+};
+
+}  // namespace slim

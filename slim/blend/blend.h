@@ -1,0 +1,57 @@
+#pragma once
+
+#include "slim/base/vec.h"
+#include "slim/blend/curvature.h"
+#include "slim/blend/ray_surfel.h"
+#include "slim/model/surfel.h"
+
+#include <optional>
+#include <span>
+
+namespace slim {
+
+/// Sums of eqs (6) and (7) (Ohtake 2005, sec. 3) along one ray, world axes.
+struct BlendSums {
+    double weight = 0;          ///< sum G
+    double t = 0;               ///< sum G t
+    Vec3d gradient;             ///< sum G grad f, f scaled by rho (|grad f| >= 1)
+    SymmetricMatrix hessian{};  ///< sum G Hess f, same scale; 1 / length
+    int count = 0;              ///< supporters that took part
+};
+
+/// Adds one surfel to the blend around the ray point of parameter t_guess. The surfel takes part if the
+/// guess lies in its ball, if f has a root on the ray inside the *full* ball (the one nearest the guess
+/// counts) and if its gradient there agrees with `gate` (dot product > 0, NUMERICS 4.4). G at
+/// |q_i - c_i| / rho_i. Returns whether it took part.
+bool add_supporter(const Ray& ray, double t_guess, const Vec3d& gate, const Surfel& surfel,
+                   bool want_hessian, BlendSums& sums);
+
+/// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
+/// t >= t_min. `gradient` receives that of f at the root (world, times rho).
+std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_min, double trim,
+                                Vec3d& gradient);
+
+/// A point put on the model.
+struct Projection {
+    Vec3d point;             ///< on the ray, frame of the job
+    double t = 0;            ///< signed distance along the direction given
+    Vec3d normal;            ///< unit, outwards
+    Vec3d gradient;          ///< blended, over the weight
+    double weight = 0;       ///< sum G, the coverage of the point
+    int n_supporters = 0;
+    Curvature curvature;     ///< only if asked; zeros otherwise
+};
+
+/// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
+/// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
+/// n . grad f > 0. `supporters` may hold more surfels than support p; order fixes the last bits.
+/// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
+std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
+                                        std::span<const Surfel* const> supporters,
+                                        bool want_curvature = false);
+
+/// The model's own outward unit normal around p: gradients of the supporters' functions at p, weighted
+/// by G at |p - c| / rho. For points that bring no normal. Nothing if p has no supporter.
+std::optional<Vec3d> normal_at(const Vec3d& p, std::span<const Surfel* const> supporters);
+
+}  // namespace slim
