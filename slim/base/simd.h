@@ -10,6 +10,15 @@ namespace stdx = std::experimental;
 using FloatV = stdx::native_simd<float>;
 inline constexpr int kLanes = static_cast<int>(FloatV::size());
 
+/// A constant for a kernel over T, which is float, double or a value with lanes.
+template <class T>
+constexpr T constant(double c) {
+    if constexpr (stdx::is_simd_v<T>)
+        return T(static_cast<typename T::value_type>(c));
+    else
+        return static_cast<T>(c);
+}
+
 /// mask ? a : b, for values with lanes and for plain ones: a kernel is written once.
 template <class V>
 inline V select(const typename V::mask_type& mask, const V& a, const V& b) {

@@ -13,20 +13,20 @@ namespace slim {
 template <class T>
 inline T weight_kernel(const T& s) {
     using std::sqrt;
-    const T t = s * T(8);
-    T e = T(9.354704060759648e-06);
-    e = e * t + T(-0.00015014194153847185);
-    e = e * t + T(0.001299831894595563);
-    e = e * t + T(-0.008233794333178368);
-    e = e * t + T(0.04159999027555451);
-    e = e * t + T(-0.1666412760246468);
-    e = e * t + T(0.4999951173524763);
-    e = e * t + T(-0.9999996362714046);
-    e = e * t + T(0.9999999955155234);
-    const T one_minus_x = T(1) - sqrt(s);
+    const T t = s * constant<T>(8);
+    T e = constant<T>(9.354704060759648e-06);
+    e = e * t + constant<T>(-0.00015014194153847185);
+    e = e * t + constant<T>(0.001299831894595563);
+    e = e * t + constant<T>(-0.008233794333178368);
+    e = e * t + constant<T>(0.04159999027555451);
+    e = e * t + constant<T>(-0.1666412760246468);
+    e = e * t + constant<T>(0.4999951173524763);
+    e = e * t + constant<T>(-0.9999996362714046);
+    e = e * t + constant<T>(0.9999999955155234);
+    const T one_minus_x = constant<T>(1) - sqrt(s);
     const T sq = one_minus_x * one_minus_x;
-    const T tail = T(2.16536453178580) * sq * sq;
-    return select(s <= T(0.25), e, select(s < T(1), tail, T(0)));
+    const T tail = constant<T>(2.16536453178580) * sq * sq;
+    return select(s <= constant<T>(0.25), e, select(s < constant<T>(1), tail, constant<T>(0)));
 }
 
 }  // namespace slim

@@ -1,0 +1,278 @@
+#include "slim/cover/level_cover.h"
+
+#include "slim/base/parallel.h"
+#include "slim/model/surfel_tree.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
+constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
+constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
+constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
+constexpr int kMostLevels = 48;
+
+/// One centre of a batch and what its search found.
+struct Candidate {
+    std::uint32_t point;
+    bool leaf = false;
+    bool isolated = false;
+    RadiusChoice choice;
+    CoveringSurfel surfel;               // of the leaf
+    FittedSurfel internal;               // otherwise
+    std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
+};
+
+struct Workspace {
+    LadderWork ladder;
+    BallPoints<double> exact;
+    std::size_t searches = 0;
+};
+
+/// The state of one run; each method is one step of it.
+class LevelCover {
+public:
+    LevelCover(const PointBlock& points, const CoverRules& rules)
+        : block_(points),
+          rules_(rules),
+          pyramid_(points, box_of(points), rules.seed),
+          root_radius_(rules.diagonal / 10),
+          ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
+                  root_radius_, rules.least_radius, rules.degree, rules.ladder),
+          weight_(points.size(), 0.0f),
+          state_(points.size(), 0),
+          stamp_(points.size(), 0),
+          radius_(points.size(), 0.0f),
+          place_(points.size()) {
+        for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
+            place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
+        if (rules.owns)
+            for (std::size_t i = 0; i < points.size(); ++i)
+                if (!rules.owns(points.position[i])) state_[i] = kClosed;
+    }
+
+    Cover run(Reporter& reporter) {
+        std::size_t open = block_.size();
+        for (int level = 1; level <= kMostLevels && open > 0; ++level) {
+            run_level(level);
+            open = count_open();
+            out_.counts.levels = static_cast<std::uint64_t>(level);
+            reporter.progress("fit", block_.size() - open, block_.size());
+        }
+        for (const Workspace& w : work_) {
+            out_.counts.rungs += w.ladder.rungs;
+            out_.counts.refinements += w.ladder.refinements;
+            out_.counts.point_visits += w.ladder.point_visits;
+            out_.counts.evaluated += w.searches;
+        }
+        return std::move(out_);
+    }
+
+private:
+    enum State : std::uint8_t { kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8 };
+
+    static Bbox box_of(const PointBlock& points) {
+        Bbox box;
+        for (const Vec3d& p : points.position) box.extend(p);
+        return box;
+    }
+    bool is_open(std::uint32_t p) const {
+        if (state_[p] & kClosed) return false;
+        return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
+    }
+    std::size_t count_open() const {
+        std::size_t n = 0;
+        for (std::uint32_t p = 0; p < block_.size(); ++p) n += is_open(p) ? 1u : 0u;
+        return n;
+    }
+    double level_radius(int level) const { return root_radius_ * std::pow(kGoldenRatio, level - 1); }
+
+    std::size_t thinning_for(double radius) const;
+    void run_level(int level);
+    bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
+    void search(Candidate& c, int level, std::size_t thinning);
+    void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
+    void accept(Candidate& c, int level);
+    void cover(const CoveringSurfel& leaf);
+
+    const PointBlock& block_;
+    const CoverRules& rules_;
+    PointPyramid pyramid_;
+    double root_radius_;
+    RadiusLadder ladder_;
+    std::vector<float> weight_;        // sum of G over the leaves so far
+    std::vector<std::uint8_t> state_;  // State flags
+    std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
+    std::vector<float> radius_;        // found by an earlier search, 0: not searched
+    std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
+    tbb::enumerable_thread_specific<Workspace> work_;
+    Cover out_;
+};
+
+/// The coarsest thinning that still has enough points in a typical ball of this radius.
+std::size_t LevelCover::thinning_for(double radius) const {
+    const auto& order = pyramid_.by_priority();
+    const std::size_t probes = std::min<std::size_t>(order.size(), 63);
+    for (std::size_t t = pyramid_.n_levels(); t-- > 1;) {
+        std::size_t full = 0;
+        for (std::size_t i = 0; i < probes; ++i)
+            full += count_in_ball(pyramid_.level(t), block_.position[order[i]], radius,
+                                  kWantedInBall) >= kWantedInBall;
+        if (2 * full > probes) return t;
+    }
+    return 0;
+}
+
+bool LevelCover::conflicts(std::uint32_t point, const std::vector<Candidate>& batch,
+                           double radius) const {
+    const double sq = radius * radius * kConflict * kConflict;
+    return std::any_of(batch.begin(), batch.end(), [&](const Candidate& c) {
+        return sq_length(block_.position[c.point] - block_.position[point]) < sq;
+    });
+}
+
+void LevelCover::run_level(int level) {
+    const double radius = level_radius(level);
+    const std::size_t thinning = thinning_for(radius);
+    const auto& order = pyramid_.by_priority();
+    const std::size_t n = pyramid_.level_size(thinning);
+    const auto waits = [&](std::uint32_t p) { return is_open(p) && stamp_[p] != level; };
+
+    std::vector<std::uint32_t> deferred, still;
+    std::vector<Candidate> batch;
+    std::size_t next = 0;
+    while (true) {
+        batch.clear();
+        still.clear();
+        const auto consider = [&](std::uint32_t p) {
+            if (!waits(p)) return;
+            if (batch.size() < kBatch && !conflicts(p, batch, radius)) {
+                batch.emplace_back();
+                batch.back().point = p;
+            } else {
+                still.push_back(p);
+            }
+        };
+        for (const std::uint32_t p : deferred) consider(p);
+        while (batch.size() < kBatch && next < n && still.size() < kLookAhead * kBatch)
+            consider(order[next++]);
+        deferred.swap(still);
+        if (batch.empty()) break;
+        parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
+        });
+        for (Candidate& c : batch) {
+            if (waits(c.point))
+                accept(c, level);
+            else
+                ++out_.counts.discarded;
+        }
+    }
+}
+
+void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
+    Workspace& work = work_.local();
+    const Vec3d center = block_.position[c.point];
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    if (radius_[c.point] > 0) {
+        c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
+                    (state_[c.point] & kForced) != 0};
+    } else {
+        const double guess = pyramid_.all().bucket_diagonal(place_[c.point]);
+        c.choice = ladder_.choose(center, normal, guess, work.ladder);
+        // Rounded here, so that a search remembered gives the same surfel as a fresh one.
+        c.choice.radius = static_cast<float>(c.choice.radius);
+        ++work.searches;
+    }
+    c.isolated = c.choice.forced && c.choice.radius >= static_cast<float>(root_radius_);
+    const double lower = level_radius(level) * kGoldenRatio * kGoldenRatio;
+    c.leaf = c.choice.radius >= lower;
+    if (c.leaf)
+        c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
+                              rules_.noise_variance, work.exact);
+    else
+        make_internal(c, level_radius(level), thinning, work);
+}
+
+void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
+                               Workspace& work) const {
+    const Vec3d center = block_.position[c.point];
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    const PointTree& tree = pyramid_.level(thinning);
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree,
+                                  rules_.noise_variance, work.exact);
+    c.internal = s.fitted;
+    gather_ball(tree, center, radius, work.exact);
+    for (std::size_t i = 0; i < work.exact.n; ++i)
+        c.stamped.push_back(tree.source(work.exact.index[i]));
+}
+
+void LevelCover::accept(Candidate& c, int level) {
+    radius_[c.point] = static_cast<float>(c.choice.radius);
+    if (c.choice.forced) state_[c.point] |= kForced;
+    if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
+    if (c.isolated) {
+        state_[c.point] |= kClosed;
+        ++out_.counts.isolated;
+        return;
+    }
+    if (!c.leaf) {
+        c.internal.level = static_cast<std::uint8_t>(level);
+        c.internal.point_id = block_.id[c.point];
+        out_.surfels.push_back(c.internal);
+        ++out_.counts.internals;
+        for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
+        stamp_[c.point] = static_cast<std::uint8_t>(level);
+        return;
+    }
+    state_[c.point] |= kClosed;
+    if (!c.surfel.explains_center) {
+        ++out_.counts.unexplained;
+        return;
+    }
+    FittedSurfel& f = c.surfel.fitted;
+    f.level = static_cast<std::uint8_t>(level);
+    f.flags = static_cast<std::uint8_t>(kLeaf | (c.choice.saturated ? kSaturated : 0) |
+                                        (c.choice.forced ? slim::kForced : 0));
+    f.point_id = block_.id[c.point];
+    cover(c.surfel);
+    out_.surfels.push_back(f);
+}
+
+void LevelCover::cover(const CoveringSurfel& leaf) {
+    for (const Covered& p : leaf.covered) {
+        weight_[p.point] += p.weight;
+        if (p.in_core) state_[p.point] |= kCore;
+    }
+    CoverCounts& counts = out_.counts;
+    ++counts.leaves;
+    counts.saturated += (leaf.fitted.flags & kSaturated) != 0;
+    counts.forced += (leaf.fitted.flags & slim::kForced) != 0;
+    counts.normals_disagree += leaf.normals_disagree;
+    ++counts.fallbacks[static_cast<std::size_t>(leaf.fallback)];
+    ++counts.degrees[static_cast<std::size_t>(leaf.fitted.surfel.degree)];
+}
+
+}  // namespace
+
+CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
+    leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
+    saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
+    unexplained += b.unexplained, isolated += b.isolated;
+    evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
+    refinements += b.refinements, point_visits += b.point_visits;
+    for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];
+    for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] += b.degrees[i];
+    return *this;
+}
+
+Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
+    return LevelCover(points, rules).run(reporter);
+}
+
+}  // namespace slim

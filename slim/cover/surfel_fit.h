@@ -1,0 +1,35 @@
+#pragma once
+
+#include "slim/fit/local_fit.h"
+#include "slim/fit/radius_ladder.h"
+#include "slim/model/fitted_surfel.h"
+#include "slim/neighbors/point_pyramid.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// A point that a surfel covers, and by how much.
+struct Covered {
+    std::uint32_t point;  ///< index in the block
+    float weight;         ///< G(|p - c| / rho)
+    bool in_core;         ///< |p - c| < alpha rho
+};
+
+/// A surfel and the points it covers: those it explains, |residual| <= 4 max(eps, sqrt lambda), on its own
+/// side (DESIGN 4, lesson 4).
+struct CoveringSurfel {
+    FittedSurfel fitted;
+    std::vector<Covered> covered;
+    bool explains_center = false;
+    Fallback fallback = Fallback::none;
+    bool normals_disagree = false;
+};
+
+/// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
+CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
+                          double radius, int degree, double noise_variance,
+                          BallPoints<double>& work);
+
+}  // namespace slim

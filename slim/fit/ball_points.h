@@ -1,0 +1,37 @@
+#pragma once
+
+#include "slim/base/simd.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// The points of one ball, world axes, relative to its centre and divided by its radius; a workspace
+/// that a thread keeps. Arrays are padded to whole SIMD groups by points of zero weight (sq = 2).
+template <class T>
+struct BallPoints {
+    std::vector<T> x, y, z;         ///< |.| < 1
+    std::vector<T> sq;              ///< x^2 + y^2 + z^2
+    std::vector<float> nx, ny, nz;  ///< unit normals, or zero
+    std::vector<std::uint32_t> index;  ///< in the tree they came from
+    std::size_t n = 0;              ///< without padding
+    double radius = 0;
+
+    std::size_t padded() const {
+        constexpr std::size_t lanes = stdx::native_simd<T>::size();
+        return (n + lanes - 1) / lanes * lanes;
+    }
+};
+
+/// Fills `out` with the tree's points within `radius` of `center` (|p - c| < radius), in tree order.
+/// Cost: the buckets that meet the ball, 2 to 4 times its points.
+template <class T>
+void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
+
+/// Number of the tree's points in the ball, at most `enough` counted.
+std::size_t count_in_ball(const PointTree& tree, const Vec3d& center, double radius,
+                          std::size_t enough);
+
+}  // namespace slim

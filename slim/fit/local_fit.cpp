@@ -1,0 +1,184 @@
+#include "slim/fit/local_fit.h"
+
+#include "slim/fit/moments.h"
+#include "slim/fit/nested_cholesky.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <type_traits>
+
+namespace slim {
+namespace {
+
+constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
+constexpr double kSteepest = 3;          // sum |a_k|, degree >= 1: beyond it the patch leaves its ball
+
+/// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
+template <class T>
+constexpr double kCancelled = std::is_same_v<T, float> ? 1e-4 : 1e-10;
+
+template <class T>
+Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double weight = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (std::size_t i = 0; i < p.n; ++i) {
+            const double g = weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink));
+            const Eigen::Vector3d x(p.x[i], p.y[i], p.z[i]);
+            if (pass == 0)
+                mean += g * x, weight += g;
+            else
+                covariance += g * (x - mean) * (x - mean).transpose();
+        }
+        if (pass == 0 && weight > 0) mean /= weight;
+    }
+    const Eigen::Vector3d n =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);
+    return {n.x(), n.y(), n.z()};
+}
+
+/// RSS by a pass over the residuals, where the sums cancel (exact planes, exact quadrics).
+template <class T>
+double residual_pass(const BallPoints<T>& p, double shrink, const Frame<double>& f,
+                     const Polynomial<double>& gather_scaled) {
+    double rss = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        const Vec3d x = f.local_from_world(Vec3d{p.x[i], p.y[i], p.z[i]});
+        const double r = x.z - gather_scaled.value(x.x, x.y);
+        rss += weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
+    }
+    return rss;
+}
+
+/// Coefficients from coordinates divided by the gather radius to coordinates divided by the fit's.
+Polynomial<double> rescale(const std::array<double, kMaxCoefficients>& a, double shrink) {
+    Polynomial<double> out;
+    double factor = 1 / shrink;
+    std::size_t k = 0;
+    for (int d = 0; d <= kMaxDegree; ++d, factor *= shrink)
+        for (int t = 0; t <= d; ++t, ++k) out.a[k] = a[k] * factor;
+    return out;
+}
+
+bool too_steep(const Polynomial<double>& p) {
+    double sum = 0;
+    for (std::size_t k = 1; k < p.a.size(); ++k) sum += std::abs(p.a[k]);
+    return !(sum <= kSteepest);
+}
+
+/// The plane w = mean height, for fits that no polynomial follows.
+template <int Degree>
+LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
+    LocalFit fit;
+    fit.fallback = Fallback::plane;
+    const double weight = m.weight();
+    if (!(weight > 0)) return fit;
+    const double mean = m.height[0] / weight;
+    fit.polynomial.a[0] = mean / shrink;
+    const double rss = std::max(0.0, m.sq_height - mean * m.height[0]);
+    fit.sq_error = radius * radius * rss / weight;
+    return fit;
+}
+
+template <int Degree, class T>
+LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    const auto m = accumulate_moments<Degree>(points, frame, shrink);
+    const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
+    std::size_t n = 0;
+    const T limit = static_cast<T>(shrink * shrink);
+    for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
+
+    LocalFit fit;
+    Fallback cause = Fallback::none;
+    int degree = Degree;
+    while (degree > 1 && n < 2 * static_cast<std::size_t>(n_coefficients(degree)))
+        --degree, cause = Fallback::few_points;
+    if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
+    for (; degree >= 1; --degree, cause = Fallback::steep) {
+        const auto a = solver.coefficients(degree);
+        fit.polynomial = rescale(a, shrink);
+        if (too_steep(fit.polynomial)) continue;
+        double rss = solver.sq_residual(degree);
+        if (rss < kCancelled<T> * m.sq_height)
+            rss = residual_pass(points, shrink, frame, Polynomial<double>{a});
+        const double n_eff = m.n_effective();
+        const double freedom = 1 - n_coefficients(degree) / n_eff;
+        fit.degree = degree;
+        fit.sq_error =
+            points.radius * points.radius * rss / m.weight() / std::max(freedom, 1e-3);
+        break;
+    }
+    if (degree < 1) fit = mean_plane(m, shrink, points.radius), cause = Fallback::plane;
+    fit.fallback = cause;
+    fit.n_effective = m.n_effective();
+    fit.n_points = n;
+    return fit;
+}
+
+}  // namespace
+
+const char* fallback_name(Fallback fallback) {
+    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank", "steep", "plane"};
+    return names[static_cast<std::size_t>(fallback)];
+}
+
+template <class T>
+BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
+    const Vec3f s = to_float(side);
+    const T to_fit = static_cast<T>(1 / (shrink * shrink));
+    Vec3d sum;
+    double weight = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        const bool same = p.nx[i] * s.x + p.ny[i] * s.y + p.nz[i] * s.z > 0;
+        const double g = same ? static_cast<double>(weight_kernel(p.sq[i] * to_fit)) : 0.0;
+        sum += Vec3d{p.nx[i], p.ny[i], p.nz[i]} * g;
+        weight += g;
+    }
+    const double len = length(sum);
+    if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
+    if (p.n < 3) return {side, true};
+    const Vec3d n = least_spread_direction(p, shrink);
+    return {dot(n, side) < 0 ? -n : n, true};
+}
+
+template <class T>
+std::size_t count_contrary(const BallPoints<T>& p, double shrink, const Vec3d& normal,
+                           float least_cos) {
+    const Vec3f n = to_float(normal);
+    const T limit = static_cast<T>(shrink * shrink);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        const float cosine = p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z;
+        const bool measured = p.nx[i] != 0 || p.ny[i] != 0 || p.nz[i] != 0;
+        count += measured && cosine < least_cos && p.sq[i] < limit ? 1u : 0u;
+    }
+    return count;
+}
+
+template <class T>
+void drop_other_side(BallPoints<T>& p, const Vec3d& normal) {
+    const Vec3f n = to_float(normal);
+    for (std::size_t i = 0; i < p.n; ++i)
+        if (p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z < 0) p.sq[i] = T(2);
+}
+
+template <class T>
+LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                  int degree) {
+    if (degree <= 1) return fit_degree<1>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2>(points, shrink, frame);
+    return fit_degree<3>(points, shrink, frame);
+}
+
+template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
+template BallNormal average_normal(const BallPoints<double>&, double, const Vec3d&);
+template std::size_t count_contrary(const BallPoints<float>&, double, const Vec3d&, float);
+template std::size_t count_contrary(const BallPoints<double>&, double, const Vec3d&, float);
+template void drop_other_side(BallPoints<float>&, const Vec3d&);
+template void drop_other_side(BallPoints<double>&, const Vec3d&);
+template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
+template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+
+}  // namespace slim

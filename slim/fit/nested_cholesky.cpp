@@ -1,0 +1,84 @@
+#include "slim/fit/nested_cholesky.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr double kLeastPivot = 1e-6;
+
+/// Exponent of v of basis function k, and its degree.
+struct Exponents {
+    int degree, v;
+};
+constexpr Exponents exponents(std::size_t k) {
+    int d = 0, first = 0;
+    while (first + d + 1 <= static_cast<int>(k)) first += ++d;
+    return {d, static_cast<int>(k) - first};
+}
+
+/// Place of phi_i phi_j among the monomials.
+constexpr std::size_t product_index(std::size_t i, std::size_t j) {
+    const Exponents a = exponents(i), b = exponents(j);
+    const int d = a.degree + b.degree;
+    return static_cast<std::size_t>(d * (d + 1) / 2 + a.v + b.v);
+}
+
+constexpr auto make_product_table() {
+    std::array<std::array<std::uint8_t, kMaxCoefficients>, kMaxCoefficients> table{};
+    for (std::size_t i = 0; i < kMaxCoefficients; ++i)
+        for (std::size_t j = 0; j < kMaxCoefficients; ++j)
+            table[i][j] = static_cast<std::uint8_t>(product_index(i, j));
+    return table;
+}
+constexpr auto kProduct = make_product_table();
+
+}  // namespace
+
+NestedCholesky::NestedCholesky(int degree, std::span<const double> monomials,
+                               std::span<const double> heights, double sq_height)
+    : sq_height_(sq_height) {
+    const auto entry = [&](std::size_t i, std::size_t j) { return monomials[kProduct[i][j]]; };
+    for (int d = 0; d <= degree; ++d) {
+        const auto first = static_cast<std::size_t>(d * (d + 1) / 2);
+        for (std::size_t i = first; i < first + static_cast<std::size_t>(d) + 1; ++i) {
+            if (!(entry(i, i) > 0)) return;
+            scale_[i] = 1 / std::sqrt(entry(i, i));
+            double rest = 1;
+            double y = heights[i] * scale_[i];
+            for (std::size_t j = 0; j < i; ++j) {
+                double a = entry(i, j) * scale_[i] * scale_[j];
+                for (std::size_t k = 0; k < j; ++k) a -= factor_[i][k] * factor_[j][k];
+                factor_[i][j] = a / factor_[j][j];
+                rest -= factor_[i][j] * factor_[i][j];
+                y -= factor_[i][j] * y_[j];
+            }
+            if (!(rest > kLeastPivot)) return;
+            factor_[i][i] = std::sqrt(rest);
+            y_[i] = y / factor_[i][i];
+        }
+        rank_degree_ = d;
+    }
+}
+
+double NestedCholesky::sq_residual(int degree) const {
+    double rss = sq_height_;
+    for (int i = 0; i < n_coefficients(degree); ++i)
+        rss -= y_[static_cast<std::size_t>(i)] * y_[static_cast<std::size_t>(i)];
+    return std::max(rss, 0.0);
+}
+
+std::array<double, kMaxCoefficients> NestedCholesky::coefficients(int degree) const {
+    std::array<double, kMaxCoefficients> a{};
+    for (auto i = static_cast<std::size_t>(n_coefficients(degree)); i-- > 0;) {
+        double sum = y_[i];
+        for (auto j = static_cast<std::size_t>(n_coefficients(degree)); --j > i;)
+            sum -= factor_[j][i] * a[j];
+        a[i] = sum / factor_[i][i];
+    }
+    for (std::size_t i = 0; i < kMaxCoefficients; ++i) a[i] *= scale_[i];
+    return a;
+}
+
+}  // namespace slim

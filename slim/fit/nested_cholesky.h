@@ -1,0 +1,33 @@
+#pragma once
+
+#include "slim/model/polynomial.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// One Cholesky factor serves every degree: the leading block of degree d is the factor of degree d
+/// (NUMERICS 2.2).
+///
+/// Solves min sum G (w - phi^T a)^2 for all degrees up to `degree`, from sums in basis order
+/// (`monomials`: n_coefficients(2 degree) of them). A block of equal degree whose pivots in the matrix
+/// scaled to unit diagonal fall below 1e-6 is dropped whole (NUMERICS 2.4, rule 2).
+class NestedCholesky {
+public:
+    NestedCholesky(int degree, std::span<const double> monomials, std::span<const double> heights,
+                   double sq_height);
+    int rank_degree() const { return rank_degree_; }
+    double sq_residual(int degree) const;
+    std::array<double, kMaxCoefficients> coefficients(int degree) const;
+
+private:
+    int rank_degree_ = -1;  ///< -1: not even a constant (no weight)
+    double sq_height_;
+    std::array<std::array<double, kMaxCoefficients>, kMaxCoefficients> factor_{};
+    std::array<double, kMaxCoefficients> y_{};
+    std::array<double, kMaxCoefficients> scale_{};
+};
+
+}  // namespace slim

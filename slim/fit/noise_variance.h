@@ -1,0 +1,26 @@
+#pragma once
+
+#include "slim/base/vec.h"
+#include "slim/neighbors/knn.h"
+
+#include <cstddef>
+#include <span>
+
+namespace slim {
+
+/// lambda of Ohtake 2005 eq. (3): the mean over points of the smallest eigenvalue of the covariance of
+/// their k nearest neighbours at distinct places.
+struct NoiseVariance {
+    double value = 0;     ///< length^2
+    double flatness = 0;  ///< mean of smallest / middle eigenvalue; above 0.1 the neighbourhood is no longer flat
+    std::size_t neighbors = 10;
+    std::size_t n_sampled = 0;
+};
+
+/// With `automatic`, k = 10 is doubled up to 160 while flatness > 0.1 (NUMERICS 3.2).
+/// Points with fewer than three distinct neighbours are left out; none left gives value 0.
+/// Cost: one k-NN query a sample.
+NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
+                                      std::span<const Vec3d> samples, bool automatic);
+
+}  // namespace slim

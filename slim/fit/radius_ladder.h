@@ -1,0 +1,74 @@
+#pragma once
+
+#include "slim/fit/local_fit.h"
+#include "slim/fit/mdl_energy.h"
+#include "slim/neighbors/point_pyramid.h"
+
+#include <optional>
+#include <vector>
+
+namespace slim {
+
+/// How the radius of a surfel is searched; the defaults are chosen by measurement (notes/0001).
+struct LadderRules {
+    double points_per_coefficient = 2.5;  ///< of the finest admissible rung
+    double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
+    float least_cos = 0.3f;               ///< a point below it ends the height field
+    double contrary_share = 0;            ///< of such points that is tolerated
+    std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+};
+
+/// What the search found for one centre.
+struct RadiusChoice {
+    double radius = 0;
+    bool saturated = false;  ///< the top rung won: E still falls there
+    bool forced = false;     ///< no admissible rung: too few points or no height field
+};
+
+/// Workspace of one thread and the counts it keeps.
+struct LadderWork {
+    BallPoints<float> ball;
+    std::size_t rungs = 0, point_visits = 0, refinements = 0;
+};
+
+/// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
+/// and 3): the largest rung whose E is no higher than the least upper bound of all, then a minimum of E
+/// between its neighbours. Depends on the points alone, never on surfels made before.
+class RadiusLadder {
+public:
+    /// root_radius: rho_0; least_radius: below it coordinates are rounding. `points` must outlive this.
+    RadiusLadder(const PointPyramid& points, const MdlEnergy& energy, double root_radius,
+                 double least_radius, int degree, const LadderRules& rules);
+
+    /// center, normal: of a point; first_guess: a length near the distance of its neighbours.
+    /// Cost: about rules.sample points a rung, five more evaluations to refine.
+    RadiusChoice choose(const Vec3d& center, const Vec3d& normal, double first_guess,
+                        LadderWork& work) const;
+
+    double rung_radius(int rung) const;
+    int last_rung() const { return last_rung_; }
+    /// The thinning whose points in the ball of a rung number at most rules.sample; from `level` up.
+    std::size_t sample_level(const Vec3d& center, double radius, std::size_t level) const;
+
+private:
+    struct Rung {
+        int index;
+        std::size_t level;  // of the pyramid
+        double energy, upper;
+    };
+    std::size_t least_points() const;
+    int finest_rung(const Vec3d& center, double first_guess) const;
+    std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
+                                 const Vec3d& normal, LadderWork& work) const;
+    double refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
+                  const Vec3d& normal, LadderWork& work) const;
+
+    const PointPyramid& points_;
+    MdlEnergy energy_;
+    double root_radius_, least_radius_;
+    int degree_;
+    LadderRules rules_;
+    int last_rung_;
+};
+
+}  // namespace slim

@@ -1,0 +1,45 @@
+#include "slim/neighbors/point_pyramid.h"
+
+#include "slim/base/hash.h"
+#include "slim/base/parallel.h"
+#include "slim/model/surfel.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr std::uint64_t kPriority = 0x7072696f;  // purpose of the hash
+constexpr std::size_t kSmallest = 512;           // a thinning below this many points serves nobody
+
+}  // namespace
+
+PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed) {
+    const std::size_t n = block.size();
+    std::vector<std::uint64_t> priority(n);
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(n);
+    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            priority[i] = keyed_hash(seed, block.id[i], kPriority);
+            keys[i] = {priority[i], static_cast<std::uint32_t>(i)};
+        }
+    });
+    tbb::parallel_sort(keys.begin(), keys.end());
+    by_priority_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].second;
+
+    std::vector<std::uint32_t> chosen = morton_order(block, box);
+    levels_.emplace_back(block, chosen);
+    double share = 1;
+    while (true) {
+        share *= kGoldenRatio * kGoldenRatio;
+        const auto limit = static_cast<std::uint64_t>(share * 0x1.0p64);
+        std::erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
+        if (chosen.size() < kSmallest) break;
+        levels_.emplace_back(block, chosen);
+    }
+}
+
+}  // namespace slim
