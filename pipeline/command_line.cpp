@@ -1,0 +1,184 @@
+#include "pipeline/command_line.h"
+
+#include "pipeline/toml_file.h"
+#include "slim/base/error.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace slim {
+namespace {
+
+/// What was given for one field, still as text.
+struct Given {
+    std::vector<std::string> items;
+    bool flag = false;
+    CLI::Option* option = nullptr;
+};
+
+void add_common(CLI::App& app, CommonOptions& common) {
+    app.add_flag("-h,--help", common.help);
+    app.add_flag("--version", common.version);
+    app.add_flag("--print-config", common.print_config);
+    app.add_flag("--json", common.json);
+    app.add_flag("-q,--quiet", common.quiet);
+    app.add_flag("-v,--verbose", common.verbose);
+    app.add_flag("--force", common.force);
+    app.add_option("--threads", common.threads)->check(CLI::Range(0, 4096));
+    app.add_option("--config", common.config);
+    app.add_option("--set", common.set)->expected(1)->take_all()->allow_extra_args(false);
+}
+
+void add_field(CLI::App& app, const Field& field, Given& given) {
+    if (field.is_flag()) {
+        given.option = app.add_flag(field.option() + ",!--no-" + field.option().substr(2), given.flag);
+        return;
+    }
+    std::string names = field.option();
+    if (field.key == "output") names = "-o," + names;
+    if (field.is_word()) names = field.key;
+    given.option = app.add_option(names, given.items)->take_all()->allow_extra_args(false);
+    if (field.is_word() && field.is_list())
+        given.option->expected(-1);
+    else
+        given.option->expected(1);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t end = text.find(separator); end != std::string::npos;
+         begin = end + 1, end = text.find(separator, begin))
+        parts.push_back(text.substr(begin, end - begin));
+    parts.push_back(text.substr(begin));
+    return parts;
+}
+
+/// A list option may be written a,b or given again; of a single value the last one counts.
+std::vector<std::string> items_of(const Field& field, const std::vector<std::string>& given) {
+    if (!field.is_list()) return {given.back()};
+    if (field.role != FieldRole::option) return given;
+    std::vector<std::string> items;
+    for (const std::string& text : given)
+        for (const std::string& part : split(text, ',')) items.push_back(part);
+    return items;
+}
+
+void apply_set(const std::string& text, const FieldList& fields) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos)
+        throw ConfigError(fmt::format("--set {}: expected key=value", text));
+    const std::string key = text.substr(0, equals);
+    const Field* field = fields.find(key);
+    if (!field)
+        throw ConfigError(fmt::format("--set {}: unknown key '{}'{}", text, key,
+                                      suggestion(key, keys_of(fields))));
+    field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
+}
+
+std::vector<std::string> all_options(const FieldList& fields) {
+    std::vector<std::string> names = {"--help",  "--version", "--print-config", "--json",
+                                      "--quiet", "--verbose", "--force",        "--threads",
+                                      "--config", "--set"};
+    for (const Field& field : fields.fields()) {
+        if (!field.is_word()) names.push_back(field.option());
+        if (field.is_flag()) names.push_back("--no-" + field.option().substr(2));
+    }
+    return names;
+}
+
+void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields) {
+    for (const std::string& word : extras) {
+        if (word.size() < 2 || word[0] != '-') continue;
+        const std::string name = word.substr(0, word.find('='));
+        throw ConfigError(fmt::format("unknown option {}{}", name,
+                                      suggestion(name, all_options(fields))));
+    }
+    if (!extras.empty()) throw ConfigError(fmt::format("unexpected argument '{}'", extras[0]));
+}
+
+void apply_given(const FieldList& fields, const std::vector<Given>& given) {
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const Field& field = fields.fields()[i];
+        if (given[i].option->count() == 0) continue;
+        const std::string where = field.is_word() ? field.key : field.option();
+        if (field.is_flag())
+            field.set({given[i].flag ? "true" : "false"}, where);
+        else
+            field.set(items_of(field, given[i].items), where);
+    }
+}
+
+std::string usage(const StageDescription& stage, const FieldList& fields) {
+    std::string line = "Usage: slim " + stage.name;
+    for (const Field& field : fields.fields()) {
+        std::string word = field.key;
+        for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+        if (field.is_word() && field.is_list() && word.ends_with('S')) word.pop_back();
+        if (field.is_word()) line += " " + word + (field.is_list() ? "..." : "");
+        if (field.role == FieldRole::output) line += field.required ? " -o PATH" : " [-o PATH]";
+    }
+    return line + " [options]\n";
+}
+
+std::string field_help(const Field& field) {
+    std::string name = field.is_word() ? field.key : field.option();
+    if (field.key == "output") name = "-o, " + name;
+    std::string text = field.help;
+    const std::string range = field.range_text();
+    if (!range.empty()) text += ", " + range;
+    if (!field.empty()) {
+        std::string value = fmt::format("{}", fmt::join(field.items(), ","));
+        text += fmt::format(" (default: {})", field.is_flag() ? (value == "true" ? "on" : "off") : value);
+    }
+    if (field.is_flag() && !field.empty() && field.items()[0] == "true")
+        name = "--no-" + field.option().substr(2);
+    return fmt::format("  {:<22} {}\n", name, text);
+}
+
+constexpr const char* kCommonHelp = R"(
+Every verb:
+  --config FILE          read these options from a TOML file (keys as printed by --print-config)
+  --set KEY=VALUE        change one of them
+  --print-config         print all options as TOML and stop
+  --threads N            threads to use (default: SLIM_THREADS, or all of this process's cores)
+  --force                do the work even if the output is up to date
+  --json                 one JSON object on stdout instead of the summary
+  -q, --quiet            no progress and no log; warnings only
+  -v, --verbose          the log with times, and the configuration
+  -h, --help, --version
+)";
+
+}  // namespace
+
+CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields) {
+    CommonOptions common;
+    CLI::App app;
+    app.set_help_flag();
+    app.allow_extras();
+    add_common(app, common);
+    std::vector<Given> given(fields.fields().size());
+    for (std::size_t i = 0; i < given.size(); ++i) add_field(app, fields.fields()[i], given[i]);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        throw ConfigError(error.what());
+    }
+    if (common.help || common.version) return common;
+    refuse_extras(app.remaining(), fields);
+    if (!common.config.empty()) apply_config_file(common.config, fields);
+    for (const std::string& text : common.set) apply_set(text, fields);
+    apply_given(fields, given);
+    return common;
+}
+
+std::string help_text(const StageDescription& stage, const FieldList& fields) {
+    std::string text = stage.summary + "\n\n" + usage(stage, fields) + "\n";
+    for (const Field& field : fields.fields()) text += field_help(field);
+    text += kCommonHelp;
+    if (!stage.examples.empty()) text += "\nExamples:\n";
+    for (const std::string& example : stage.examples) text += "  " + example + "\n";
+    return text;
+}
+
+}  // namespace slim

@@ -1,0 +1,257 @@
+#include "pipeline/config.h"
+
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+namespace slim {
+namespace {
+
+template <class T>
+struct ItemOf {
+    using type = T;
+    static constexpr bool list = false;
+};
+template <class T>
+struct ItemOf<std::vector<T>> {
+    using type = T;
+    static constexpr bool list = true;
+};
+
+template <class T>
+const char* expected_kind() {
+    if constexpr (std::is_same_v<T, bool>) return "true or false";
+    if constexpr (std::is_integral_v<T>) return "a whole number";
+    return "a number";
+}
+
+/// Whole numbers may be written 500000 or 5e5.
+template <class T>
+bool parse_number(const std::string& text, T& out) {
+    const char* end = text.data() + text.size();
+    const auto plain = std::from_chars(text.data(), end, out);
+    if (plain.ec == std::errc() && plain.ptr == end) return true;
+    if constexpr (std::is_integral_v<T>) {
+        double real = 0;
+        const auto exponent = std::from_chars(text.data(), end, real);
+        if (exponent.ec != std::errc() || exponent.ptr != end || real != std::floor(real)) return false;
+        if (std::abs(real) > 0x1p53 || real < static_cast<double>(std::numeric_limits<T>::min()) ||
+            real > static_cast<double>(std::numeric_limits<T>::max()))
+            return false;
+        out = static_cast<T>(real);
+        return true;
+    }
+    return false;
+}
+
+template <class T>
+T parse_item(const std::string& text, const std::string& where) {
+    if constexpr (std::is_same_v<T, std::string>) {
+        return text;
+    } else if constexpr (std::is_same_v<T, bool>) {
+        if (text == "true") return true;
+        if (text == "false") return false;
+    } else {
+        T value{};
+        if (parse_number(text, value)) return value;
+    }
+    throw ConfigError(fmt::format("{}: expected {}, found '{}'", where, expected_kind<T>(), text));
+}
+
+template <class T>
+std::string item_text(const T& value) {
+    if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
+    return fmt::format("{}", value);
+}
+
+std::string toml_string(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            out += '\\';
+            out += c;
+        } else if (byte < 0x20 || byte == 0x7f) {
+            out += fmt::format("\\u{:04x}", byte);
+        } else {
+            out += c;
+        }
+    }
+    return out + '"';
+}
+
+/// A number of TOML: a real one keeps its point, so that it reads back as real.
+std::string toml_item(const std::string& text, Field::Kind kind) {
+    if (kind == Field::Kind::text) return toml_string(text);
+    if (kind == Field::Kind::real && text.find_first_of(".einE") == std::string::npos)
+        return text + ".0";
+    return text;
+}
+
+std::string join(const std::vector<std::string>& words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
+
+void check_range(const Field& field, const std::string& item, const std::string& where) {
+    if (!field.choices.empty()) {
+        if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end()) return;
+        throw ConfigError(fmt::format("{}: expected one of {}; found '{}'{}", where,
+                                      join(field.choices), item, suggestion(item, field.choices)));
+    }
+    if (field.kind() != Field::Kind::integer && field.kind() != Field::Kind::real) return;
+    const double value = std::strtod(item.c_str(), nullptr);
+    if (std::isnan(value) || value < field.min || value > field.max)
+        throw ConfigError(fmt::format("{}: expected a number {}; found {}", where,
+                                      field.range_text(), item));
+}
+
+/// Optimal string alignment distance: one typo (also two letters swapped) counts 1.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i) {
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                d[i][j] = i + j;
+                continue;
+            }
+            const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
+            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + change});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+        }
+    }
+    return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+Field::Kind Field::kind() const {
+    return std::visit(
+        [](auto* target) {
+            using T = typename ItemOf<std::remove_pointer_t<decltype(target)>>::type;
+            if (std::is_same_v<T, bool>) return Kind::boolean;
+            if (std::is_same_v<T, std::string>) return Kind::text;
+            return std::is_integral_v<T> ? Kind::integer : Kind::real;
+        },
+        target_);
+}
+
+bool Field::is_list() const {
+    return std::visit(
+        [](auto* target) { return ItemOf<std::remove_pointer_t<decltype(target)>>::list; }, target_);
+}
+
+bool Field::empty() const {
+    const std::vector<std::string> all = items();
+    return all.empty() || (!is_list() && all[0].empty());
+}
+
+std::string Field::option() const {
+    std::string name = "--" + key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    return name;
+}
+
+void Field::set(const std::vector<std::string>& items, const std::string& where) const {
+    if (!is_list() && items.size() != 1)
+        throw ConfigError(fmt::format("{}: expected one value, found {}", where, items.size()));
+    std::visit(
+        [&](auto* target) {
+            using T = std::remove_pointer_t<decltype(target)>;
+            using Item = typename ItemOf<T>::type;
+            T parsed{};
+            for (const std::string& text : items) {
+                const Item item = parse_item<Item>(text, where);
+                check_range(*this, item_text(item), where);
+                if constexpr (ItemOf<T>::list)
+                    parsed.push_back(item);
+                else
+                    parsed = item;
+            }
+            *target = std::move(parsed);
+        },
+        target_);
+}
+
+std::vector<std::string> Field::items() const {
+    return std::visit(
+        [](auto* target) {
+            std::vector<std::string> out;
+            if constexpr (ItemOf<std::remove_pointer_t<decltype(target)>>::list)
+                for (const auto& item : *target) out.push_back(item_text(item));
+            else
+                out.push_back(item_text(*target));
+            return out;
+        },
+        target_);
+}
+
+std::string Field::toml() const {
+    std::vector<std::string> all = items();
+    for (std::string& item : all) item = toml_item(item, kind());
+    return is_list() ? "[" + join(all) + "]" : all[0];
+}
+
+std::string Field::range_text() const {
+    if (!choices.empty()) return "one of " + join(choices);
+    if (std::isinf(min) && std::isinf(max)) return "";
+    if (std::isinf(max)) return fmt::format(">= {}", min);
+    if (std::isinf(min)) return fmt::format("<= {}", max);
+    return fmt::format("in [{}, {}]", min, max);
+}
+
+const Field* FieldList::find(std::string_view key) const {
+    for (const Field& field : fields_)
+        if (field.key == key) return &field;
+    return nullptr;
+}
+
+void check_required(const FieldList& fields) {
+    for (const Field& field : fields.fields()) {
+        if (!field.required || !field.empty()) continue;
+        const std::string name = field.role == FieldRole::output ? "-o" : field.key;
+        throw ConfigError(fmt::format("missing {}: {}", name, field.help));
+    }
+}
+
+std::string print_config(const FieldList& fields) {
+    std::string out;
+    for (const Field& field : fields.fields()) {
+        const std::string range = field.range_text();
+        out += fmt::format("# {}{}\n{} = {}\n", field.help, range.empty() ? "" : " (" + range + ")",
+                           field.key, field.toml());
+    }
+    return out;
+}
+
+std::string canonical_config(const FieldList& fields) {
+    std::string out;
+    for (const Field& field : fields.fields())
+        if (!field.is_path()) out += fmt::format("{} = {}\n", field.key, field.toml());
+    return out;
+}
+
+std::string suggestion(std::string_view wrong, const std::vector<std::string>& known) {
+    std::size_t best = std::max<std::size_t>(2, wrong.size() / 3) + 1;
+    const std::string* nearest = nullptr;
+    for (const std::string& name : known) {
+        const std::size_t distance = edit_distance(wrong, name);
+        if (distance >= best) continue;
+        best = distance;
+        nearest = &name;
+    }
+    return nearest ? fmt::format(" (did you mean '{}'?)", *nearest) : "";
+}
+
+std::vector<std::string> keys_of(const FieldList& fields) {
+    std::vector<std::string> keys;
+    for (const Field& field : fields.fields()) keys.push_back(field.key);
+    return keys;
+}
+
+}  // namespace slim

@@ -1,0 +1,192 @@
+#include "pipeline/manifest.h"
+
+#include "pipeline/version.h"
+#include "slim/base/error.h"
+
+#define XXH_STATIC_LINKING_ONLY  // XXH3_state_t on the stack
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <memory>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t kReadSize = std::size_t{1} << 20;
+
+[[noreturn]] void fail(const fs::path& file, const char* doing) {
+    throw IoError(fmt::format("{}: cannot {}: {}", file.string(), doing, std::strerror(errno)));
+}
+
+class OpenFile {
+public:
+    explicit OpenFile(const fs::path& file) : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+        if (descriptor_ < 0) fail(file, "read");
+    }
+    ~OpenFile() { close(descriptor_); }
+    OpenFile(const OpenFile&) = delete;
+    OpenFile& operator=(const OpenFile&) = delete;
+
+    int descriptor() const { return descriptor_; }
+
+private:
+    int descriptor_;
+};
+
+std::string hex(const XXH128_hash_t& hash) {
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+json file_json(const fs::path& file, const fs::path& shown) {
+    const std::string hash = hash_file(file);  // first: its message names a missing file
+    return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"xxh3_128", hash}};
+}
+
+/// The manifest's folder may be moved as a whole: outputs in it are named relative to it.
+fs::path relative_to(const fs::path& folder, const fs::path& file) {
+    const fs::path relative = fs::absolute(file).lexically_relative(fs::absolute(folder));
+    return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
+}
+
+fs::path folder_of(const fs::path& manifest) {
+    return manifest.has_parent_path() ? manifest.parent_path() : fs::path(".");
+}
+
+std::string host_name() {
+    char name[256] = {};
+    return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text;
+}
+
+void write_file_atomically(const std::string& path, const std::string& text) {
+    const std::string temporary = path + ".tmp." + std::to_string(getpid());
+    std::ofstream out(temporary, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) fail(path, "write");
+    fs::rename(temporary, path);
+}
+
+bool output_intact(const json& output, const fs::path& folder) {
+    const fs::path file = folder / output.at("path").get<std::string>();
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(file, error);
+    return !error && bytes == output.at("bytes").get<std::uintmax_t>() &&
+           hash_file(file) == output.at("xxh3_128").get<std::string>();
+}
+
+/// Paths are for people; what must be equal is the contents.
+json contents_of(json files) {
+    for (json& file : files) file.erase("path");
+    return files;
+}
+
+}  // namespace
+
+fs::path manifest_path(const fs::path& output) { return output.string() + ".done.json"; }
+
+fs::path manifest_path(const fs::path& folder, const std::string& stage) {
+    return folder / (stage + ".done.json");
+}
+
+std::string hash_file(const fs::path& file) {
+    const OpenFile in(file);
+    const auto buffer = std::make_unique<char[]>(kReadSize);
+    XXH3_state_t state;
+    XXH3_128bits_reset(&state);
+    for (;;) {
+        const ssize_t n = read(in.descriptor(), buffer.get(), kReadSize);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) fail(file, "read");
+        if (n == 0) return hex(XXH3_128bits_digest(&state));
+        XXH3_128bits_update(&state, buffer.get(), static_cast<std::size_t>(n));
+    }
+}
+
+std::string hash_text(const std::string& text) {
+    return hex(XXH3_128bits(text.data(), text.size()));
+}
+
+Stamp::Stamp(const StageContext& context, fs::path manifest)
+    : context_(context), manifest_(std::move(manifest)), start_(std::chrono::steady_clock::now()) {}
+
+void Stamp::input(const fs::path& file) { inputs_.push_back({file, false}); }
+void Stamp::optional_input(const fs::path& file) { inputs_.push_back({file, true}); }
+void Stamp::depends(const std::string& text) { depends_ += text + "\n"; }
+
+json Stamp::inputs_json() const {
+    if (!hashed_.is_null()) return hashed_;
+    hashed_ = json::array();
+    for (const Input& input : inputs_) {
+        if (input.optional && !fs::exists(input.path))
+            hashed_.push_back({{"path", input.path.string()}, {"absent", true}});
+        else
+            hashed_.push_back(file_json(input.path, input.path));
+    }
+    return hashed_;
+}
+
+std::optional<json> Stamp::up_to_date() const {
+    if (context_.force) return std::nullopt;
+    std::ifstream in(manifest_);
+    if (!in) return std::nullopt;
+    try {
+        const json manifest = json::parse(in);
+        if (manifest.at("program") != program_version() || manifest.at("stage") != context_.stage ||
+            manifest.at("config_hash") != hash_text(context_.config + depends_) ||
+            contents_of(manifest.at("inputs")) != contents_of(inputs_json()))
+            return std::nullopt;
+        for (const json& output : manifest.at("outputs"))
+            if (!output_intact(output, folder_of(manifest_))) return std::nullopt;
+        json result = manifest.at("result");
+        result["up_to_date"] = true;
+        result["recorded"] = {{"seconds", manifest.at("seconds")},
+                              {"peak_memory_bytes", manifest.at("peak_memory_bytes")}};
+        context_.reporter.info(fmt::format("{}: up to date", context_.stage));
+        return result;
+    } catch (const json::exception&) {
+        return std::nullopt;  // a damaged manifest only means that the work is done again
+    }
+}
+
+json Stamp::commit(const std::vector<fs::path>& outputs, json result) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start_;
+    json manifest = {{"stage", context_.stage},
+                     {"program", program_version()},
+                     {"config", context_.config_toml},
+                     {"config_hash", hash_text(context_.config + depends_)},
+                     {"depends", depends_},
+                     {"inputs", inputs_json()},
+                     {"outputs", json::array()},
+                     {"result", result},
+                     {"seconds", seconds.count()},
+                     {"peak_memory_bytes", peak_.bytes()},
+                     {"threads", context_.threads},
+                     {"host", host_name()},
+                     {"finished", utc_now()}};
+    for (const fs::path& output : outputs)
+        manifest["outputs"].push_back(file_json(output, relative_to(folder_of(manifest_), output)));
+    const std::string text = manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+    write_file_atomically(manifest_.string(), text);
+    return result;
+}
+
+}  // namespace slim

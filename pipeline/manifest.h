@@ -1,0 +1,71 @@
+#pragma once
+
+#include "pipeline/peak_memory.h"
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Where the manifest of an output lies: `<output>.done.json` beside a file; `<dir>/<stage>.done.json`
+/// in a folder of many outputs.
+std::filesystem::path manifest_path(const std::filesystem::path& output);
+std::filesystem::path manifest_path(const std::filesystem::path& folder, const std::string& stage);
+
+/// The record of one finished piece of work, written last, so that its existence says "done":
+/// program version, stage, config and its hash, XXH3-128 hashes and sizes of inputs and outputs,
+/// the result, seconds, peak memory since the Stamp was made, threads, host. Use:
+///
+///     Stamp stamp(context, manifest_path(config.output));
+///     stamp.input(config.cloud);
+///     if (auto result = stamp.up_to_date()) return *result;
+///     ... work ...
+///     return stamp.commit({config.output}, result);
+///
+/// Times, host, threads and paths stand here and never in a data file.
+class Stamp {
+public:
+    Stamp(const StageContext& context, std::filesystem::path manifest);
+
+    /// Adds a file the outputs depend on (hashed when up_to_date or commit is called; IoError if it
+    /// cannot be read). Optional files that do not exist are recorded as absent.
+    void input(const std::filesystem::path& file);
+    void optional_input(const std::filesystem::path& file);
+    /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
+    void depends(const std::string& text);
+
+    /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run under
+    /// "recorded", if the manifest fits program, stage, config and inputs, and every output is there
+    /// with its recorded bytes. Empty with --force.
+    std::optional<nlohmann::json> up_to_date() const;
+
+    /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.
+    nlohmann::json commit(const std::vector<std::filesystem::path>& outputs, nlohmann::json result);
+
+private:
+    struct Input {
+        std::filesystem::path path;
+        bool optional;
+    };
+    nlohmann::json inputs_json() const;
+
+    const StageContext& context_;
+    std::filesystem::path manifest_;
+    std::vector<Input> inputs_;
+    std::string depends_;
+    std::chrono::steady_clock::time_point start_;
+    PeakMeter peak_;
+    mutable nlohmann::json hashed_;  // inputs_json(), made once
+};
+
+/// XXH3-128 of a file's bytes as 32 hex digits. IoError if it cannot be read.
+std::string hash_file(const std::filesystem::path& file);
+std::string hash_text(const std::string& text);
+
+}  // namespace slim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "slim/base/error.h"
+
+#include <string>
+
+#include <sys/types.h>
+
+namespace slim {
+
+/// Thrown where a stage notices that it was asked to stop: exit 130 (SIGINT) or 143 (SIGTERM).
+struct Interrupted : Error {
+    explicit Interrupted(ExitCode code)
+        : Error(code, code == ExitCode::terminated ? "terminated" : "interrupted") {}
+};
+
+/// Blocks SIGINT and SIGTERM in this and later threads and waits for them in a thread of its own;
+/// ignores SIGPIPE. Call first in main. On a signal: passes it to the child of watch_child, lets
+/// check_stop throw, and if the stage has not ended after the grace time (or a second signal comes)
+/// removes the temporary files still open and leaves the process.
+void watch_signals();
+
+/// Throws Interrupted if a signal came.
+void check_stop();
+
+/// A running child process that must get our signals too; 0 when it has ended.
+void watch_child(pid_t child);
+
+/// Removes every open file whose name holds ".tmp.<pid>" (AtomicFile's names while half-written).
+void remove_open_temporaries();
+
+}  // namespace slim

@@ -1,0 +1,151 @@
+#include "pipeline/stage.h"
+
+#include "pipeline/command_line.h"
+#include "pipeline/console.h"
+#include "pipeline/memory_size.h"
+#include "pipeline/peak_memory.h"
+#include "pipeline/signals.h"
+#include "pipeline/version.h"
+#include "slim/base/error.h"
+#include "slim/base/parallel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <string_view>
+
+namespace slim {
+namespace {
+
+using nlohmann::json;
+
+void write_stdout(const std::string& text) {
+    errno = 0;
+    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+    if (!written || std::fflush(stdout) != 0)
+        throw IoError(fmt::format("standard output: cannot write: {}", std::strerror(errno)),
+                      ExitCode::resource);
+}
+
+std::string value_text(const std::string& key, const json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (key.ends_with("bytes") && value.is_number_unsigned())
+        return memory_size_text(value.get<std::uint64_t>());
+    if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+    return value.dump();
+}
+
+/// The result as "key  value" lines; an object's members are indented below its key.
+void append_summary(const json& result, const std::string& indent, std::string& out) {
+    std::size_t width = 0;
+    for (const auto& [key, value] : result.items()) width = std::max(width, key.size());
+    for (const auto& [key, value] : result.items()) {
+        if (value.is_object()) {
+            out += indent + key + "\n";
+            append_summary(value, indent + "  ", out);
+        } else {
+            out += fmt::format("{}{:<{}}  {}\n", indent, key, width, value_text(key, value));
+        }
+    }
+}
+
+Console::Level console_level(const CommonOptions& common) {
+    if (common.quiet) return Console::Level::quiet;
+    return common.verbose ? Console::Level::verbose : Console::Level::normal;
+}
+
+void print_result(const ErasedStage& stage, const CommonOptions& common, const StageContext& context,
+                  const json& result) {
+    if (common.json) {
+        write_stdout(result.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
+    } else if (stage.description.answers || !common.quiet) {
+        std::string text = context.text;
+        if (text.empty()) append_summary(result, "", text);
+        write_stdout(text);
+    }
+}
+
+json with_run_figures(json result, const std::string& stage, double seconds, std::uint64_t peak) {
+    if (!result.is_object()) result = json::object();
+    result["stage"] = stage;
+    result["version"] = program_version();
+    result["seconds"] = seconds;
+    result["peak_memory_bytes"] = peak;
+    return result;
+}
+
+/// What the options ask for instead of work: true if that was all.
+bool answered(const ErasedStage& stage, const CommonOptions& common) {
+    if (common.help)
+        write_stdout(help_text(stage.description, stage.fields));
+    else if (common.version)
+        write_stdout(fmt::format("slim-{} {}\n", stage.description.name, program_version()));
+    else if (common.print_config)
+        write_stdout(print_config(stage.fields));
+    return common.help || common.version || common.print_config;
+}
+
+void work(const ErasedStage& stage, int argc, char** argv) {
+    const CommonOptions common = parse_command_line(argc, argv, stage.fields);
+    if (answered(stage, common)) return;
+    check_required(stage.fields);
+    const PeakMeter peak;
+    const auto start = std::chrono::steady_clock::now();
+    const int threads = resolve_threads(common.threads);
+    const ThreadLimit limit(threads);
+    Console console("slim-" + stage.description.name, console_level(common));
+    StageContext context{console, threads, common.force, stage.description.name,
+                         canonical_config(stage.fields), print_config(stage.fields), ""};
+    if (common.verbose) console.info("configuration:\n" + context.config_toml);
+    json result = stage.run(context);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    result = with_run_figures(std::move(result), stage.description.name, seconds.count(), peak.bytes());
+    print_result(stage, common, context, result);
+}
+
+bool asks_json(int argc, char** argv) {
+    return std::any_of(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--json"; });
+}
+
+int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {
+    Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
+    if (as_json) {
+        const json error = {{"error", {{"code", static_cast<int>(code)}, {"message", what}}}};
+        const std::string text = error.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+        std::fwrite(text.data(), 1, text.size(), stdout);
+        std::fflush(stdout);
+    }
+    return static_cast<int>(code);
+}
+
+}  // namespace
+
+void StageContext::check_stop() const { slim::check_stop(); }
+
+int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
+    watch_signals();
+    const auto fail = [&](ExitCode code, const std::string& what) {
+        return report_failure(stage, asks_json(argc, argv), code, what);
+    };
+    try {
+        work(stage, argc, argv);
+        return 0;
+    } catch (const Error& error) {
+        return fail(error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(ExitCode::resource, "out of memory");
+    } catch (const std::filesystem::filesystem_error& error) {
+        const bool full = error.code() == std::errc::no_space_on_device;
+        return fail(full ? ExitCode::resource : ExitCode::bad_data, error.what());
+    } catch (const std::exception& error) {
+        return fail(ExitCode::internal, std::string("internal error: ") + error.what());
+    }
+}
+
+}  // namespace slim

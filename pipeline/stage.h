@@ -1,0 +1,67 @@
+#pragma once
+
+#include "pipeline/config.h"
+#include "slim/base/reporter.h"
+
+#include <nlohmann/json.hpp>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slim {
+
+/// What a stage is given besides its configuration. A stage called inside another one (build calls
+/// slice) gets a context of its own: for_stage().
+struct StageContext {
+    Reporter& reporter;
+    int threads = 1;          ///< in force already (ThreadLimit); for the manifest only
+    bool force = false;       ///< do the work even if it is up to date
+    std::string stage;        ///< "fit"
+    std::string config;       ///< canonical_config: one `key = value` line per field that counts
+    std::string config_toml;  ///< the whole resolved configuration
+    std::string text;  ///< if set: printed on stdout instead of the result's values (unless --json)
+
+    /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
+    void check_stop() const;
+};
+
+/// The name, one line and example command lines of a verb, for --help.
+struct StageDescription {
+    std::string name;                   ///< "fit": the executable is slim-fit
+    std::string summary;                ///< one line
+    std::vector<std::string> examples;  ///< "slim fit work --degree 2"
+    bool answers = false;               ///< the result is the purpose: printed even with --quiet
+};
+
+/// A stage with its configuration's type erased, so that main's machinery is compiled once.
+struct ErasedStage {
+    StageDescription description;
+    FieldList fields;
+    std::function<nlohmann::json(StageContext&)> run;
+};
+
+/// Parses, runs, prints and maps errors to exit codes (CONVENTIONS 2.1); never throws.
+int run_erased_stage(const ErasedStage& stage, int argc, char** argv);
+
+/// main() of one executable: the command line and config file (see FieldList), common options
+/// (--config --set --print-config --threads --json --force -q -v --help --version), then
+/// `run(config, context)`, whose JSON object is printed.
+template <class Config, class Run>
+int run_stage(StageDescription description, int argc, char** argv, Run run) {
+    Config config;
+    ErasedStage stage{std::move(description), fields_of(config),
+                      [&](StageContext& context) { return run(config, context); }};
+    return run_erased_stage(stage, argc, argv);
+}
+
+/// The context of a stage called by another one: same reporter, threads and force, its own config.
+template <class Config>
+StageContext for_stage(const StageContext& parent, std::string stage, Config config) {
+    const FieldList fields = fields_of(config);
+    return {parent.reporter, parent.threads,       parent.force, std::move(stage),
+            canonical_config(fields), print_config(fields), ""};
+}
+
+}  // namespace slim

@@ -1,0 +1,161 @@
+#include "pipeline/toml_file.h"
+
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
+
+std::string place(const fs::path& file, int line) { return fmt::format("{}:{}", file.string(), line); }
+
+/// One scalar's kind and text; false for what our files do not use (dates, tables, arrays).
+bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
+    if (const auto* boolean = node.as_boolean()) {
+        kind = Field::Kind::boolean;
+        text = boolean->get() ? "true" : "false";
+    } else if (const auto* integer = node.as_integer()) {
+        kind = Field::Kind::integer;
+        text = fmt::format("{}", integer->get());
+    } else if (const auto* real = node.as_floating_point()) {
+        kind = Field::Kind::real;
+        text = fmt::format("{}", real->get());
+    } else if (const auto* string = node.as_string()) {
+        kind = Field::Kind::text;
+        text = string->get();
+    } else {
+        return false;
+    }
+    return true;
+}
+
+[[noreturn]] void unreadable(const fs::path& file, const TomlValue& value) {
+    throw ConfigError(fmt::format("{}: {}: expected a string, a number, true, false or a plain "
+                                  "array of one kind of them",
+                                  place(file, value.line), value.key));
+}
+
+/// Whole numbers among real ones make a real array; anything else must be of one kind.
+Field::Kind common_kind(Field::Kind a, Field::Kind b, const fs::path& file, const TomlValue& value) {
+    if (a == b) return a;
+    const auto number = [](Field::Kind k) {
+        return k == Field::Kind::integer || k == Field::Kind::real;
+    };
+    if (!number(a) || !number(b)) unreadable(file, value);
+    return Field::Kind::real;
+}
+
+TomlValue read_value(const std::string& key, const toml::node& node, const fs::path& file) {
+    TomlValue value{key, Field::Kind::text, node.is_array(), {}, line_of(node)};
+    std::string text;
+    if (!value.is_list) {
+        if (!scalar(node, value.kind, text)) unreadable(file, value);
+        value.items = {text};
+        return value;
+    }
+    for (const toml::node& item : *node.as_array()) {
+        Field::Kind kind{};
+        if (!scalar(item, kind, text)) unreadable(file, value);
+        value.kind = value.items.empty() ? kind : common_kind(value.kind, kind, file, value);
+        value.items.push_back(text);
+    }
+    return value;
+}
+
+TomlTable read_table(const std::string& name, const toml::table& in, const fs::path& file) {
+    TomlTable out{name, line_of(in), {}, {}};
+    for (const auto& [key_view, node] : in) {
+        const std::string key(key_view);
+        const toml::array* array = node.as_array();
+        if (const toml::table* table = node.as_table()) {
+            out.tables.push_back(read_table(key, *table, file));
+        } else if (array && !array->empty() && array->is_array_of_tables()) {
+            for (const toml::node& item : *array)
+                out.tables.push_back(read_table(key, *item.as_table(), file));
+        } else {
+            out.values.push_back(read_value(key, node, file));
+        }
+    }
+    // toml++ sorts by name; the order in the file is what a reader expects errors and views in.
+    const auto by_line = [](const auto& a, const auto& b) { return a.line < b.line; };
+    std::stable_sort(out.values.begin(), out.values.end(), by_line);
+    std::stable_sort(out.tables.begin(), out.tables.end(), by_line);
+    return out;
+}
+
+const char* kind_name(Field::Kind kind) {
+    switch (kind) {
+        case Field::Kind::boolean: return "true or false";
+        case Field::Kind::integer: return "a whole number";
+        case Field::Kind::real: return "a number";
+        default: return "a string";
+    }
+}
+
+void check_type(const TomlValue& value, const Field& field, const std::string& where) {
+    const bool same = value.kind == field.kind() || value.items.empty() ||
+                      (field.kind() == Field::Kind::real && value.kind == Field::Kind::integer);
+    if (same && value.is_list == field.is_list()) return;
+    throw ConfigError(fmt::format("{}: expected {}{}, found {}{}", where,
+                                  field.is_list() ? "an array, each item " : "",
+                                  kind_name(field.kind()), value.is_list ? "an array of " : "",
+                                  kind_name(value.kind)));
+}
+
+std::vector<std::string> resolved(std::vector<std::string> paths, const fs::path& file) {
+    for (std::string& path : paths)
+        if (!path.empty()) path = (file.parent_path() / path).lexically_normal().string();
+    return paths;
+}
+
+}  // namespace
+
+TomlTable read_toml(const fs::path& file) {
+    errno = 0;
+    std::ifstream in(file, std::ios::binary);
+    std::stringstream text;
+    if (in) text << in.rdbuf();
+    if (!in || fs::is_directory(file))
+        throw IoError(fmt::format("{}: cannot read: {}", file.string(),
+                                  fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
+    try {
+        return read_table("", toml::parse(text.view(), file.string()), file);
+    } catch (const toml::parse_error& error) {
+        throw ConfigError(fmt::format("{}:{}: not TOML: {}", file.string(),
+                                      error.source().begin.line, error.description()));
+    }
+}
+
+void apply_table(const TomlTable& table, const FieldList& fields, const fs::path& file) {
+    for (const TomlValue& value : table.values) {
+        const std::string where = fmt::format("{}: {}", place(file, value.line), value.key);
+        const Field* field = fields.find(value.key);
+        if (!field)
+            throw ConfigError(fmt::format("{}: unknown key '{}'{}", place(file, value.line), value.key,
+                                          suggestion(value.key, keys_of(fields))));
+        check_type(value, *field, where);
+        field->set(field->is_path() ? resolved(value.items, file) : value.items, where);
+    }
+}
+
+void apply_config_file(const fs::path& file, const FieldList& fields) {
+    const TomlTable table = read_toml(file);
+    if (!table.tables.empty())
+        throw ConfigError(fmt::format("{}: unknown table [{}]: a stage's config holds plain keys only"
+                                      " (a job file is for 'slim run')",
+                                      place(file, table.tables[0].line), table.tables[0].name));
+    apply_table(table, fields, file);
+}
+
+}  // namespace slim

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "pipeline/config.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slim {
+
+/// A TOML value of the kinds our files use, numbers as exact text.
+struct TomlValue {
+    std::string key;
+    Field::Kind kind = Field::Kind::text;
+    bool is_list = false;
+    std::vector<std::string> items;
+    int line = 0;
+};
+
+/// A TOML table: its values, its [tables] and its [[arrays of tables]] (one entry per table).
+struct TomlTable {
+    std::string name;
+    int line = 0;
+    std::vector<TomlValue> values;
+    std::vector<TomlTable> tables;
+};
+
+/// The whole file as plain values. ConfigError naming file and line (not TOML, or a date, a nested
+/// or mixed array); IoError if it cannot be read.
+TomlTable read_toml(const std::filesystem::path& file);
+
+/// Sets the fields that a table names; relative paths are taken from the file's folder. ConfigError
+/// with file:line for an unknown key (and the nearest one), a wrong type or a value out of range.
+void apply_table(const TomlTable& table, const FieldList& fields,
+                 const std::filesystem::path& file);
+
+/// apply_table of a file that holds nothing but a stage's keys.
+void apply_config_file(const std::filesystem::path& file, const FieldList& fields);
+
+}  // namespace slim
