@@ -82,8 +82,12 @@ NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec
                                       std::span<const Vec3d> samples, bool automatic) {
     NoiseVariance out = with_neighbors(index, points, samples, 10);
     while (automatic && out.flatness > kFlat && out.neighbors < kMostNeighbors &&
-           out.neighbors < points.size())
-        out = with_neighbors(index, points, samples, 2 * out.neighbors);
+           out.neighbors < points.size()) {
+        // A mean over more neighbours each needs fewer samples: the cost stays what it was.
+        const std::size_t k = 2 * out.neighbors;
+        const std::size_t n = std::max<std::size_t>(samples.size() * 10 / k, 1);
+        out = with_neighbors(index, points, samples.first(n), k);
+    }
     return out;
 }
 

@@ -11,10 +11,10 @@ namespace slim {
 
 /// How the radius of a surfel is searched; the defaults are chosen by measurement (notes/0001).
 struct LadderRules {
-    double points_per_coefficient = 2.5;  ///< of the finest admissible rung
+    double points_per_coefficient = 4;  ///< of the finest admissible rung
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
     float least_cos = 0.3f;               ///< a point below it ends the height field
-    double contrary_share = 0;            ///< of such points that is tolerated
+    double contrary_share = 0;            ///< of such points among the cloud's normals: noise of the normals
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
 };
 
@@ -57,6 +57,7 @@ private:
         double energy, upper;
     };
     std::size_t least_points() const;
+    bool is_height_field(std::size_t contrary, std::size_t n) const;
     int finest_rung(const Vec3d& center, double first_guess) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;

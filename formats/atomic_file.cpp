@@ -1,0 +1,111 @@
+#include "formats/atomic_file.h"
+
+#include "formats/message.h"
+#include "slim/base/check.h"
+#include "slim/base/error.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kBufferSize = std::size_t{1} << 20;
+
+std::string folder_of(const std::string& path) {
+    const auto slash = path.rfind('/');
+    return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
+}
+
+/// The new name must survive a power cut too; a file system that cannot sync a folder is no error.
+void sync_folder(const std::string& folder) {
+    const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0) return;
+    ::fsync(fd);
+    ::close(fd);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string path)
+    : path_(std::move(path)), temporary_(path_ + ".tmp." + std::to_string(::getpid())) {
+    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file_ < 0) {
+        const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;
+        throw IoError(message(path_, ": cannot be created: ", std::strerror(errno)),
+                      full ? ExitCode::resource : ExitCode::usage);
+    }
+    buffer_.reserve(kBufferSize);
+}
+
+AtomicFile::~AtomicFile() {
+    if (file_ < 0) return;
+    ::close(file_);
+    ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::fail(const char* doing) const {
+    throw IoError(message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(errno)),
+                  ExitCode::resource);
+}
+
+void AtomicFile::put(std::uint64_t offset, const char* data, std::size_t n) {
+    while (n > 0) {
+        const ssize_t done = ::pwrite(file_, data, n, static_cast<off_t>(offset));
+        if (done < 0 && errno == EINTR) continue;
+        if (done <= 0) fail("cannot be written");
+        data += done;
+        offset += static_cast<std::uint64_t>(done);
+        n -= static_cast<std::size_t>(done);
+        furthest_ = std::max(furthest_, offset);
+    }
+}
+
+void AtomicFile::flush() {
+    put(end_, buffer_.data(), buffer_.size());
+    end_ += buffer_.size();
+    buffer_.clear();
+}
+
+void AtomicFile::write(const void* data, std::size_t n) {
+    SLIM_CHECK(file_, >=, 0);
+    const char* bytes = static_cast<const char*>(data);
+    if (buffer_.size() + n > kBufferSize) flush();
+    if (n >= kBufferSize) {
+        put(end_, bytes, n);
+        end_ += n;
+    } else {
+        buffer_.insert(buffer_.end(), bytes, bytes + n);
+    }
+}
+
+void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t n) {
+    SLIM_CHECK(file_, >=, 0);
+    flush();
+    put(offset, static_cast<const char*>(data), n);
+}
+
+std::uint64_t AtomicFile::size() const { return std::max(furthest_, end_ + buffer_.size()); }
+
+void AtomicFile::commit() {
+    SLIM_CHECK(file_, >=, 0);
+    flush();
+    if (::fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be flushed to disk");
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
+    ::close(file_);
+    file_ = -1;
+    sync_folder(folder_of(path_));
+}
+
+void write_file_atomically(const std::string& path, std::string_view bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+}
+
+}  // namespace slim

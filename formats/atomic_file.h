@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slim {
+
+/// A file that appears under its name whole or not at all: written as `name.tmp.<pid>` in the same
+/// directory, then flushed to disk and renamed by commit(). Without commit() the destructor removes it.
+///
+/// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage` when
+/// the place cannot be written to at all
+/// cost   one buffer of 1 MiB
+class AtomicFile {
+public:
+    explicit AtomicFile(std::string path);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    /// Appends n bytes.
+    void write(const void* data, std::size_t n);
+    void write(std::string_view text) { write(text.data(), text.size()); }
+    /// Writes n bytes at a place of its own, before or beyond the end; holes read as zeros.
+    void write_at(std::uint64_t offset, const void* data, std::size_t n);
+    /// Bytes so far: the furthest one that was written, plus one.
+    std::uint64_t size() const;
+    /// Makes the file visible under its name; nothing may be written afterwards.
+    void commit();
+    const std::string& path() const { return path_; }
+
+private:
+    void flush();
+    void put(std::uint64_t offset, const char* data, std::size_t n);
+    [[noreturn]] void fail(const char* doing) const;
+
+    std::string path_;
+    std::string temporary_;
+    int file_ = -1;
+    std::uint64_t end_ = 0;         ///< where the buffer belongs
+    std::uint64_t furthest_ = 0;    ///< end of what was put to disk
+    std::vector<char> buffer_;
+};
+
+/// Replaces the file by these bytes, atomically. Throws as AtomicFile.
+void write_file_atomically(const std::string& path, std::string_view bytes);
+
+}  // namespace slim

@@ -1,0 +1,202 @@
+#include "formats/chunk_file.h"
+
+#include "formats/chunk_layout.h"
+#include "formats/message.h"
+#include "slim/base/error.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace slim {
+
+struct ChunkFile::State {
+    std::string path;
+    const char* what = "";
+    const unsigned char* data = nullptr;
+    std::uint64_t size = 0;
+    ChunkFileHeader header{};
+    std::vector<ChunkEntry> table;
+
+    State() = default;
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State() {
+        if (data) ::munmap(const_cast<unsigned char*>(data), size);
+    }
+
+    [[noreturn]] void fail(std::uint64_t offset, const std::string& text) const {
+        throw FormatError(message(path, ": byte ", offset, ": ", text));
+    }
+    void map();
+    void read_header(const ChunkFileKind& kind);
+    void read_table();
+    void check_entry(const ChunkEntry& entry) const;
+    void check_gaps() const;
+    const ChunkEntry* find(std::string_view name) const;
+    const ChunkEntry& entry(std::string_view name) const;
+};
+
+namespace {
+
+std::string name_of(const ChunkEntry& entry) {
+    return {entry.name, strnlen(entry.name, sizeof(entry.name))};
+}
+
+/// Closes the descriptor however a function ends.
+struct Descriptor {
+    int fd;
+    ~Descriptor() {
+        if (fd >= 0) ::close(fd);
+    }
+};
+
+std::string quoted(const char* bytes, std::size_t n) {
+    std::string text;
+    for (std::size_t i = 0; i < n; ++i)
+        text += bytes[i] >= 0x20 && bytes[i] < 0x7f ? bytes[i] : '?';
+    return '\'' + text + '\'';
+}
+
+}  // namespace
+
+void ChunkFile::State::map() {
+    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    struct stat status {};
+    if (file.fd < 0 || ::fstat(file.fd, &status) != 0)
+        throw IoError(message(path, ": cannot be opened: ", std::strerror(errno)));
+    if (!S_ISREG(status.st_mode)) throw IoError(message(path, ": is not a regular file"));
+    size = static_cast<std::uint64_t>(status.st_size);
+    if (size == 0) fail(0, message("the file is empty; expected a ", what));
+    void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.fd, 0);
+    if (mapped == MAP_FAILED)
+        throw ResourceError(message(path, ": cannot be mapped: ", std::strerror(errno)));
+    data = static_cast<const unsigned char*>(mapped);
+}
+
+void ChunkFile::State::read_header(const ChunkFileKind& kind) {
+    const std::size_t n_magic = std::min<std::size_t>(size, sizeof(header.magic));
+    if (std::memcmp(data, kind.magic.data(), n_magic) != 0)
+        fail(0, message("this is not a ", what, ": expected '", kind.magic, "', found ",
+                        quoted(reinterpret_cast<const char*>(data), n_magic)));
+    if (size < sizeof(header))
+        fail(size, message("cut off: a ", what, " has at least ", sizeof(header), " bytes, found ",
+                           size));
+    std::memcpy(&header, data, sizeof(header));
+    if (header.endian_mark == kEndianMarkSwapped) fail(12, "written in the other byte order");
+    if (header.endian_mark != kEndianMark) fail(12, "damaged: wrong byte order mark");
+    // A newer version may have another header, so this comes before its checksum.
+    if (header.version > kind.version)
+        fail(8, message("written by a newer slim: ", what, " version ", header.version,
+                        ", this one reads up to ", kind.version));
+    if (header.version == 0) fail(8, "damaged: version 0");
+    if (header.header_checksum != XXH3_64bits(&header, kHeaderHashedBytes))
+        fail(0, "damaged: the header does not match its checksum");
+    if (header.file_size != size)
+        fail(std::min(size, header.file_size),
+             message(size < header.file_size ? "cut off" : "too long", ": expected ",
+                     header.file_size, " bytes, found ", size));
+}
+
+void ChunkFile::State::read_table() {
+    const std::uint64_t table_size = header.n_chunks * std::uint64_t{sizeof(ChunkEntry)};
+    if (header.table_offset > size || table_size != size - header.table_offset)
+        fail(24, "damaged: the table of chunks is out of bounds");
+    if (header.table_checksum != XXH3_64bits(data + header.table_offset, table_size))
+        fail(header.table_offset, "damaged: the table of chunks does not match its checksum");
+    table.resize(header.n_chunks);
+    if (table_size > 0) std::memcpy(table.data(), data + header.table_offset, table_size);
+    for (const ChunkEntry& e : table) check_entry(e);
+}
+
+void ChunkFile::State::check_entry(const ChunkEntry& e) const {
+    const bool fits = e.element_size > 0 && e.offset % kChunkAlignment == 0 &&
+                      e.offset >= sizeof(ChunkFileHeader) && e.offset <= header.table_offset &&
+                      e.count <= (header.table_offset - e.offset) / e.element_size;
+    if (!fits) fail(header.table_offset, message("damaged: chunk ", name_of(e), " is out of bounds"));
+}
+
+/// No checksum covers the bytes between chunks, so they must be zero: no flipped bit goes unseen.
+void ChunkFile::State::check_gaps() const {
+    std::uint64_t at = sizeof(ChunkFileHeader);
+    const auto zeros_until = [&](std::uint64_t end) {
+        for (; at < end; ++at)
+            if (data[at] != 0) fail(at, "damaged: expected a zero between chunks");
+    };
+    for (const ChunkEntry& e : table) {
+        if (e.offset < at || e.offset - at >= kChunkAlignment)
+            fail(header.table_offset, message("damaged: chunk ", name_of(e), " is out of place"));
+        zeros_until(e.offset);
+        at = e.offset + e.count * e.element_size;
+    }
+    zeros_until(header.table_offset);
+}
+
+const ChunkEntry* ChunkFile::State::find(std::string_view name) const {
+    for (const ChunkEntry& e : table)
+        if (name_of(e) == name) return &e;
+    return nullptr;
+}
+
+const ChunkEntry& ChunkFile::State::entry(std::string_view name) const {
+    const ChunkEntry* e = find(name);
+    if (!e) fail(header.table_offset, message("this ", what, " has no chunk ", name));
+    return *e;
+}
+
+ChunkFile::ChunkFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ChunkFile::~ChunkFile() = default;
+ChunkFile::ChunkFile(ChunkFile&&) noexcept = default;
+ChunkFile& ChunkFile::operator=(ChunkFile&&) noexcept = default;
+
+ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind) {
+    auto state = std::make_unique<State>();
+    state->path = path;
+    state->what = kind.what;
+    state->map();
+    state->read_header(kind);
+    state->read_table();
+    state->check_gaps();
+    return ChunkFile(std::move(state));
+}
+
+const std::string& ChunkFile::path() const { return state_->path; }
+std::uint64_t ChunkFile::file_size() const { return state_->size; }
+std::uint32_t ChunkFile::version() const { return state_->header.version; }
+bool ChunkFile::has(std::string_view name) const { return state_->find(name) != nullptr; }
+std::uint64_t ChunkFile::offset(std::string_view name) const { return state_->entry(name).offset; }
+
+std::vector<std::string> ChunkFile::names() const {
+    std::vector<std::string> names;
+    for (const ChunkEntry& e : state_->table) names.push_back(name_of(e));
+    return names;
+}
+
+void ChunkFile::verify(std::string_view name) const {
+    const ChunkEntry& e = state_->entry(name);
+    if (e.checksum != XXH3_64bits(state_->data + e.offset, e.count * e.element_size))
+        state_->fail(e.offset, message("damaged: chunk ", name, " (", e.count * e.element_size,
+                                       " bytes) does not match its checksum"));
+}
+
+void ChunkFile::verify_all() const {
+    for (const ChunkEntry& e : state_->table) verify(name_of(e));
+}
+
+ChunkFile::Raw ChunkFile::raw(std::string_view name, std::size_t element_size) const {
+    const ChunkEntry& e = state_->entry(name);
+    if (e.element_size != element_size)
+        state_->fail(state_->header.table_offset,
+                     message("chunk ", name, ": expected elements of ", element_size,
+                             " bytes, found ", e.element_size));
+    return {state_->data + e.offset, static_cast<std::size_t>(e.count)};
+}
+
+}  // namespace slim

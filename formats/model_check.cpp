@@ -1,0 +1,93 @@
+#include "formats/model_check.h"
+
+#include "formats/message.h"
+
+#include <cmath>
+#include <vector>
+
+namespace slim {
+namespace {
+
+/// The radius ladder shrinks by the golden ratio: 64 rungs are a factor of 1e13.
+constexpr int kMostLevels = 64;
+
+ModelFault check_header(const SurfelTree& tree) {
+    const ModelHeader& h = tree.header();
+    const auto fault = [](auto... parts) { return ModelFault{"header", 0, message(parts...)}; };
+    if (h.degree < 0 || h.degree > kMaxDegree) return fault("degree ", h.degree, " is not 0 to 3");
+    if (!is_finite(h.origin) || !is_finite(h.bounds.lo) || !is_finite(h.bounds.hi))
+        return fault("origin or bounds are not finite");
+    if (!(std::isfinite(h.diagonal) && h.diagonal >= 0)) return fault("diagonal ", h.diagonal);
+    const std::size_t n = tree.n_nodes();
+    const std::size_t stride = static_cast<std::size_t>(floats_per_surfel(h.degree));
+    if (n == 0) return fault("a model has at least a root, found no node");
+    if (tree.records().size() != n * stride)
+        return fault(n, " nodes need ", n * stride, " floats of records, found ",
+                     tree.records().size());
+    const std::size_t n_pages = (n + kSurfelsPerPage - 1) / kSurfelsPerPage;
+    if (tree.page_origins().size() != n_pages)
+        return fault(n, " nodes need ", n_pages, " pages, found ", tree.page_origins().size());
+    return {};
+}
+
+ModelFault check_pages(const SurfelTree& tree) {
+    for (std::size_t i = 0; i < tree.page_origins().size(); ++i)
+        if (!is_finite(tree.page_origins()[i])) return {"pages", i, "origin is not finite"};
+    return {};
+}
+
+ModelFault check_record(const SurfelTree& tree, std::size_t i) {
+    const std::size_t stride = static_cast<std::size_t>(floats_per_surfel(tree.header().degree));
+    const float* r = tree.record(i);
+    for (std::size_t k = 0; k < stride; ++k)
+        if (!std::isfinite(r[k])) return {"records", i, message("number ", k, " is not finite")};
+    if (!(r[3] > 0)) return {"records", i, message("support radius ", r[3], " is not positive")};
+    if (std::abs(r[4]) > 1 || std::abs(r[5]) > 1)
+        return {"records", i, "the packed normal is outside [-1, 1]"};
+    const TreeNode& node = tree.node(i);
+    if (!(std::isfinite(node.bound_radius) && node.bound_radius >= r[3]))
+        return {"nodes", i, message("bound radius ", node.bound_radius,
+                                    " is less than support radius ", r[3])};
+    return {};
+}
+
+ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& has_parent) {
+    const TreeNode& node = tree.node(i);
+    const auto fault = [&](auto... parts) { return ModelFault{"nodes", i, message(parts...)}; };
+    if (node.level > kMostLevels) return fault("level ", int{node.level}, " is beyond ", kMostLevels);
+    if (node.degree > tree.header().degree)
+        return fault("degree ", int{node.degree}, " is above the model's ", tree.header().degree);
+    if (!std::isfinite(node.fit_error) || node.fit_error < 0)
+        return fault("fit error ", node.fit_error);
+    if (node.n_children == 0) return {};
+    if (node.first_child <= i) return fault("child ", node.first_child, " does not follow its parent");
+    const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
+    if (end > tree.n_nodes())
+        return fault("children up to ", end, ", but there are ", tree.n_nodes(), " nodes");
+    for (std::size_t child = node.first_child; child < end; ++child) {
+        if (has_parent[child]) return fault("child ", child, " has another parent too");
+        has_parent[child] = true;
+    }
+    return {};
+}
+
+}  // namespace
+
+ModelFault check_model(const SurfelTree& tree) {
+    if (ModelFault f = check_header(tree); !f.chunk.empty()) return f;
+    if (ModelFault f = check_pages(tree); !f.chunk.empty()) return f;
+    std::vector<bool> has_parent(tree.n_nodes());
+    std::uint64_t n_leaves = 0;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i) {
+        // Parents come first, so a node's parent has been seen by now.
+        if (i > 0 && !has_parent[i]) return {"nodes", i, "has no parent"};
+        if (ModelFault f = check_node(tree, i, has_parent); !f.chunk.empty()) return f;
+        if (ModelFault f = check_record(tree, i); !f.chunk.empty()) return f;
+        n_leaves += tree.node(i).is_leaf() ? 1 : 0;
+    }
+    if (n_leaves != tree.header().n_leaves)
+        return {"header", 0, message("says ", tree.header().n_leaves, " leaves, found ", n_leaves)};
+    return {};
+}
+
+}  // namespace slim

@@ -1,0 +1,85 @@
+#include "formats/model_file.h"
+
+#include "formats/message.h"
+#include "formats/model_check.h"
+#include "slim/base/error.h"
+
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 1};
+
+/// ModelHeader as it stands in the file: no gaps, sizes fixed.
+struct HeaderRecord {
+    std::int32_t degree;
+    std::uint32_t reserved;
+    Vec3d origin, lo, hi;
+    double diagonal, noise_variance, mdl_threshold;
+    std::uint64_t n_points, n_leaves, seed;
+};
+static_assert(sizeof(HeaderRecord) == 8 + 9 * 8 + 3 * 8 + 3 * 8);
+
+HeaderRecord pack(const ModelHeader& h) {
+    return {h.degree,   0,          h.origin,         h.bounds.lo,     h.bounds.hi, h.diagonal,
+            h.noise_variance, h.mdl_threshold, h.n_points, h.n_leaves, h.seed};
+}
+
+ModelHeader unpack(const HeaderRecord& r) {
+    return {r.degree,         r.origin,        {r.lo, r.hi}, r.diagonal, r.noise_variance,
+            r.mdl_threshold, r.n_points,      r.n_leaves,   r.seed};
+}
+
+ModelHeader read_header(const ChunkFile& file) {
+    const auto records = file.array<HeaderRecord>("header");
+    if (records.size() != 1)
+        throw FormatError(message(file.path(), ": byte ", file.offset("header"),
+                                  ": expected one header, found ", records.size()));
+    return unpack(records[0]);
+}
+
+std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const ModelFault& fault) {
+    const auto stride = static_cast<std::size_t>(floats_per_surfel(tree.header().degree));
+    const std::size_t size = fault.chunk == "nodes"     ? sizeof(TreeNode)
+                             : fault.chunk == "pages"   ? sizeof(Vec3d)
+                             : fault.chunk == "records" ? stride * sizeof(float)
+                                                        : 0;
+    return file.offset(fault.chunk) + fault.entry * size;
+}
+
+}  // namespace
+
+void write_model(const std::string& path, const SurfelTreeData& data,
+                 const std::string& provenance_json) {
+    const HeaderRecord header = pack(data.header);
+    ChunkWriter writer(path, kModelKind);
+    writer.add("header", std::span<const HeaderRecord>(&header, 1));
+    writer.add("provenance", std::span<const char>(provenance_json));
+    writer.add("pages", std::span<const Vec3d>(data.page_origins));
+    writer.add("nodes", std::span<const TreeNode>(data.nodes));
+    writer.add("records", std::span<const float>(data.records));
+    writer.commit();
+}
+
+ModelFile ModelFile::open(const std::string& path) {
+    ModelFile model(ChunkFile::open(path, kModelKind));
+    const ChunkFile& file = model.file_;
+    file.verify_all();
+    model.header_ = read_header(file);
+    const auto json = file.array<char>("provenance");
+    model.provenance_.assign(json.begin(), json.end());
+    const SurfelTree tree = model.tree();
+    const ModelFault fault = check_model(tree);
+    if (!fault.chunk.empty())
+        throw FormatError(message(path, ": byte ", byte_of(file, tree, fault), ": chunk ",
+                                  fault.chunk, ", node ", fault.entry, ": ", fault.reason));
+    return model;
+}
+
+SurfelTree ModelFile::tree() const {
+    return {header_, file_.array<Vec3d>("pages"), file_.array<float>("records"),
+            file_.array<TreeNode>("nodes")};
+}
+
+}  // namespace slim

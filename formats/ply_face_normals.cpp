@@ -1,0 +1,94 @@
+#include "formats/ply_face_normals.h"
+
+#include "formats/message.h"
+#include "slim/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+/// Unit length without underflow or overflow on the way.
+Vec3f unit_normal(const Vec3d& sum) {
+    const double scale = std::max({std::abs(sum.x), std::abs(sum.y), std::abs(sum.z)});
+    if (!(scale > 0) || !is_finite(sum)) return {};
+    return to_float(normalized(sum / scale));
+}
+
+}  // namespace
+
+PlyFaceNormals::PlyFaceNormals(PlyReader& vertices) {
+    info_ = vertices.info();
+    PointChunk chunk;
+    while (vertices.read(chunk, kChunk)) {
+        all_.position.insert(all_.position.end(), chunk.position.begin(), chunk.position.end());
+        all_.scan.insert(all_.scan.end(), chunk.scan.begin(), chunk.scan.end());
+    }
+    info_.has_normals = info_.normals_from_faces = true;
+    sums_.resize(all_.size());
+    add_faces();
+    all_.normal.resize(all_.size());
+    std::transform(sums_.begin(), sums_.end(), all_.normal.begin(), unit_normal);
+    sums_ = {};
+}
+
+void PlyFaceNormals::add_faces() {
+    // A second reader: faces may stand before the vertices.
+    ByteReader in(info_.path);
+    const PlyHeader header = read_ply_header(in);
+    for (const PlyElement& element : header.elements) {
+        check_ply_count(in, element, header.encoding);
+        if (element.name != "face") {
+            PlyRows(in, header, element).skip_all();
+            continue;
+        }
+        PlyRows rows(in, header, element, ply_corner_list(element));
+        while (rows.next()) add_polygon(rows.list(), rows);
+        return;
+    }
+}
+
+std::size_t PlyFaceNormals::vertex_index(double value, const PlyRows& rows) const {
+    if (value >= 0 && value < static_cast<double>(all_.size()) && std::floor(value) == value)
+        return static_cast<std::size_t>(value);
+    throw FormatError(message(info_.path, ": ", rows.place(), ": face ", rows.n_read(),
+                              " has vertex index ", value, ", but there are ", all_.size(),
+                              " vertices"));
+}
+
+void PlyFaceNormals::add_polygon(const std::vector<double>& corners, const PlyRows& rows) {
+    polygon_.clear();
+    for (const double corner : corners) polygon_.push_back(vertex_index(corner, rows));
+    if (polygon_.size() < 3) return;
+    // The sum over a fan about the first corner is twice the polygon's area vector.
+    const Vec3d& first = all_.position[polygon_[0]];
+    Vec3d area;
+    for (std::size_t k = 1; k + 1 < polygon_.size(); ++k)
+        area += cross(all_.position[polygon_[k]] - first, all_.position[polygon_[k + 1]] - first);
+    if (!is_finite(area)) return;
+    for (const std::size_t vertex : polygon_) sums_[vertex] += area;
+}
+
+bool PlyFaceNormals::read(PointChunk& out, std::size_t max_points) {
+    const std::size_t n = std::min(max_points, all_.size() - n_given_);
+    out.resize(n, info_);
+    const auto from = static_cast<std::ptrdiff_t>(n_given_);
+    std::copy_n(all_.position.begin() + from, n, out.position.begin());
+    std::copy_n(all_.normal.begin() + from, n, out.normal.begin());
+    if (info_.has_scan) std::copy_n(all_.scan.begin() + from, n, out.scan.begin());
+    n_given_ += n;
+    return n > 0;
+}
+
+std::unique_ptr<PointSource> open_ply(const std::string& path) {
+    auto reader = std::make_unique<PlyReader>(path);
+    const CloudInfo& info = reader->info();
+    if (info.has_normals || !info.has_faces || !reader->has_corner_lists()) return reader;
+    return std::make_unique<PlyFaceNormals>(*reader);
+}
+
+}  // namespace slim

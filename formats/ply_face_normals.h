@@ -1,0 +1,34 @@
+#pragma once
+
+#include "formats/ply_reader.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// A PLY with faces and no normals: the whole mesh is read at once, and every vertex gets the
+/// area-weighted mean of its faces' normals, of unit length; zero if no face uses it.
+/// throws FormatError naming the face and the index when an index is out of range
+class PlyFaceNormals : public PointSource {
+public:
+    explicit PlyFaceNormals(PlyReader& vertices);
+    bool read(PointChunk& out, std::size_t max_points) override;
+    std::uint64_t bytes_read() const override { return info_.file_size; }
+
+private:
+    void add_faces();
+    void add_polygon(const std::vector<double>& corners, const PlyRows& rows);
+    std::size_t vertex_index(double value, const PlyRows& rows) const;
+
+    PointChunk all_;
+    std::vector<Vec3d> sums_;
+    std::vector<std::size_t> polygon_;
+    std::size_t n_given_ = 0;
+};
+
+/// Opens a PLY in the way that its header asks for.
+std::unique_ptr<PointSource> open_ply(const std::string& path);
+
+}  // namespace slim

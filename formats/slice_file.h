@@ -1,0 +1,35 @@
+#pragma once
+
+#include "formats/chunk_file.h"
+#include "slim/model/point_block.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace slim {
+
+/// Writes the points of one slice as they come, in order of their ids, without holding them: their
+/// number is known from the first pass. Throws as AtomicFile.
+class SliceWriter {
+public:
+    SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
+                bool has_normals, bool has_scans);
+    /// Columns as the constructor announced (a SLIM_CHECK); the origin of the block is not looked at.
+    void append(const PointBlock& block);
+    /// All announced points must have come (a SLIM_CHECK).
+    void commit() { chunks_.commit(); }
+
+private:
+    ChunkWriter chunks_;
+    std::size_t position_, id_, normal_, scan_;
+    bool has_normals_, has_scans_;
+};
+
+void write_slice(const std::string& path, const PointBlock& block);
+
+/// Reads a whole slice; every chunk is checked.
+/// throws FormatError naming file, place and reason; IoError
+PointBlock read_slice(const std::string& path);
+
+}  // namespace slim

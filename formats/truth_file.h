@@ -1,0 +1,38 @@
+#pragma once
+
+#include "formats/atomic_file.h"
+#include "slim/base/vec.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What an analytic surface knows exactly at the foot of a point.
+struct PointTruth {
+    Vec3d normal;   ///< outwards, unit length
+    double k1 = 0;  ///< larger principal curvature, 1/length, positive where convex
+    double k2 = 0;
+};
+static_assert(sizeof(PointTruth) == 40);
+
+/// cloud.ply -> cloud.truth, beside it (`.gz` is dropped first).
+std::string truth_path(const std::string& cloud_path);
+
+/// Writes `cloud.truth`: no header, five little-endian doubles nx ny nz k1 k2 a point, in file order.
+class TruthWriter {
+public:
+    explicit TruthWriter(const std::string& path) : file_(path) {}
+    void write(std::span<const PointTruth> truth) { file_.write(truth.data(), truth.size_bytes()); }
+    void commit() { file_.commit(); }
+
+private:
+    AtomicFile file_;
+};
+
+/// throws FormatError if the file does not hold exactly n_points (40 bytes each); IoError
+std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_points);
+
+}  // namespace slim

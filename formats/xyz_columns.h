@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slim {
+
+/// Which column of a text of coordinates means what; -1: none.
+struct XyzColumns {
+    std::size_t n_columns = 0;
+    int position[3] = {0, 1, 2};
+    int normal[3] = {-1, -1, -1};
+    int scan = -1;
+
+    bool has_normals() const { return normal[0] >= 0; }
+};
+
+/// Columns from a line of names ("x y z nx ny nz", any case, quotes and a leading `//` or `#` allowed).
+/// False if the line does not name x, y and z.
+bool columns_from_names(std::string_view line, XyzColumns& out);
+
+/// Columns from the first rows, for a file that names none: x y z first; three columns that have unit
+/// length in every row (zero, for a point without one, aside) are normals, looked for right behind
+/// the coordinates and at the end of the row; all else (intensity, colours) is passed over.
+/// rows: at least one, all of n_columns >= 3 numbers
+XyzColumns columns_from_rows(const std::vector<std::vector<double>>& rows);
+
+/// Splits at blanks, commas and semicolons.
+void split_row(std::string_view line, std::vector<std::string_view>& words);
+
+}  // namespace slim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "slim/model/point_block.h"
+
+#include <cstddef>
+
+namespace slim {
+
+/// Shares of good and bad normals in a cloud.
+struct NormalAudit {
+    std::size_t n = 0;         ///< points looked at
+    std::size_t missing = 0;   ///< zero or non-finite
+    std::size_t contrary = 0;  ///< opposed to neighbours that agree among themselves
+    std::size_t noisy = 0;     ///< not opposed, yet more than 72 degrees off neighbours that agree
+};
+
+/// Gives the points whose normal opposes a clear majority of their neighbours the direction of that
+/// majority: single-view scans see some points from behind a silhouette, registered clouds hold 0.4 to
+/// 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
+/// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count as missing
+/// and stay. Cost: one ball query a point, parallel.
+NormalAudit repair_contrary_normals(PointBlock& points);
+
+}  // namespace slim

@@ -1,0 +1,92 @@
+#pragma once
+
+#include "slim/shapes/blend.h"
+
+namespace slim {
+
+// The classic test surfaces as implicit functions over T = double or Jet2. Sizes as in the clouds
+// that the peers were measured on: unit sphere, torus 1/0.35, ellipsoid 1/0.7/0.4, bumpy sphere.
+
+/// z = 0, inside below.
+struct PlaneShape {
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return p.z;
+    }
+};
+
+struct SphereShape {
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return norm(p) - 1.0;
+    }
+};
+
+struct TorusShape {
+    static constexpr double kMajor = 1, kMinor = 0.35;
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return torus_z(p, kMajor, kMinor);
+    }
+};
+
+struct EllipsoidShape {
+    static constexpr Vec3d kAxes{1, 0.7, 0.4};
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return ellipsoid(p, kAxes);
+    }
+};
+
+/// Dupin ring cyclide (|p|^2 + b^2 - d^2)^2 = 4 (a x + c d)^2 + 4 b^2 y^2 with b^2 = a^2 - c^2,
+/// written as the root near the surface; for c = 0 a torus with radii a and d.
+struct CyclideShape {
+    static constexpr double kA = 1, kC = 0.3, kD = 0.5, kSqB = kA * kA - kC * kC;
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        using std::sqrt;
+        const T r = sqrt(square(T(kA * p.x + kC * kD)) + kSqB * square(p.y));
+        return (square(p.x) + square(p.y) + square(p.z) + (kSqB - kD * kD) - 2.0 * r) / (2 * kD);
+    }
+};
+
+/// Unit cylinder about z.
+struct CylinderShape {
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return hypot2(p.x, p.y) - 1.0;
+    }
+};
+
+/// Apex at (0, 0, 1), radius 1 at z = -1.
+struct ConeShape {
+    static constexpr double kSlope = 0.5;  ///< radius per height: tangent of the half angle
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return (hypot2(p.x, p.y) - kSlope * (1.0 - p.z)) / std::sqrt(1 + kSlope * kSlope);
+    }
+};
+
+/// z = x^3 - 3 x y^2, inside below: a flat umbilic at the origin.
+struct MonkeyShape {
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        return p.z - p.x * (square(p.x) - 3.0 * square(p.y));
+    }
+};
+
+/// r = 1 + 0.1 Y with the real harmonic Y ~ z Im (x + i y)^5 / r^6 scaled to maximum 1.
+struct BumpyShape {
+    static double amplitude() {  // 0.1 over the maximum of sin(t)^5 cos(t), at cos(t)^2 = 1/6
+        static const double a = 0.1 / (std::pow(5.0 / 6, 2.5) * std::sqrt(1.0 / 6));
+        return a;
+    }
+    template <class T>
+    static T value(const Vec3<T>& p) {
+        const T xx = square(p.x), yy = square(p.y), sq_r = xx + yy + square(p.z);
+        const T im5 = p.y * (5.0 * square(xx) - 10.0 * xx * yy + square(yy));
+        return norm(p) - 1.0 - amplitude() * p.z * im5 / (sq_r * square(sq_r));
+    }
+};
+
+}  // namespace slim

@@ -1,0 +1,44 @@
+#include "slim/slicing/slab_plan.h"
+
+#include "slim/base/check.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace slim {
+
+std::uint64_t slabs_for_memory(std::uint64_t n_points, std::uint64_t memory_bytes) {
+    const std::uint64_t fit = std::max<std::uint64_t>(1, memory_bytes / kBytesPerSlabPoint);
+    return std::clamp<std::uint64_t>((n_points + fit - 1) / fit, 1, kMostSlabs);
+}
+
+SlabPlan plan_slabs(const AxisHistogram& histogram, std::uint64_t wanted) {
+    SLIM_CHECK(wanted, >=, 1u);
+    const auto& counts = histogram.counts();
+    const std::uint64_t total = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    SlabPlan plan;
+    std::uint64_t in_slab = 0;
+    std::uint64_t left = total;
+    std::uint64_t slabs_left = wanted;
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+        // Cut before this bin if that comes nearer to an equal share of what is left.
+        const std::uint64_t share = (in_slab + left) / slabs_left;
+        const bool full = in_slab + counts[k] / 2 >= share && in_slab > 0;
+        if (full && slabs_left > 1 && left > 0) {
+            plan.cuts.push_back(histogram.edge(k));
+            plan.n_points.push_back(in_slab);
+            in_slab = 0;
+            --slabs_left;
+        }
+        in_slab += counts[k];
+        left -= counts[k];
+    }
+    if (in_slab > 0 || plan.n_points.empty()) plan.n_points.push_back(in_slab);
+    return plan;
+}
+
+std::size_t slab_of(double x, const std::vector<double>& cuts) {
+    return static_cast<std::size_t>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
+}
+
+}  // namespace slim
