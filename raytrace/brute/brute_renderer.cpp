@@ -1,0 +1,140 @@
+#include "raytrace/brute/brute_renderer.h"
+
+#include "slim/base/parallel.h"
+#include "slim/blend/blend.h"
+
+#include <chrono>
+#include <vector>
+
+namespace slim {
+namespace {
+
+struct Leaf {
+    Surfel surfel;
+    std::uint32_t node;
+};
+
+std::vector<Leaf> all_leaves(const SurfelTree& tree) {
+    std::vector<Leaf> leaves;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
+        if (tree.node(i).is_leaf())
+            leaves.push_back({tree.surfel(i), static_cast<std::uint32_t>(i)});
+    return leaves;
+}
+
+struct FirstHit {
+    double t = 0;
+    const Leaf* leaf = nullptr;
+    Vec3d gradient;
+};
+
+FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf*>& row,
+                     RenderStats& stats) {
+    FirstHit best;
+    for (const Leaf* leaf : row) {
+        Vec3d gradient;
+        ++stats.root_tests;
+        const auto t = first_hit(ray, leaf->surfel, t_near, kTrim, gradient);
+        if (t && (!best.leaf || *t < best.t)) best = {*t, leaf, gradient};
+    }
+    return best;
+}
+
+BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<const Leaf*>& row,
+                       bool want_hessian, RenderStats& stats) {
+    BlendSums sums;
+    for (const Leaf* leaf : row) {
+        ++stats.distance_tests;
+        add_supporter(ray, hit.t, hit.gradient, leaf->surfel, want_hessian, sums);
+    }
+    return sums;
+}
+
+void write_pixel(const PixelView& view, const SurfelTree& tree, const Ray& ray, const FirstHit& hit,
+                 const BlendSums& sums, std::size_t pixel, GBuffer& out) {
+    const bool blended = sums.weight > 0;
+    const double t = blended ? sums.t / sums.weight : hit.t;
+    const Vec3d p = ray.origin + ray.direction * t;
+    const Vec3f position = to_float(p);
+    const Vec3f normal = to_float(normalized(blended ? sums.gradient : hit.gradient));
+    out.hit[pixel] = 1;
+    if (out.has(kDepthChannel))
+        out.depth[pixel] = static_cast<float>(t * dot(ray.direction, view.forward));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (out.has(kPositionChannel)) out.position[axis][pixel] = position[axis];
+        if (out.has(kNormalChannel)) out.normal[axis][pixel] = normal[axis];
+    }
+    if (out.has(kCurvatureChannel) && blended) {
+        const Curvature k = curvature_from(sums.gradient, sums.hessian);
+        out.k1[pixel] = static_cast<float>(k.k1);
+        out.k2[pixel] = static_cast<float>(k.k2);
+        out.mean[pixel] = static_cast<float>(k.mean);
+        out.gauss[pixel] = static_cast<float>(k.gauss);
+    }
+    const TreeNode& node = tree.node(hit.leaf->node);
+    if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = hit.leaf->node;
+    if (out.has(kFitErrorChannel)) out.fit_error[pixel] = node.fit_error;
+    if (out.has(kLevelChannel)) out.level[pixel] = node.level;
+    if (out.has(kCoverageChannel)) out.coverage[pixel] = static_cast<float>(sums.weight);
+    if (out.has(kCountChannel)) out.count[pixel] = static_cast<std::uint32_t>(sums.count);
+}
+
+/// The leaves whose ball meets the plane that holds all rays of a row.
+std::vector<const Leaf*> leaves_of_row(const PixelView& view, double py,
+                                       const std::vector<Leaf>& leaves) {
+    const Vec3d origin = view.ray_origin(view.center_x, py);
+    const Vec3d normal =
+        normalized(cross(view.right, view.ray_direction(view.center_x, py)));
+    std::vector<const Leaf*> row;
+    for (const Leaf& leaf : leaves) {
+        const double distance = dot(normal, leaf.surfel.center - origin);
+        if (std::abs(distance) <= leaf.surfel.support_radius * (1 + 1e-9)) row.push_back(&leaf);
+    }
+    return row;
+}
+
+void render_row(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
+                const std::vector<Leaf>& leaves, int y, GBuffer& out, RenderStats& stats) {
+    const double py = window.y + y + 0.5;
+    const auto row = leaves_of_row(view, py, leaves);
+    for (int x = 0; x < window.width; ++x) {
+        const double px = window.x + x + 0.5;
+        const Ray ray{view.ray_origin(px, py), view.ray_direction(px, py)};
+        const double t_near = view.near_plane / dot(ray.direction, view.forward);
+        const FirstHit hit = nearest_hit(ray, t_near, row, stats);
+        if (!hit.leaf) continue;
+        const BlendSums sums = blend_around(ray, hit, row, out.has(kCurvatureChannel), stats);
+        write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
+        ++stats.covered_pixels;
+        if (!(sums.weight > 0)) ++stats.unblended_pixels;
+    }
+}
+
+}  // namespace
+
+RenderStats render_brute(const SurfelTree& tree, const RenderRequest& request, GBuffer& out) {
+    const auto start = std::chrono::steady_clock::now();
+    const PixelView view = pixel_view(request.camera, request.width, request.height);
+    const PixelWindow window = request.resolved_window();
+    out.reset(window.width, window.height, request.wanted);
+    const std::vector<Leaf> leaves = all_leaves(tree);
+    std::vector<RenderStats> rows(static_cast<std::size_t>(window.height));
+    parallel_blocks(rows.size(), 1, [&](std::size_t y, std::size_t) {
+        render_row(view, window, tree, leaves, static_cast<int>(y), out, rows[y]);
+    });
+    RenderStats stats;
+    stats.nodes_visited = tree.n_nodes();
+    stats.surfels_drawn = leaves.size();
+    for (const RenderStats& r : rows) {
+        stats.root_tests += r.root_tests;
+        stats.distance_tests += r.distance_tests;
+        stats.covered_pixels += r.covered_pixels;
+        stats.unblended_pixels += r.unblended_pixels;
+    }
+    stats.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                               start).count();
+    stats.draw_ms = stats.total_ms;
+    return stats;
+}
+
+}  // namespace slim

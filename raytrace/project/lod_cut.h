@@ -1,0 +1,40 @@
+#pragma once
+
+#include "raytrace/camera.h"
+#include "raytrace/renderer.h"
+#include "slim/model/surfel_tree.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// The part of space that a window of the picture sees, for tests of balls in camera coordinates.
+class ViewVolume {
+public:
+    ViewVolume(const PixelView& view, const PixelWindow& window);
+
+    /// False only if no point of the ball is seen (conservative).
+    bool may_see(const Vec3d& center, double radius) const;
+
+private:
+    struct Plane {
+        Vec3d normal;  ///< unit, inwards
+        double offset;
+    };
+    Plane planes_[5];
+};
+
+/// Projected diameter of a ball, pixels; infinite if the eye is inside.
+double projected_diameter(const PixelView& view, const Vec3d& center_in_camera, double radius);
+
+/// The surfels to draw (Ohtake 2005, sec. 3, "view dependent refinement"): from the root down while
+/// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever they
+/// are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below it.
+/// Order: depth first, children in order. Adds to nodes_visited. Throws FormatError on a child that
+/// does not come after its parent (a cycle) or lies outside the tree.
+std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
+                                   const PixelWindow& window, double lod_px,
+                                   std::uint64_t& nodes_visited);
+
+}  // namespace slim

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "raytrace/project/draw_list.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+inline constexpr int kTileSize = 32;
+
+/// Which records touch which 32x32 tile of the window, in the order of the draw list.
+struct TileBins {
+    int columns = 0, rows = 0;
+    std::vector<std::size_t> start;      ///< n_tiles + 1 offsets into `entries`
+    std::vector<std::uint32_t> entries;  ///< indices into the draw list
+
+    std::size_t n_tiles() const {
+        return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    }
+    std::span<const std::uint32_t> of(std::size_t tile) const {
+        return std::span(entries).subspan(start[tile], start[tile + 1] - start[tile]);
+    }
+};
+
+TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects);
+
+}  // namespace slim

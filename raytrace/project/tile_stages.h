@@ -1,0 +1,136 @@
+#pragma once
+
+#include "raytrace/project/draw_list.h"
+#include "raytrace/project/tile_buffers.h"
+#include "slim/model/surfel.h"
+#include "slim/model/weight_kernel.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// Calls visit(tile_y, group) for the groups of lanes of a tile that a rectangle touches.
+template <class Visit>
+inline void for_each_group(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
+    const int y0 = std::max(r.y0, t.y0) - t.y0, y1 = std::min(r.y1, t.y1) - t.y0;
+    const int x0 = std::max(r.x0, t.x0) - t.x0, x1 = std::min(r.x1, t.x1) - t.x0;
+    if (x0 >= x1) return;
+    const int group_0 = x0 / kLanes, group_1 = (x1 - 1) / kLanes;
+    for (int y = y0; y < y1; ++y)
+        for (int group = group_0; group <= group_1; ++group) visit(y, group);
+}
+
+/// A record's depths relative to the tile's reference.
+struct RecordDepths {
+    float base, center;
+    RecordDepths(const DrawRecord& r, const TileBuffers& t)
+        : base(static_cast<float>(r.z_base - t.z_ref)),
+          center(static_cast<float>(r.z_center - t.z_ref)) {}
+};
+
+/// Stage 1 for one surfel and one group: first root inside the shrunken ball, kept if nearer.
+template <int Degree>
+inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& depth, int tile_y,
+                       int group, TileBuffers& t) {
+    constexpr float kSqTrim = static_cast<float>(kTrim * kTrim);
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV z = t.z.load(i);
+    const float nearest = depth.center - static_cast<float>(kTrim) * r.radius;
+    const auto active = ball.sq_distance < kSqTrim && z > nearest;
+    if (stdx::none_of(active)) return;
+    t.counts.root_tests += static_cast<std::uint64_t>(stdx::popcount(active));
+    const FloatV s = stdx::sqrt(stdx::max(kSqTrim - ball.sq_distance, FloatV(0.0f)));
+    const FloatV at_near = (t.near_z - depth.base) * r.inv_radius * rays.inv_dz + ball.along;
+    const SurfelRay<FloatV> ray = surfel_ray(r, rays, ball);
+    const auto root = first_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray),
+                                                 stdx::max(-s, at_near), s, active);
+    const FloatV z_root = depth.base + r.radius * (root.t - ball.along) * rays.dz;
+    const auto nearer = root.hit && z_root < z;
+    if (stdx::none_of(nearer)) return;
+    const auto g = gradient_at<Degree, FloatV>(r, ray.bu + root.t * ray.du, ray.bv + root.t * ray.dv);
+    t.z.store(i, select<FloatV>(nearer, z_root, z));
+    t.winner.store(i, select<FloatV>(nearer, FloatV(entry), t.winner.load(i)));
+    t.gx.store(i, select<FloatV>(nearer, g.x, t.gx.load(i)));
+    t.gy.store(i, select<FloatV>(nearer, g.y, t.gy.load(i)));
+    t.gz.store(i, select<FloatV>(nearer, g.z, t.gz.load(i)));
+}
+
+/// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gate of NUMERICS 4.4.
+template <int Degree, bool kWantHessian>
+inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, int group,
+                  TileBuffers& t) {
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV tau = (t.z.load(i) - depth.base) * r.inv_radius * rays.inv_dz;
+    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
+    t.counts.distance_tests += kLanes;
+    if (stdx::none_of(inside)) return;
+    t.counts.root_tests += static_cast<std::uint64_t>(stdx::popcount(inside));
+    const FloatV s = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
+    const FloatV guess = tau + ball.along;
+    const SurfelRay<FloatV> ray = surfel_ray(r, rays, ball);
+    const auto root =
+        nearest_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray), guess, s, inside);
+    const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
+    const auto g = gradient_at<Degree, FloatV>(r, u, v);
+    const FloatV agreement = g.x * t.gx.load(i) + g.y * t.gy.load(i) + g.z * t.gz.load(i);
+    const auto taken = root.hit && agreement > 0.0f;
+    if (stdx::none_of(taken)) return;
+    const FloatV zero(0.0f);
+    const FloatV w =
+        select<FloatV>(taken, weight_kernel<FloatV>(ball.sq_distance + root.t * root.t), zero);
+    // Depths are averaged as differences from q^, where floats are finest.
+    const FloatV dz = r.radius * rays.dz * select<FloatV>(taken, root.t - guess, zero);
+    t.weight.add(i, w);
+    t.offset.add(i, w * dz);
+    t.count.add(i, select<FloatV>(taken, FloatV(1.0f), zero));
+    t.sum_x.add(i, w * g.x);
+    t.sum_y.add(i, w * g.y);
+    t.sum_z.add(i, w * g.z);
+    if constexpr (kWantHessian) {
+        const auto h = hessian_at<Degree, FloatV>(r, u, v);
+        for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+    }
+}
+
+/// Stage 1 of a tile: its surfels, nearest first; one behind everything is passed over.
+template <int Degree>
+void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
+    constexpr std::size_t kUpdateEvery = 8;
+    float farthest = t.farthest();
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+        const DrawRecord& r = list.records[entries[e]];
+        const RecordDepths depth(r, t);
+        if (e % kUpdateEvery == 0) farthest = t.farthest();
+        if (depth.center - static_cast<float>(kTrim) * r.radius > farthest) continue;
+        const auto entry = static_cast<float>(e);
+        for_each_group(t, list.trimmed[entries[e]], [&](int y, int group) {
+            first_hits<Degree>(r, entry, depth, y, group, t);
+        });
+    }
+}
+
+/// Stage 2 of a tile. A group is skipped if the ball cannot reach the depths of its q^.
+template <int Degree, bool kWantHessian>
+void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
+    if (!t.update_group_ranges()) return;
+    for (const std::uint32_t entry : entries) {
+        const DrawRecord& r = list.records[entry];
+        const RecordDepths depth(r, t);
+        // A little more than the radius, for the rounding of the depths.
+        const float reach = r.radius * 1.0001f;
+        for_each_group(t, list.full[entry], [&](int y, int group) {
+            const auto g = static_cast<std::size_t>(y * kGroupsPerRow + group);
+            if (depth.center - reach > t.group_far[g] || depth.center + reach < t.group_near[g])
+                return;
+            blend<Degree, kWantHessian>(r, depth, y, group, t);
+        });
+    }
+}
+
+}  // namespace slim

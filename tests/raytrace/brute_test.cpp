@@ -1,0 +1,136 @@
+#include "raytrace/brute/brute_renderer.h"
+
+#include "raytrace/project/forward_renderer.h"
+#include "slim/base/hash.h"
+#include "tests/raytrace/support/analytic_models.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace slim {
+namespace {
+
+struct Difference {
+    std::uint64_t covered = 0, hit = 0, depth = 0, normal = 0, curvature = 0;
+};
+
+/// Pixels that differ: in the mask, or in position by more than 1e-5 of the winner's radius.
+Difference compare(const SurfelTreeData& model, const RenderRequest& request) {
+    GBuffer fast, reference;
+    render_forward(model.view(), request, fast);
+    render_brute(model.view(), request, reference);
+    const PixelView view = pixel_view(request.camera, request.width, request.height);
+    Difference d;
+    for (std::size_t i = 0; i < fast.n_pixels(); ++i) {
+        d.covered += reference.hit[i];
+        if (fast.hit[i] != reference.hit[i]) {
+            ++d.hit;
+            continue;
+        }
+        if (!fast.hit[i]) continue;
+        const Vec3d p{fast.position[0][i], fast.position[1][i], fast.position[2][i]};
+        const Vec3d q{reference.position[0][i], reference.position[1][i], reference.position[2][i]};
+        const double rho = model.view().support_radius(reference.surfel_id[i]);
+        // The planes hold floats: two roundings of a coordinate come on top.
+        const double rounding = 2e-7 * (length(q) + 1e-30);
+        d.depth += std::abs(dot(p - q, view.forward)) > 1e-5 * rho + rounding;
+        const Vec3d n{fast.normal[0][i], fast.normal[1][i], fast.normal[2][i]};
+        const Vec3d m{reference.normal[0][i], reference.normal[1][i], reference.normal[2][i]};
+        d.normal += length(n - m) > 1e-3;
+        d.curvature += std::abs(fast.mean[i] - reference.mean[i]) > 1e-3 * (1 + std::abs(reference.mean[i]));
+    }
+    return d;
+}
+
+void expect_agreement(const SurfelTreeData& model, const RenderRequest& request) {
+    const Difference d = compare(model, request);
+    const auto allowed = static_cast<double>(d.covered) * 1e-4 + 1;
+    EXPECT_GT(d.covered, 100u);
+    EXPECT_LE(static_cast<double>(d.hit + d.depth), allowed);
+    EXPECT_LE(static_cast<double>(d.normal), allowed);
+    EXPECT_LE(static_cast<double>(d.curvature), allowed);
+    std::printf("covered %lu: mask %lu, depth %lu, normal %lu, curvature %lu\n", d.covered, d.hit,
+                d.depth, d.normal, d.curvature);
+}
+
+RenderRequest request_for(const SurfelTreeData& model, const char* name, bool orthographic,
+                          int size) {
+    RenderRequest request;
+    Framing framing;
+    framing.orthographic = orthographic;
+    request.camera = named_camera(name, model.header.bounds, 1, framing);
+    request.width = request.height = size;
+    request.wanted = kAllChannels;
+    request.lod_px = 0;
+    return request;
+}
+
+/// A sphere whose surfels were shaken: rough polynomials of full degree, mixed radii, opposed sheets.
+SurfelTreeData rough_model(int degree, std::uint64_t seed) {
+    auto leaves = test::sphere_leaves(1, 700, 6, degree);
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+        const auto noise = [&](std::uint64_t k) {
+            return 2 * unit_interval(keyed_hash(seed, i, k)) - 1;
+        };
+        Surfel& s = leaves[i];
+        s.support_radius *= 1 + 0.5 * noise(0);
+        s.center += Vec3d{noise(1), noise(2), noise(3)} * (0.05 * s.support_radius);
+        const int n = degree <= 1 ? 1 : n_coefficients(degree);
+        for (int k = 0; k < n; ++k)
+            s.polynomial.a[static_cast<std::size_t>(k)] += 0.15 * noise(10 + static_cast<std::uint64_t>(k));
+    }
+    return test::flat_tree(std::move(leaves), degree);
+}
+
+class BruteTest : public testing::TestWithParam<int> {};
+
+TEST_P(BruteTest, AgreesWithTheFastRendererOnASphere) {
+    const auto model = test::sphere_model(1, 800, GetParam());
+    for (const bool orthographic : {false, true})
+        expect_agreement(model, request_for(model, "iso", orthographic, 250));
+}
+
+TEST_P(BruteTest, AgreesWithTheFastRendererOnARoughModel) {
+    const auto model = rough_model(GetParam(), 7);
+    for (const bool orthographic : {false, true})
+        expect_agreement(model, request_for(model, "right", orthographic, 250));
+}
+
+TEST_P(BruteTest, AgreesWithTheFastRendererInsideABall) {
+    const auto model = rough_model(GetParam(), 8);
+    RenderRequest request = request_for(model, "front", false, 200);
+    request.camera.eye = {0, 0, 1.04};  // within the ball of the pole's surfel
+    request.camera.target = {0.3, 0.5, 0.2};
+    request.camera.fov_y_deg = 90;
+    request.camera.near_plane = 0.01;
+    expect_agreement(model, request);
+    request.camera.eye = {0.1, 0.1, 0};  // inside the sphere
+    expect_agreement(model, request);
+}
+
+INSTANTIATE_TEST_SUITE_P(Degrees, BruteTest, testing::Values(1, 2, 3));
+
+TEST(BruteRenderer, AgreesWithTheFastRendererAtExtremeAngles) {
+    const auto model = rough_model(2, 9);
+    RenderRequest request = request_for(model, "front", false, 150);
+    request.camera.eye = {0, 0, 1.5};
+    request.camera.fov_y_deg = 150;
+    expect_agreement(model, request);
+    request.camera.eye = {0, 0, 30000};
+    request.camera.fov_y_deg = 0.001;
+    expect_agreement(model, request);
+}
+
+TEST(BruteRenderer, DoesNotDrawInternalNodes) {
+    const auto model = test::two_level_sphere(1, 50, 400);
+    RenderRequest request = request_for(model, "front", true, 40);
+    GBuffer out;
+    const auto stats = render_brute(model.view(), request, out);
+    EXPECT_EQ(stats.surfels_drawn, 400u);
+    for (std::size_t i = 0; i < out.n_pixels(); ++i)
+        if (out.hit[i]) { ASSERT_GT(out.surfel_id[i], 50u); }
+}
+
+}  // namespace
+}  // namespace slim

@@ -1,0 +1,128 @@
+#include "raytrace/camera.h"
+
+#include "raytrace/renderer.h"
+#include "slim/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace slim {
+namespace {
+
+Bbox unit_box() {
+    Bbox box;
+    box.extend(Vec3d{-1, -2, -0.5});
+    box.extend(Vec3d{1, 2, 0.5});
+    return box;
+}
+
+TEST(Camera, PixelsRunFromTheTopLeftAndUpIsUp) {
+    Camera camera{{0, 0, 5}, {0, 0, 0}, {0, 1, 0}};
+    const PixelView view = pixel_view(camera, 40, 20);
+    const Vec3d center = view.ray_direction(20, 10);
+    EXPECT_NEAR(center.z, -1, 1e-15);
+    const Vec3d corner = view.ray_direction(0.5, 0.5);
+    EXPECT_LT(corner.x, 0);
+    EXPECT_GT(corner.y, 0);
+    const Vec3d top = view.ray_direction(20, 0);
+    EXPECT_NEAR(std::atan2(top.y, -top.z) * 180 / 3.14159265358979, 17.5, 1e-9);
+    const Vec3d p = view.point_at(3.5, 7.5, 4);
+    const Vec3d c = view.camera_from_local(p);
+    EXPECT_NEAR(c.z, 4, 1e-12);
+    EXPECT_NEAR(view.center_x + view.focal_px * c.x / c.z, 3.5, 1e-12);
+    EXPECT_NEAR(view.center_y + view.focal_px * c.y / c.z, 7.5, 1e-12);
+}
+
+TEST(Camera, NamedViewsFrameTheBox) {
+    for (const char* name : {"front", "back", "left", "right", "top", "bottom", "iso"})
+        for (const bool z_up : {false, true})
+            for (const bool orthographic : {false, true})
+                for (const double aspect : {0.5, 1.0, 2.0}) {
+                    Framing framing;
+                    framing.z_up = z_up, framing.orthographic = orthographic;
+                    const int height = 100, width = static_cast<int>(height * aspect);
+                    const PixelView v =
+                        pixel_view(named_camera(name, unit_box(), aspect, framing), width, height);
+                    double border = 1e9;
+                    for (int corner = 0; corner < 8; ++corner) {
+                        const Vec3d p{corner & 1 ? 1. : -1., corner & 2 ? 2. : -2., corner & 4 ? .5 : -.5};
+                        const Vec3d c = v.camera_from_local(p);
+                        const double scale = orthographic ? v.px_per_unit : v.focal_px / c.z;
+                        EXPECT_GT(c.z, v.near_plane);
+                        const double x = v.center_x + scale * c.x, y = v.center_y + scale * c.y;
+                        border = std::min({border, x, width - x, y, height - y});
+                    }
+                    // Some corner touches the margin: 4 % of the half width or height, or it is missed.
+                    EXPECT_GT(border, 0.019 * std::min(width, height)) << name;
+                    EXPECT_LT(border, 0.021 * std::max(width, height)) << name;
+                }
+}
+
+TEST(Camera, FrontLooksAlongMinusZOrInATerrainAlongY) {
+    Camera camera = named_camera("front", unit_box(), 1);
+    EXPECT_GT(camera.eye.z, 0.5);
+    EXPECT_EQ(camera.up, (Vec3d{0, 1, 0}));
+    camera = named_camera("front", unit_box(), 1, {.z_up = true});
+    EXPECT_LT(camera.eye.y, -2);
+    EXPECT_EQ(camera.up.z, 1);
+    camera = named_camera("right", unit_box(), 1);
+    EXPECT_GT(camera.eye.x, 1);
+}
+
+TEST(Camera, AnUnknownNameIsAConfigErrorThatListsTheKnown) {
+    try {
+        named_camera("frnt", unit_box(), 1);
+        FAIL();
+    } catch (const ConfigError& e) {
+        EXPECT_NE(std::string(e.what()).find("front, back"), std::string::npos);
+    }
+    EXPECT_TRUE(is_camera_name("iso"));
+    EXPECT_FALSE(is_camera_name("frnt"));
+}
+
+TEST(Camera, AFlatOrEmptyBoxIsStillFramed) {
+    Bbox point;
+    point.extend(Vec3d{3, 4, 5});
+    for (const Bbox& box : {point, Bbox{}})
+        for (const bool orthographic : {false, true})
+            EXPECT_NO_THROW(
+                validate(named_camera("iso", box, 1.5, {.orthographic = orthographic})));
+}
+
+TEST(Camera, ValidationNamesWhatIsWrong) {
+    const Camera good{{0, 0, 5}, {0, 0, 0}, {0, 1, 0}};
+    EXPECT_NO_THROW(validate(good));
+    Camera c = good;
+    c.target = c.eye;
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.up = {0, 0, 3};
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.up = {};
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.fov_y_deg = 180;
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.orthographic = true, c.width = 0;
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.eye.x = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(validate(c), ConfigError);
+    c = good, c.near_plane = -1;
+    EXPECT_THROW(validate(c), ConfigError);
+    EXPECT_THROW(pixel_view(good, 0, 5), ConfigError);
+}
+
+TEST(RenderRequest, AWindowMustLieInThePicture) {
+    RenderRequest request;
+    request.width = 100, request.height = 50;
+    EXPECT_EQ(request.resolved_window().width, 100);
+    request.window = {90, 0, 10, 50};
+    EXPECT_EQ(request.resolved_window().x, 90);
+    for (const PixelWindow w : {PixelWindow{91, 0, 10, 50}, PixelWindow{-1, 0, 5, 5},
+                                PixelWindow{0, 0, 5, 0}, PixelWindow{0, 0, 5, 51}}) {
+        request.window = w;
+        EXPECT_THROW(request.resolved_window(), ConfigError);
+    }
+}
+
+}  // namespace
+}  // namespace slim
