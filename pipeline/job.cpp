@@ -216,16 +216,17 @@ private:
     void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
         check_tables(table, {});
         ViewTable view;
-        const std::vector<std::string> options =
-            read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        const std::vector<std::string> own = read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        std::vector<std::string> options = defaults;
+        options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         if (!names_.insert(view.name).second)
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
                                           view.name));
         if (view.aovs.empty()) view.aovs = output_.aovs;
+        check_aovs(view.aovs, table);
         aovs_.insert(view.aovs.begin(), view.aovs.end());
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}};
-        step.arguments.insert(step.arguments.end(), defaults.begin(), defaults.end());
         step.arguments.insert(step.arguments.end(), options.begin(), options.end());
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
@@ -235,23 +236,28 @@ private:
         job_.steps.push_back(std::move(step));
     }
 
+    void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
+        RenderConfig render;
+        fields_of(render).find("aov")->set(aovs, place(file_, table) + ": aovs");
+    }
+
     /// A view without a name takes its camera's, "view" if that is given by numbers.
     static std::string name_of(const std::vector<std::string>& options) {
+        std::string camera = RenderConfig{}.camera;
         for (const std::string& option : options)
-            if (option.starts_with("--camera=") && option.find(',') == std::string::npos)
-                return option.substr(9);
-        return "view";
+            if (option.starts_with("--camera=")) camera = option.substr(9);
+        return camera.find(',') == std::string::npos ? camera : "view";
     }
 
     void note_left_out() {
         RenderConfig render;
         const FieldList fields = fields_of(render);
-        const bool curvature = asks({"mean", "gauss", "k1", "k2"});
+        const bool curvature = asks({"mean", "gauss", "k1", "k2", "all"});
         if (!curvature) job_.left_out.push_back("curvature: no AOV asks for it");
         std::vector<std::string> rest;
-        if (const Field* aov = fields.find("aov"))
+        if (const Field* aov = fields.find("aov"); !aovs_.contains("all"))
             for (const std::string& name : aov->choices)
-                if (!aovs_.contains(name)) rest.push_back(name);
+                if (name != "all" && !aovs_.contains(name)) rest.push_back(name);
         if (!rest.empty())
             job_.left_out.push_back(fmt::format("pictures of {}: no view asks for them",
                                                 fmt::join(rest, ", ")));

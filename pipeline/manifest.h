@@ -31,7 +31,9 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder, const s
 /// Times, host, threads and paths stand here and never in a data file.
 class Stamp {
 public:
+    /// The context must outlive the Stamp.
     Stamp(const StageContext& context, std::filesystem::path manifest);
+    Stamp(StageContext&& context, std::filesystem::path manifest) = delete;
 
     /// Adds a file the outputs depend on (hashed when up_to_date or commit is called; IoError if it
     /// cannot be read). Optional files that do not exist are recorded as absent.

@@ -6,6 +6,7 @@
 #include "pipeline/job.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
+#include "slim/base/check.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>

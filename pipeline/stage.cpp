@@ -38,7 +38,13 @@ std::string value_text(const std::string& key, const json& value) {
     if (key.ends_with("bytes") && value.is_number_unsigned())
         return memory_size_text(value.get<std::uint64_t>());
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    return value.dump();
+    if (!value.is_array() || std::any_of(value.begin(), value.end(), [](const json& item) {
+            return item.is_structured();
+        }))
+        return value.dump();
+    std::string text;
+    for (const json& item : value) text += (text.empty() ? "" : ", ") + value_text(key, item);
+    return text;
 }
 
 /// The result as "key  value" lines; an object's members are indented below its key.

@@ -18,11 +18,11 @@ struct StageContext {
     Reporter& reporter;
     int threads = 1;          ///< in force already (ThreadLimit); for the manifest only
     bool force = false;       ///< do the work even if it is up to date
-    std::string stage;        ///< "fit"
-    std::string config;       ///< canonical_config: one `key = value` line per field that counts
-    std::string config_toml;  ///< the whole resolved configuration
-    std::string text;  ///< if set: printed on stdout instead of the result's values (unless --json)
-    std::vector<std::string> passed_on;  ///< common options for child processes: --threads=2, --force
+    std::string stage = {};        ///< "fit"
+    std::string config = {};       ///< canonical_config: `key = value` per field that counts
+    std::string config_toml = {};  ///< the whole resolved configuration
+    std::string text = {};  ///< if set: printed on stdout instead of the result's values (no --json)
+    std::vector<std::string> passed_on = {};  ///< common options for child processes: --threads=2
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
     void check_stop() const;

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Text attributes of an image, by name. PNG: tEXt chunks (Software, Description, ...). EXR: string
+/// attributes of the header. Numbers are written as text with all their digits: viewers agree on
+/// strings only, and OpenImageIO drops doubles without a word (CONVENTIONS 4.2).
+using ImageMetadata = std::map<std::string, std::string>;
+
+/// Matrices by name.
+using ImageMatrices = std::map<std::string, std::array<float, 16>>;
+
+enum class ChannelType { half_float, float32, uint32 };
+
+/// One plane of an EXR, width * height values; floats for half_float and float32, integers for uint32.
+struct ExrChannel {
+    std::string name;  ///< CONVENTIONS 1.1: "R", "Z", "N.X", "curvature.mean", "surfel.id", ...
+    ChannelType type = ChannelType::float32;
+    std::span<const float> floats{};
+    std::span<const std::uint32_t> integers{};
+};
+
+/// Writes an 8-bit PNG marked sRGB, atomically (a temporary file in the same folder, then a rename).
+///
+/// rgba    straight alpha, row-major from the top left; written as RGB if every alpha is 255
+/// throws  IoError naming the file: exit 4 when it cannot be written
+/// The same arguments give the same bytes: no time is written unless metadata brings a "DateTime".
+void write_png_srgb8(const std::string& path, int width, int height,
+                     std::span<const std::uint8_t> rgba, const ImageMetadata& metadata = {});
+
+/// Writes a single-part scanline EXR, zip compressed, with the chromaticities of Rec.709, atomically.
+///
+/// channels  any order, unique names; R G B A are premultiplied linear colour
+/// metadata  string attributes; "DateTime" becomes capDate, "ImageDescription" comments, "Copyright" owner
+/// matrices  m44f attributes such as worldToCamera: 16 floats, row-vector form as Imath has it, that is
+///           with the translation in the last row
+/// throws    IoError naming the file; a plane of the wrong length is a SLIM_CHECK failure
+void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
+               const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {});
+
+/// A PNG as read back: always RGBA (alpha 255 if the file has none), straight alpha.
+struct PngImage {
+    int width = 0, height = 0, n_file_channels = 0;
+    std::vector<std::uint8_t> rgba;
+    ImageMetadata metadata;
+};
+PngImage read_png(const std::string& path);
+
+/// An EXR as read back: each channel in its own type.
+struct ExrImage {
+    struct Channel {
+        ChannelType type = ChannelType::float32;
+        std::vector<float> floats;  ///< half_float and float32
+        std::vector<std::uint32_t> integers;
+    };
+    int width = 0, height = 0;
+    std::map<std::string, Channel> channels;
+    ImageMetadata metadata;
+    ImageMatrices matrices;
+    bool has_chromaticities = false, zip = false;
+};
+/// throws IoError if it cannot be opened, FormatError if it is not an EXR or is damaged
+ExrImage read_exr(const std::string& path);
+
+}  // namespace slim

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Options of `slim render`.
+struct RenderConfig {
+    std::string model, output;
+    std::string size = "1600x1200";
+    std::string camera = "front";
+    std::string name;
+    double fov = 35;
+    bool ortho = false;
+    double ortho_width = 0;
+    std::string up = "y";
+    std::vector<std::string> aov{"shaded"};
+    std::string mode = "forward";
+    double lod = 4;
+    int repeat = 1;
+    int supersample = 1;
+    std::vector<std::string> range;
+    double percentile = 95;
+    bool legend = true;
+    bool light_maps = false;
+    std::string background = "auto";
+    std::string format = "auto";
+    std::string unit;
+    std::string truth_shape;
+    std::vector<double> offset;
+
+    template <class Visitor>
+    void visit(Visitor&& field) {
+        field.input("model", model, "model to draw (model.slim)");
+        field.output("output", output, "x.png, x.exr, or a folder (<view>.<aov>.png in it)");
+        field("size", size, "picture in pixels, WIDTHxHEIGHT");
+        field("camera", camera,
+              "front, back, left, right, top, bottom, iso, or ex,ey,ez,tx,ty,tz,ux,uy,uz (world)");
+        field("name", name, "name of the view in file names (default: the camera's)");
+        field("fov", fov, "angle of view from top to bottom, degrees", 0.01, 175);
+        field("ortho", ortho, "orthographic instead of perspective");
+        field("ortho_width", ortho_width, "orthographic, this wide in model units (0: as --ortho)", 0,
+              1e30);
+        field.choice("up", up, "axis that named cameras hold upright", {"y", "z"});
+        field.choice("aov", aov, "what to draw; several make several pictures",
+                     {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth", "position", "id",
+                      "error", "level", "coverage", "truth_distance", "all"});
+        field.choice("mode", mode, "forward: fast; brute: the slow reference in doubles",
+                     {"forward", "brute"});
+        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never)", 0,
+              1e6);
+        field("repeat", repeat, "draw this often and report the median time", 1, 10000);
+        field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
+        field("range", range,
+              "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI");
+        field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
+        field("legend", legend, "legend bar in the maps, and beside them as SVG");
+        field("light_maps", light_maps, "light the curvature maps (colours are then not exact)");
+        field("background", background,
+              "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom");
+        field.choice("format", format, "auto: by the output's extension, PNG in a folder",
+                     {"auto", "png", "exr"});
+        field("unit", unit, "name of the model's length unit, for legends (mm, m, ...)");
+        field("truth_shape", truth_shape, "analytic shape that truth_distance measures against");
+        field("offset", offset, "where that shape's origin lies in the world: x,y,z");
+    }
+};
+
+}  // namespace slim

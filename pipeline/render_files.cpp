@@ -1,0 +1,184 @@
+#include "pipeline/render_files.h"
+
+#include "pipeline/version.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <map>
+#include <system_error>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_folder(const fs::path& output) {
+    return fs::is_directory(output) || !output.has_filename() || !output.has_extension();
+}
+
+/// True for an EXR, checked against --format.
+bool wants_exr(const RenderConfig& config, const fs::path& output, bool folder) {
+    if (folder) return config.format == "exr";
+    const std::string extension = output.extension().string();
+    if (extension != ".png" && extension != ".exr")
+        throw ConfigError("output " + config.output + ": expected .png, .exr or a folder, found " +
+                          extension);
+    if (config.format != "auto" && "." + config.format != extension)
+        throw ConfigError("output " + config.output + " contradicts format " + config.format);
+    return extension == ".exr";
+}
+
+struct NamedPlane {
+    const char* name;
+    const std::vector<float>* values;
+};
+
+std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame& frame) {
+    const GBuffer& b = frame.buffer;
+    if (aov == "mean") return {{"curvature.mean", &b.mean}};
+    if (aov == "gauss") return {{"curvature.gauss", &b.gauss}};
+    if (aov == "k1") return {{"curvature.k1", &b.k1}};
+    if (aov == "k2") return {{"curvature.k2", &b.k2}};
+    if (aov == "normal")
+        return {{"N.X", &b.normal[0]}, {"N.Y", &b.normal[1]}, {"N.Z", &b.normal[2]}};
+    if (aov == "position")
+        return {{"P.X", &b.position[0]}, {"P.Y", &b.position[1]}, {"P.Z", &b.position[2]}};
+    if (aov == "depth") return {{"Z", &b.depth}};
+    if (aov == "error") return {{"fit.error", &b.fit_error}};
+    if (aov == "level") return {{"fit.level", &b.level}};
+    if (aov == "coverage") return {{"fit.coverage", &b.coverage}};
+    if (aov == "truth_distance") return {{"truth.distance", &frame.truth_distance}};
+    return {};
+}
+
+/// The colour planes R G B A of an interleaved picture.
+void add_color(const Picture& shaded, std::vector<std::vector<float>>& planes,
+               std::vector<ExrChannel>& out) {
+    const char* const names[] = {"R", "G", "B", "A"};
+    for (std::size_t c = 0; c < 4; ++c) {
+        std::vector<float> plane(shaded.n_pixels());
+        for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = shaded.rgba[4 * i + c];
+        planes.push_back(std::move(plane));
+        out.push_back({names[c], ChannelType::half_float, planes.back(), {}});
+    }
+}
+
+std::string source_date() {
+    const char* text = std::getenv("SOURCE_DATE_EPOCH");
+    if (!text || !*text) return "";
+    std::time_t seconds = 0;
+    const auto [rest, error] = std::from_chars(text, text + std::strlen(text), seconds);
+    std::tm utc{};
+    if (error != std::errc() || *rest != 0 || !gmtime_r(&seconds, &utc))
+        throw ConfigError(std::string("SOURCE_DATE_EPOCH=") + text +
+                          ": expected seconds since 1970");
+    char date[32];
+    std::strftime(date, sizeof date, "%Y:%m:%d %H:%M:%S", &utc);
+    return date;
+}
+
+std::array<float, 16> rows(const double (&m)[4][4]) {
+    std::array<float, 16> out;
+    for (std::size_t i = 0; i < 16; ++i) out[i] = static_cast<float>(m[i / 4][i % 4]);
+    return out;
+}
+
+}  // namespace
+
+fs::path OutputPlan::legend(const std::string& aov) const {
+    return fs::path(stem.string() + "." + aov + ".legend.svg");
+}
+
+OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    const fs::path output = config.output;
+    const bool folder = is_folder(output);
+    const bool exr = wants_exr(config, output, folder);
+    OutputPlan plan;
+    plan.stem = folder ? output / view_name(config) : fs::path(output).replace_extension();
+    const std::string stem = plan.stem.string();
+    if (exr) {
+        plan.exr = stem + ".exr";
+        plan.drawn = {aovs.front()};
+        plan.pngs = {stem + ".png"};
+        return plan;
+    }
+    plan.drawn = aovs;
+    for (const std::string& aov : aovs)
+        plan.pngs.push_back(!folder && aovs.size() == 1 ? stem + ".png" : stem + "." + aov + ".png");
+    return plan;
+}
+
+void make_folder(const OutputPlan& plan) {
+    const fs::path folder = plan.stem.parent_path();
+    if (folder.empty()) return;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (!fs::is_directory(folder))
+        throw IoError(folder.string() + ": cannot make this folder: " + error.message(),
+                      ExitCode::usage);
+}
+
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
+                                     const Picture& shaded,
+                                     std::vector<std::vector<float>>& planes) {
+    std::vector<ExrChannel> out;
+    planes.reserve(4);  // the channels look at the planes' values, which moving a vector keeps
+    for (const std::string& aov : aovs) {
+        if (aov == "shaded") add_color(shaded, planes, out);
+        if (aov == "id")
+            out.push_back({"surfel.id", ChannelType::uint32, {}, frame.buffer.surfel_id});
+        for (const NamedPlane& plane : float_planes(aov, frame))
+            out.push_back({plane.name, ChannelType::float32, *plane.values, {}});
+    }
+    return out;
+}
+
+ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
+                            const std::string& model_hash, const ModelHeader& model,
+                            const Camera& camera) {
+    const Vec3d& o = model.origin;
+    ImageMetadata metadata{
+        {"Software", "slim " + program_version()},
+        {"slim:config", canonical_config},
+        {"slim:tree", model_hash},
+        {"slim:camera", describe(camera, o)},
+        {"slim:origin", fmt::format("{:.17g} {:.17g} {:.17g}", o.x, o.y, o.z)},
+        {"slim:units", config.unit.empty() ? "model units" : config.unit},
+        {"slim:seed", std::to_string(model.seed)},
+        {"slim:curvature", "positive where convex, normals outwards, 1/length"},
+    };
+    if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
+    return metadata;
+}
+
+ImageMatrices make_matrices(const Camera& camera, const PictureSize& size) {
+    const PixelView v = pixel_view(camera, size.width, size.height);
+    const Vec3d axes[3] = {v.right, -v.down, -v.forward};
+    double to_camera[4][4] = {}, to_ndc[4][4] = {};
+    // Points are rows: each axis is a column, and the translation lies in the last row.
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row)
+            to_camera[row][column] = axes[column][static_cast<std::size_t>(row)];
+        to_camera[3][column] = -dot(axes[column], v.eye);
+    }
+    to_camera[3][3] = 1;
+    // x / w = s x / depth + 1/2 (perspective: w = depth = -z) or s x + 1/2 (orthographic: w = 1).
+    const double scale = v.orthographic ? v.px_per_unit : v.focal_px;
+    const double sx = scale / size.width, sy = -scale / size.height;
+    double projection[4][4] = {{sx, 0, 0, 0}, {0, sy, 0, 0}, {0, 0, -1, 0}, {0, 0, 0, 0}};
+    projection[v.orthographic ? 3 : 2][0] = v.orthographic ? 0.5 : -0.5;
+    projection[v.orthographic ? 3 : 2][1] = v.orthographic ? 0.5 : -0.5;
+    projection[v.orthographic ? 3 : 2][3] = v.orthographic ? 1 : -1;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            for (int k = 0; k < 4; ++k)
+                to_ndc[row][column] += to_camera[row][k] * projection[k][column];
+    return {{"worldToCamera", rows(to_camera)}, {"worldToNDC", rows(to_ndc)}};
+}
+
+}  // namespace slim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "formats/image_io.h"
+#include "pipeline/render_aov.h"
+#include "pipeline/render_config.h"
+#include "raytrace/camera.h"
+#include "slim/model/surfel_tree.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Which files a run writes: fixed before anything is drawn.
+///
+///     -o x.png, one AOV     x.png
+///     -o x.png, several     x.<aov>.png
+///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
+///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
+/// A map with a legend has it as x.<aov>.legend.svg too.
+struct OutputPlan {
+    std::filesystem::path exr;                ///< empty: none
+    std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
+    std::vector<std::string> drawn;           ///< those AOVs
+    std::filesystem::path stem;               ///< without extension: manifest and legends
+    std::filesystem::path legend(const std::string& aov) const;
+};
+
+/// Throws ConfigError for an extension that is neither, or that contradicts --format.
+OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs);
+
+/// Makes the output's folder. Throws IoError naming it.
+void make_folder(const OutputPlan& plan);
+
+/// The EXR's channels for these AOVs, names as in CONVENTIONS 1.1. `planes` keeps what had to be
+/// rearranged and must outlive the result.
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
+                                     const Picture& shaded,
+                                     std::vector<std::vector<float>>& planes);
+
+/// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths stay
+/// out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
+ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
+                            const std::string& model_hash, const ModelHeader& model,
+                            const Camera& camera);
+
+/// worldToCamera (right-handed, looking along -Z) and worldToNDC ([0, 1]^2, origin top left, depth
+/// unscaled) in row-vector form, for the local frame that P lies in.
+ImageMatrices make_matrices(const Camera& camera, const PictureSize& size);
+
+}  // namespace slim

@@ -1,0 +1,11 @@
+#include "pipeline/render_stage.h"
+
+int main(int argc, char** argv) {
+    return slim::run_stage<slim::RenderConfig>(
+        {"render",
+         "pictures of a model: shaded, curvature maps, data channels",
+         {"slim render bunny.slim -o bunny.png",
+          "slim render bunny.slim -o pictures/ --aov shaded,mean,k1 --camera iso --supersample 2",
+          "slim render bunny.slim -o bunny.exr --aov all"}},
+        argc, argv, slim::run_render);
+}

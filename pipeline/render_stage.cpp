@@ -1,0 +1,238 @@
+#include "pipeline/render_stage.h"
+
+#include "formats/atomic_file.h"
+#include "formats/image_io.h"
+#include "formats/model_file.h"
+#include "pipeline/manifest.h"
+#include "pipeline/render_aov.h"
+#include "pipeline/render_files.h"
+#include "pipeline/render_maps.h"
+#include "pipeline/render_view.h"
+#include "raytrace/brute/brute_renderer.h"
+#include "raytrace/project/forward_renderer.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+namespace slim {
+namespace {
+
+using Json = nlohmann::json;
+
+/// All that is fixed before the first pixel.
+struct RenderJob {
+    const RenderConfig& config;
+    const SurfelTree& tree;
+    std::vector<std::string> aovs;
+    OutputPlan plan;
+    PictureSize size;
+    Camera camera;
+
+    bool wants(const char* aov) const {
+        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+    }
+};
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t n = values.size();
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+/// Projection and shading: what a frame time means.
+RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, RenderedFrame& frame) {
+    frame.size = {job.size.width * factor, job.size.height * factor};
+    frame.view = shade_view(job.camera, frame.size);
+    // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
+    const RenderRequest request{job.camera, frame.size.width, frame.size.height, wanted,
+                                job.config.lod * factor};
+    const RenderStats stats = job.config.mode == "brute"
+                                  ? render_brute(job.tree, request, frame.buffer)
+                                  : render_forward(job.tree, request, frame.buffer);
+    const GBuffer& b = frame.buffer;
+    if (job.wants("shaded"))
+        frame.shaded = shade(frame.size.width, frame.size.height, frame.view,
+                             {b.normal[0], b.normal[1], b.normal[2]}, b.hit);
+    return stats;
+}
+
+/// The frames of a run: `fine` for pictures that are averaged (twice the size with supersample 2),
+/// `plain` for all else. Without supersampling both are the same one.
+struct Frames {
+    RenderedFrame plain, fine;
+    bool has_fine = false;
+    RenderStats stats;
+    double median_ms = 0;
+
+    const RenderedFrame& for_aov(const std::string& aov) const {
+        return has_fine && is_filterable(aov) ? fine : plain;
+    }
+};
+
+void require_hits(const RenderJob& job, const RenderStats& stats) {
+    if (stats.covered_pixels > 0) return;
+    const ModelHeader& m = job.tree.header();
+    const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
+    throw NumericalError(fmt::format(
+        "{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, {:g}, {:g}) to "
+        "({:g}, {:g}, {:g})",
+        job.config.model, job.size.width, job.size.height, describe(job.camera, m.origin), lo.x, lo.y,
+        lo.z, hi.x, hi.y, hi.z));
+}
+
+/// Whether a frame at the picture's own size is needed: for data, and for what is never averaged.
+bool needs_plain(const RenderJob& job) {
+    return job.config.supersample == 1 || !job.plan.exr.empty() ||
+           !std::all_of(job.aovs.begin(), job.aovs.end(), is_filterable);
+}
+
+Frames draw_frames(const RenderJob& job, StageContext& context) {
+    const Channels wanted = channels_of(job.aovs, job.config.light_maps);
+    Frames frames;
+    frames.has_fine = job.config.supersample > 1;
+    std::vector<double> times;
+    const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
+    for (std::uint64_t k = 0; k < repeats; ++k) {
+        context.reporter.progress("frames", k, repeats);
+        const auto start = std::chrono::steady_clock::now();
+        if (frames.has_fine)
+            frames.stats = draw_frame(job, job.config.supersample, wanted, frames.fine);
+        else
+            frames.stats = draw_frame(job, 1, wanted, frames.plain);
+        times.push_back(milliseconds_since(start));
+    }
+    frames.median_ms = median(times);
+    if (frames.has_fine && needs_plain(job)) draw_frame(job, 1, wanted, frames.plain);
+    require_hits(job, frames.stats);
+    if (job.wants("truth_distance"))
+        frames.plain.truth_distance =
+            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
+    return frames;
+}
+
+Picture at_picture_size(Picture picture, const PictureSize& size) {
+    return picture.width == size.width ? picture
+                                       : box_downsample(picture, picture.width / size.width);
+}
+
+Json range_json(const ValueRange& range) { return Json::array({range.lo, range.hi}); }
+
+void write_png(const std::string& path, const Picture& picture, const ImageMetadata& metadata) {
+    const Picture8 encoded = encode_srgb8(picture);
+    write_png_srgb8(path, encoded.width, encoded.height, encoded.rgba, metadata);
+}
+
+/// Collects what was written, for the result and the manifest.
+struct Written {
+    std::vector<std::filesystem::path> files;
+    Json ranges = Json::object();
+};
+
+void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageMetadata metadata,
+               StageContext& context, Written& written) {
+    const std::string& aov = job.plan.drawn[k];
+    AovPicture drawn = draw_aov(job.config, aov, frames.for_aov(aov), job.tree.header().bounds);
+    Picture picture = at_picture_size(std::move(drawn.picture), job.size);
+    composite_over(parse_background(job.config.background, drawn.legend.has_value()), picture);
+    if (drawn.legend) {
+        const ValueRange& range = drawn.legend->range;
+        written.ranges[aov] = range_json(range);
+        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", range.lo, range.hi);
+    }
+    if (drawn.legend && job.config.legend) {
+        if (!burn_legend(*drawn.legend, picture))
+            context.reporter.warn(job.plan.pngs[k].string() +
+                                  ": too small for a legend; see the SVG beside it");
+        const std::string svg = job.plan.legend(aov).string();
+        write_file_atomically(svg, legend_svg(*drawn.legend));
+        written.files.push_back(svg);
+    }
+    write_png(job.plan.pngs[k].string(), picture, metadata);
+    written.files.push_back(job.plan.pngs[k]);
+}
+
+void write_data(const RenderJob& job, const Frames& frames, const ImageMetadata& metadata,
+                Written& written) {
+    // Colour may be averaged, data never: they come from the frame at the picture's own size.
+    const Picture shaded =
+        job.wants("shaded") ? at_picture_size(frames.for_aov("shaded").shaded, job.size) : Picture();
+    std::vector<std::vector<float>> planes;
+    const std::vector<ExrChannel> channels = exr_channels(job.aovs, frames.plain, shaded, planes);
+    write_exr(job.plan.exr.string(), job.size.width, job.size.height, channels, metadata,
+              make_matrices(job.camera, job.size));
+    written.files.push_back(job.plan.exr);
+}
+
+Written write_files(const RenderJob& job, const Frames& frames, StageContext& context) {
+    const ImageMetadata metadata =
+        make_metadata(job.config, context.config, hash_file(job.config.model), job.tree.header(),
+                      job.camera);
+    make_folder(job.plan);
+    Written written;
+    for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
+        context.reporter.progress("pictures", k, job.plan.drawn.size());
+        write_aov(job, k, frames, metadata, context, written);
+    }
+    if (!job.plan.exr.empty()) write_data(job, frames, metadata, written);
+    return written;
+}
+
+Json make_result(const RenderJob& job, const Frames& frames, const Written& written) {
+    Json files = Json::array();
+    for (const auto& file : written.files) files.push_back(file.string());
+    const RenderStats& s = frames.stats;
+    const int factor = frames.has_fine ? job.config.supersample : 1;
+    return {{"files", files},
+            {"width", job.size.width},
+            {"height", job.size.height},
+            {"rendered_pixels", static_cast<std::int64_t>(job.size.width) * job.size.height * factor *
+                                    factor},
+            {"covered_pixels", s.covered_pixels},
+            {"surfels_drawn", s.surfels_drawn},
+            {"nodes_visited", s.nodes_visited},
+            {"root_tests", s.root_tests},
+            {"distance_tests", s.distance_tests},
+            {"unblended_pixels", s.unblended_pixels},
+            {"frame_ms_median", frames.median_ms},
+            {"ranges", written.ranges}};
+}
+
+void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
+    if (tree.header().n_leaves == 0)
+        throw DataError(config.model + ": a model without surfels cannot be drawn");
+}
+
+}  // namespace
+
+Json run_render(const RenderConfig& config, StageContext& context) {
+    const std::vector<std::string> aovs = wanted_aovs(config);
+    const OutputPlan plan = plan_outputs(config, aovs);
+    const PictureSize size = parse_size(config.size);
+    check_ranges(config);
+    parse_background(config.background, false);
+
+    Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
+    stamp.input(config.model);
+    stamp.depends("drawn as " + plan.stem.string());
+    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
+    if (config.repeat == 1)
+        if (auto result = stamp.up_to_date()) return *result;
+
+    const ModelFile model = ModelFile::open(config.model);
+    const SurfelTree tree = model.tree();
+    require_surfels(config, tree);
+    const RenderJob job{config, tree, aovs, plan, size, make_camera(config, tree.header(), size)};
+    const Frames frames = draw_frames(job, context);
+    const Written written = write_files(job, frames, context);
+    return stamp.commit(written.files, make_result(job, frames, written));
+}
+
+}  // namespace slim

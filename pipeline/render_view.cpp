@@ -1,0 +1,142 @@
+#include "pipeline/render_view.h"
+
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr int kLargestSide = 32768;
+
+/// Numbers between commas; empty if one of them is none.
+std::vector<double> parse_numbers(const std::string& text) {
+    std::vector<double> numbers;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    while (at < end) {
+        while (at < end && *at == ' ') ++at;
+        double value = 0;
+        const auto [rest, error] = std::from_chars(at, end, value);
+        if (error != std::errc() || (rest < end && *rest != ',')) return {};
+        numbers.push_back(value);
+        at = rest < end ? rest + 1 : rest;
+    }
+    return numbers;
+}
+
+Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
+                         const Vec3d& origin) {
+    Camera camera;
+    camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
+    camera.target = Vec3d{n[3], n[4], n[5]} - origin;
+    if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
+    else camera.up = config.up == "z" ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
+    camera.fov_y_deg = config.fov;
+    camera.orthographic = config.ortho;
+    // Without a width of its own: what a perspective view sees at the target.
+    const double half = std::tan(config.fov * std::numbers::pi / 360);
+    camera.width = 2 * half * length(camera.target - camera.eye);
+    return camera;
+}
+
+std::optional<Vec3f> parse_hex(std::string_view text) {
+    if (text.size() != 7 || text[0] != '#') return std::nullopt;
+    std::uint32_t rgb = 0;
+    const auto [rest, error] = std::from_chars(text.data() + 1, text.data() + 7, rgb, 16);
+    if (error != std::errc() || rest != text.data() + 7) return std::nullopt;
+    const auto linear = [&](int shift) {
+        return linear_from_srgb(static_cast<float>(rgb >> shift & 255u) / 255.0f);
+    };
+    return Vec3f{linear(16), linear(8), linear(0)};
+}
+
+Background solid(const Vec3f& color) { return {color, color, 1}; }
+
+Background gradient() { return {*parse_hex("#eef0f2"), *parse_hex("#b4b9c1"), 1}; }
+
+std::string text_of(const Vec3d& v) { return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z); }
+
+}  // namespace
+
+PictureSize parse_size(const std::string& text) {
+    PictureSize size;
+    const char* const end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, size.width);
+    if (first.ec == std::errc() && first.ptr < end && *first.ptr == 'x') {
+        const auto second = std::from_chars(first.ptr + 1, end, size.height);
+        if (second.ec == std::errc() && second.ptr == end && size.width >= 1 && size.height >= 1 &&
+            size.width <= kLargestSide && size.height <= kLargestSide)
+            return size;
+    }
+    throw ConfigError(fmt::format("size: expected WIDTHxHEIGHT, each 1 to {}, found \"{}\"",
+                                  kLargestSide, text));
+}
+
+Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size) {
+    const double aspect = static_cast<double>(size.width) / size.height;
+    const bool orthographic = config.ortho || config.ortho_width > 0;
+    Camera camera;
+    if (is_camera_name(config.camera)) {
+        camera = named_camera(config.camera, model.bounds, aspect,
+                              {config.up == "z", orthographic, config.fov});
+    } else {
+        const std::vector<double> numbers = parse_numbers(config.camera);
+        if (numbers.size() != 9 && numbers.size() != 6)
+            throw ConfigError(fmt::format(
+                "camera: expected front, back, left, right, top, bottom, iso or nine numbers "
+                "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"",
+                config.camera));
+        camera = camera_of_numbers(numbers, config, model.origin);
+        camera.orthographic = orthographic;
+        camera.width *= aspect;
+    }
+    if (config.ortho_width > 0) camera.width = config.ortho_width;
+    validate(camera);
+    return camera;
+}
+
+std::string view_name(const RenderConfig& config) {
+    if (!config.name.empty()) return config.name;
+    return is_camera_name(config.camera) ? config.camera : "view";
+}
+
+std::string describe(const Camera& camera, const Vec3d& origin) {
+    const std::string lens = camera.orthographic
+                                 ? fmt::format("orthographic, width {:.17g}", camera.width)
+                                 : fmt::format("perspective, fov {:.17g} degrees", camera.fov_y_deg);
+    return fmt::format("eye {} target {} up {} ({})", text_of(camera.eye + origin),
+                       text_of(camera.target + origin), text_of(camera.up), lens);
+}
+
+ShadeView shade_view(const Camera& camera, const PictureSize& size) {
+    const PixelView p = pixel_view(camera, size.width, size.height);
+    const double px_per_unit = p.orthographic ? p.px_per_unit : p.focal_px;
+    return {p.right,           -p.down, -p.forward, size.width / (2 * px_per_unit),
+            size.height / (2 * px_per_unit), p.orthographic};
+}
+
+Background parse_background(const std::string& text, bool is_map) {
+    if (text == "auto") return is_map ? solid({1, 1, 1}) : gradient();
+    if (text == "white") return solid({1, 1, 1});
+    if (text == "black") return solid({0, 0, 0});
+    if (text == "gradient") return gradient();
+    if (text == "transparent") return {{}, {}, 0};
+    const std::size_t comma = text.find(',');
+    const auto top = parse_hex(std::string_view(text).substr(0, comma));
+    const auto bottom =
+        comma == std::string::npos ? top : parse_hex(std::string_view(text).substr(comma + 1));
+    if (top && bottom) return {*top, *bottom, 1};
+    throw ConfigError("background: expected auto, white, black, gradient, transparent, #rrggbb or "
+                      "#rrggbb,#rrggbb (top, bottom), found \"" + text + "\"");
+}
+
+}  // namespace slim

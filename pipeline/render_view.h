@@ -1,0 +1,37 @@
+#pragma once
+
+#include "pipeline/render_config.h"
+#include "raytrace/camera.h"
+#include "raytrace/shade.h"
+#include "slim/model/surfel_tree.h"
+
+#include <string>
+#include <string_view>
+
+namespace slim {
+
+struct PictureSize {
+    int width = 0, height = 0;
+};
+
+/// "1600x1200"; each side 1 to 32768. Throws ConfigError.
+PictureSize parse_size(const std::string& text);
+
+/// The camera that the configuration describes, in the model's local frame. Named cameras frame the
+/// model's bounds; numbers are world coordinates (origin + local). Throws ConfigError.
+Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size);
+
+/// The view's name in file names: config.name, else the named camera, else "view".
+std::string view_name(const RenderConfig& config);
+
+/// Camera in words and world coordinates, all digits: for errors and metadata.
+std::string describe(const Camera& camera, const Vec3d& origin);
+
+/// The camera as shading sees it.
+ShadeView shade_view(const Camera& camera, const PictureSize& size);
+
+/// --background; "auto" is a grey gradient behind a rendered object (shaded, normal) and white behind a
+/// map. Throws ConfigError.
+Background parse_background(const std::string& text, bool is_map);
+
+}  // namespace slim

@@ -1,0 +1,169 @@
+#include "raytrace/legend.h"
+
+#include "raytrace/font.h"
+#include "slim/base/check.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr Vec3f kInk{0.012f, 0.013f, 0.016f};
+constexpr Vec3f kPaper{1, 1, 1};
+constexpr float kPaperAlpha = 0.86f;
+
+/// Sizes in pixels; `unit` is a thousandth of the picture's smaller side.
+struct Layout {
+    float unit, margin, padding, bar_width, bar_height, tick, gap, tip;
+    TextStyle title, label;
+    float x, y, width, height;  ///< the panel
+    float bar_x, bar_y;
+};
+
+struct Labels {
+    std::vector<double> ticks;
+    std::vector<std::string> texts;
+};
+
+Labels labels_of(const Legend& legend) {
+    Labels labels{legend_ticks(legend.range), {}};
+    for (const double t : labels.ticks) labels.texts.push_back(tick_label(t, labels.ticks));
+    return labels;
+}
+
+void blend(float* p, const Vec3f& color, float coverage) {
+    p[0] += (color.x - p[0]) * coverage, p[1] += (color.y - p[1]) * coverage;
+    p[2] += (color.z - p[2]) * coverage, p[3] += (1 - p[3]) * coverage;
+}
+
+/// Calls pixel(x, y, p) for the pixels of the picture that the box touches.
+template <class Body>
+void for_pixels(Picture& picture, float x0, float y0, float x1, float y1, const Body& pixel) {
+    const int from_x = std::max(0, static_cast<int>(std::floor(x0)));
+    const int from_y = std::max(0, static_cast<int>(std::floor(y0)));
+    const int to_x = std::min(picture.width, static_cast<int>(std::ceil(x1)));
+    const int to_y = std::min(picture.height, static_cast<int>(std::ceil(y1)));
+    for (int y = from_y; y < to_y; ++y)
+        for (int x = from_x; x < to_x; ++x)
+            pixel(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, picture.pixel(x, y));
+}
+
+/// A rounded rectangle with smooth edges (signed distance to it).
+void fill_rounded(Picture& picture, const Layout& l, float radius) {
+    const float cx = l.x + l.width / 2, cy = l.y + l.height / 2;
+    for_pixels(picture, l.x, l.y, l.x + l.width, l.y + l.height, [&](float x, float y, float* p) {
+        const float dx = std::abs(x - cx) - l.width / 2 + radius;
+        const float dy = std::abs(y - cy) - l.height / 2 + radius;
+        const float outside = std::hypot(std::max(dx, 0.0f), std::max(dy, 0.0f)) +
+                              std::min(std::max(dx, dy), 0.0f) - radius;
+        blend(p, kPaper, kPaperAlpha * std::clamp(0.5f - outside, 0.0f, 1.0f));
+    });
+}
+
+void fill_box(Picture& picture, float x0, float y0, float x1, float y1, const Vec3f& color) {
+    for_pixels(picture, x0, y0, x1, y1, [&](float x, float y, float* p) {
+        const float in_x = std::clamp(std::min(x - x0, x1 - x) + 0.5f, 0.0f, 1.0f);
+        const float in_y = std::clamp(std::min(y - y0, y1 - y) + 0.5f, 0.0f, 1.0f);
+        blend(p, color, in_x * in_y);
+    });
+}
+
+/// Triangle on the edge y = base of the bar, its tip `height` away (negative: upwards).
+void fill_tip(Picture& picture, const Layout& l, float base, float height, const Vec3f& color) {
+    const float cx = l.bar_x + l.bar_width / 2;
+    for_pixels(picture, l.bar_x - 1, std::min(base, base + height), l.bar_x + l.bar_width + 1,
+               std::max(base, base + height), [&](float x, float y, float* p) {
+                   const float left = 1 - (y - base) / height;  // 1 at the bar, 0 at the tip
+                   const float inside = left * l.bar_width / 2 - std::abs(x - cx);
+                   blend(p, color, std::clamp(inside + 0.5f, 0.0f, 1.0f));
+               });
+}
+
+void fill_bar(Picture& picture, const Layout& l, const ColorMap& map) {
+    for_pixels(picture, l.bar_x, l.bar_y, l.bar_x + l.bar_width, l.bar_y + l.bar_height,
+               [&](float, float y, float* p) {
+                   blend(p, map.linear(1 - (y - l.bar_y) / l.bar_height), 1);
+               });
+}
+
+float widest(const std::vector<std::string>& texts, const TextStyle& style) {
+    float width = 0;
+    for (const std::string& text : texts) width = std::max(width, text_width(text, style));
+    return width;
+}
+
+float line_height(const std::string& text, const TextStyle& style) {
+    return text.empty() ? 0 : 1.85f * style.cap_height;
+}
+
+Layout layout_of(const Legend& legend, const Labels& labels, const Picture& picture) {
+    Layout l{};
+    const auto side = static_cast<float>(std::min(picture.width, picture.height));
+    const float u = l.unit = std::max(side / 1000, 0.5f);
+    // Whole pixels for bar and panel keep their edges crisp.
+    l.margin = std::round(24 * u), l.padding = std::round(18 * u);
+    l.bar_width = std::round(30 * u), l.bar_height = std::round(330 * u);
+    l.tick = std::round(7 * u), l.gap = 8 * u, l.tip = std::round(16 * u);
+    l.title = {15 * u, kInk, 0.15f};
+    l.label = {14 * u, kInk, 0.12f};
+    const float heading = line_height(legend.title, l.title) + line_height(legend.unit, l.label);
+    const float body = l.bar_height + line_height(legend.high_note, l.label) +
+                       line_height(legend.low_note, l.label) +
+                       l.tip * static_cast<float>(legend.clipped_high + legend.clipped_low);
+    l.height = std::round(2 * l.padding + heading + 12 * u + body);
+    const float ticks = l.bar_width + l.tick + l.gap + widest(labels.texts, l.label);
+    const float words = std::max(text_width(legend.title, l.title),
+                                 widest({legend.unit, legend.high_note, legend.low_note}, l.label));
+    l.width = std::round(2 * l.padding + std::max(ticks, words));
+    l.x = static_cast<float>(picture.width) - l.margin - l.width;
+    l.y = std::round((static_cast<float>(picture.height) - l.height) / 2);
+    l.bar_x = l.x + l.padding;
+    l.bar_y = std::round(l.y + l.padding + heading + 12 * u + line_height(legend.high_note, l.label) +
+                         (legend.clipped_high ? l.tip : 0));
+    return l;
+}
+
+void draw_words(Picture& picture, const Legend& legend, const Layout& l) {
+    float y = l.y + l.padding + l.title.cap_height;
+    draw_text(picture, legend.title, l.bar_x, y, l.title);
+    y += line_height(legend.title, l.title);
+    draw_text(picture, legend.unit, l.bar_x, y, l.label);
+    const float top = l.bar_y - (legend.clipped_high ? l.tip : 0);
+    draw_text(picture, legend.high_note, l.bar_x, top - 0.75f * l.label.cap_height, l.label);
+    const float bottom = l.bar_y + l.bar_height + (legend.clipped_low ? l.tip : 0);
+    draw_text(picture, legend.low_note, l.bar_x, bottom + 1.75f * l.label.cap_height, l.label);
+}
+
+void draw_ticks(Picture& picture, const Legend& legend, const Labels& labels, const Layout& l) {
+    const float edge = l.bar_x + l.bar_width, half = std::max(0.5f, 0.75f * l.unit);
+    for (std::size_t i = 0; i < labels.ticks.size(); ++i) {
+        const double t = (labels.ticks[i] - legend.range.lo) / (legend.range.hi - legend.range.lo);
+        const float y = l.bar_y + l.bar_height * static_cast<float>(1 - t);
+        fill_box(picture, edge, y - half, edge + l.tick, y + half, kInk);
+        draw_text(picture, labels.texts[i], edge + l.tick + l.gap, y + l.label.cap_height / 2,
+                  l.label);
+    }
+}
+
+}  // namespace
+
+bool burn_legend(const Legend& legend, Picture& picture) {
+    SLIM_CHECK(legend.map != nullptr, ==, true);
+    SLIM_CHECK(legend.range.lo, <, legend.range.hi);
+    const Labels labels = labels_of(legend);
+    const Layout l = layout_of(legend, labels, picture);
+    if (l.width + l.margin > 0.6f * static_cast<float>(picture.width) ||
+        l.height + l.margin > 0.6f * static_cast<float>(picture.height))
+        return false;
+    fill_rounded(picture, l, std::round(10 * l.unit));
+    fill_bar(picture, l, *legend.map);
+    if (legend.clipped_high) fill_tip(picture, l, l.bar_y, -l.tip, legend.map->linear(1));
+    if (legend.clipped_low)
+        fill_tip(picture, l, l.bar_y + l.bar_height, l.tip, legend.map->linear(0));
+    draw_ticks(picture, legend, labels, l);
+    draw_words(picture, legend, l);
+    return true;
+}
+
+}  // namespace slim

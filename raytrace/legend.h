@@ -1,0 +1,38 @@
+#pragma once
+
+#include "raytrace/color_map.h"
+#include "raytrace/picture.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slim {
+
+/// What a reader needs to turn a false colour back into a number.
+struct Legend {
+    std::string title;       ///< "mean curvature"
+    std::string unit;        ///< "1/mm"; empty for pure numbers
+    const ColorMap* map = nullptr;
+    ValueRange range;
+    std::string high_note;   ///< above the bar: "convex +"; may be empty
+    std::string low_note;    ///< below it: "concave \u2212"
+    bool clipped_high = false, clipped_low = false;  ///< values beyond the range: arrow tips
+};
+
+/// Round values inside the range, ascending, 4 to 9 of them, 0 among them if it is inside; the ends of
+/// a symmetric range are always ticks.
+std::vector<double> legend_ticks(const ValueRange& range);
+
+/// A tick's text with as many digits as its neighbours need; U+2212 for minus.
+std::string tick_label(double value, const std::vector<double>& ticks);
+
+/// Burns the legend into the right edge of a picture on a translucent panel, scaled with the smaller
+/// side (1000 pixels: digits 14 high). Returns false and leaves the picture alone if it would take
+/// more than 60 % of either side.
+bool burn_legend(const Legend& legend, Picture& picture);
+
+/// The same bar as a file of its own: SVG 1.1, millimetres, for print.
+std::string legend_svg(const Legend& legend);
+
+}  // namespace slim

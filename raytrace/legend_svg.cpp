@@ -1,0 +1,89 @@
+#include "raytrace/legend.h"
+
+#include "slim/base/check.h"
+
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+namespace slim {
+namespace {
+
+// Millimetres.
+constexpr double kWidth = 44, kBarX = 4, kBarWidth = 6, kBarHeight = 60, kTip = 3, kBarY = 24;
+constexpr double kHeight = kBarY + kBarHeight + 13;
+constexpr int kStops = 33;
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+    return out;
+}
+
+std::string hex_color(const Vec3f& srgb) {
+    const auto byte = [](float v) { return static_cast<unsigned>(std::lround(v * 255)); };
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x) & 255u, byte(srgb.y) & 255u,
+                  byte(srgb.z) & 255u);
+    return text;
+}
+
+void write_text(std::ostream& out, double x, double y, const std::string& text,
+                const char* weight = "normal") {
+    if (text.empty()) return;
+    out << "  <text x=\"" << x << "\" y=\"" << y << "\" font-weight=\"" << weight << "\">"
+        << escaped(text) << "</text>\n";
+}
+
+void write_gradient(std::ostream& out, const ColorMap& map) {
+    out << "  <defs><linearGradient id=\"bar\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">\n";
+    for (int i = 0; i < kStops; ++i) {
+        const double t = static_cast<double>(i) / (kStops - 1);
+        out << "    <stop offset=\"" << t << "\" stop-color=\""
+            << hex_color(map.srgb(static_cast<float>(t))) << "\"/>\n";
+    }
+    out << "  </linearGradient></defs>\n";
+}
+
+void write_tip(std::ostream& out, double base, double tip, const Vec3f& srgb) {
+    out << "  <path d=\"M" << kBarX << ' ' << base << " L" << kBarX + kBarWidth << ' ' << base << " L"
+        << kBarX + kBarWidth / 2 << ' ' << base + tip << " Z\" fill=\"" << hex_color(srgb)
+        << "\"/>\n";
+}
+
+void write_ticks(std::ostream& out, const Legend& legend) {
+    const std::vector<double> ticks = legend_ticks(legend.range);
+    for (const double value : ticks) {
+        const double t = (value - legend.range.lo) / (legend.range.hi - legend.range.lo);
+        const double y = kBarY + kBarHeight * (1 - t), x = kBarX + kBarWidth;
+        out << "  <path d=\"M" << x << ' ' << y << " h1.5\" stroke=\"#1a1b1e\" stroke-width=\"0.25\"/>\n";
+        write_text(out, x + 2.5, y + 1.2, tick_label(value, ticks));
+    }
+}
+
+}  // namespace
+
+std::string legend_svg(const Legend& legend) {
+    SLIM_CHECK(legend.map != nullptr, ==, true);
+    SLIM_CHECK(legend.range.lo, <, legend.range.hi);
+    std::ostringstream out;
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << kWidth
+        << "mm\" height=\"" << kHeight << "mm\" viewBox=\"0 0 " << kWidth << ' ' << kHeight
+        << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n";
+    write_gradient(out, *legend.map);
+    out << "  <rect x=\"" << kBarX << "\" y=\"" << kBarY << "\" width=\"" << kBarWidth
+        << "\" height=\"" << kBarHeight << "\" fill=\"url(#bar)\"/>\n";
+    const double bottom = kBarY + kBarHeight;
+    if (legend.clipped_high) write_tip(out, kBarY, -kTip, legend.map->srgb(1));
+    if (legend.clipped_low) write_tip(out, bottom, kTip, legend.map->srgb(0));
+    write_ticks(out, legend);
+    write_text(out, kBarX, 6, legend.title, "bold");
+    write_text(out, kBarX, 11, legend.unit);
+    write_text(out, kBarX, kBarY - kTip - 1.5, legend.high_note);
+    write_text(out, kBarX, bottom + kTip + 4.5, legend.low_note);
+    out << "</svg>\n";
+    return out.str();
+}
+
+}  // namespace slim

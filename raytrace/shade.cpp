@@ -1,0 +1,125 @@
+#include "raytrace/shade.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kRowGrain = 8;
+
+Vec3f multiply(const Vec3f& a, const Vec3f& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+/// The camera's axes in floats, and the direction from a pixel's surface to the eye in those axes.
+struct EyeFrame {
+    Vec3f right, up, back;
+    float half_width, half_height;
+    bool orthographic;
+
+    explicit EyeFrame(const ShadeView& v)
+        : right(to_float(v.right)), up(to_float(v.up)), back(to_float(v.back)),
+          half_width(static_cast<float>(v.half_width)),
+          half_height(static_cast<float>(v.half_height)), orthographic(v.orthographic) {}
+
+    Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
+
+    /// s, t in [-1, 1] over the picture, t upwards.
+    Vec3f toward_eye(float s, float t) const {
+        if (orthographic) return {0, 0, 1};
+        return normalized(Vec3f{-s * half_width, -t * half_height, 1});
+    }
+};
+
+float screen_coordinate(int pixel, int n) {
+    return (static_cast<float>(pixel) + 0.5f) * 2 / static_cast<float>(n) - 1;
+}
+
+/// The normal of one pixel in camera axes, turned to the eye; zero where the renderer had none.
+Vec3f eye_normal(const EyeFrame& frame, const NormalPlanes& normals, std::size_t i,
+                 const Vec3f& toward_eye) {
+    const Vec3f n = normalized(frame.from_world({normals.x[i], normals.y[i], normals.z[i]}));
+    return dot(n, toward_eye) < 0 ? -n : n;
+}
+
+Vec3f diffuse(const Light& light, const Vec3f& n) {
+    return light.color * std::max(0.0f, dot(n, light.toward));
+}
+
+/// Blinn's highlight of the key light, fading in with n.l so that it cannot shine on the dark side.
+Vec3f highlight(const Lighting& l, const Vec3f& n, const Vec3f& toward_eye) {
+    const float facing = std::clamp(4 * dot(n, l.key.toward), 0.0f, 1.0f);
+    const Vec3f half = normalized(l.key.toward + toward_eye);
+    const float base = std::max(0.0f, dot(n, half));
+    return l.key.color * (l.specular * facing * std::pow(base, l.shininess));
+}
+
+Vec3f reflected(const Lighting& l, const Vec3f& n, const Vec3f& toward_eye) {
+    const float upward = 0.5f * (1 + n.y);
+    const Vec3f ambient = l.sky * upward + l.ground * (1 - upward);
+    return multiply(l.albedo, ambient + diffuse(l.key, n) + diffuse(l.fill, n)) +
+           highlight(l, n, toward_eye);
+}
+
+/// Calls pixel(x, y, i, n, toward_eye) at every hit, rows in parallel.
+template <class Body>
+void for_hits(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+              std::span<const std::uint8_t> hit, const Body& pixel) {
+    const auto n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    SLIM_CHECK(hit.size(), ==, n_pixels);
+    SLIM_CHECK(std::min({normals.x.size(), normals.y.size(), normals.z.size()}), ==, n_pixels);
+    const EyeFrame frame(view);
+    parallel_blocks(static_cast<std::size_t>(height), kRowGrain,
+                    [&](std::size_t begin, std::size_t end) {
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                      static_cast<std::size_t>(x);
+                if (!hit[i]) continue;
+                const Vec3f toward_eye = frame.toward_eye(screen_coordinate(x, width),
+                                                          -screen_coordinate(y, height));
+                pixel(i, eye_normal(frame, normals, i, toward_eye), toward_eye);
+            }
+    });
+}
+
+}  // namespace
+
+Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+              std::span<const std::uint8_t> hit, const Lighting& lighting) {
+    Picture out(width, height);
+    for_hits(width, height, view, normals, hit,
+             [&](std::size_t i, const Vec3f& n, const Vec3f& toward_eye) {
+                 const Vec3f c = reflected(lighting, n, toward_eye);
+                 float* p = &out.rgba[4 * i];
+                 p[0] = c.x, p[1] = c.y, p[2] = c.z, p[3] = 1;
+             });
+    return out;
+}
+
+void light_picture(const ShadeView& view, const NormalPlanes& normals,
+                   std::span<const std::uint8_t> hit, float floor, Picture& picture) {
+    const Vec3f toward = Lighting{}.key.toward;
+    for_hits(picture.width, picture.height, view, normals, hit,
+             [&](std::size_t i, const Vec3f& n, const Vec3f&) {
+                 const float wrapped = 0.5f * (1 + dot(n, toward));
+                 const float light = floor + (1 - floor) * wrapped;
+                 for (std::size_t c = 0; c < 3; ++c) picture.rgba[4 * i + c] *= light;
+             });
+}
+
+void composite_over(const Background& background, Picture& picture) {
+    for (int y = 0; y < picture.height; ++y) {
+        const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(picture.height);
+        const Vec3f c = background.top * (1 - t) + background.bottom * t;
+        for (int x = 0; x < picture.width; ++x) {
+            float* p = picture.pixel(x, y);
+            const float through = background.alpha * (1 - p[3]);
+            p[0] += through * c.x, p[1] += through * c.y, p[2] += through * c.z, p[3] += through;
+        }
+    }
+}
+
+}  // namespace slim

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "raytrace/picture.h"
+#include "slim/base/vec.h"
+
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// What shading knows of a view: the camera's axes (unit, world) and half the picture's extent on the
+/// plane at distance 1 in front of the eye (perspective; y over x by the aspect).
+struct ShadeView {
+    Vec3d right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};
+    double half_width = 1, half_height = 1;
+    bool orthographic = false;
+};
+
+/// One plane per coordinate; pixels without a hit are ignored.
+struct NormalPlanes {
+    std::span<const float> x, y, z;
+};
+
+/// A directional light that stands still relative to the camera; `toward` is the direction to the
+/// light in camera axes (right, up, back), unit length.
+struct Light {
+    Vec3f toward;
+    Vec3f color;  ///< linear Rec.709, radiance at normal incidence times 1/pi folded in
+};
+
+/// Blinn-Phong (Blinn 1977) with two lights and a hemisphere of ambient light. Colours in linear
+/// Rec.709. The defaults are grey clay under a studio key from the upper left.
+struct Lighting {
+    Light key{{-0.5145f, 0.6175f, 0.5949f}, {0.86f, 0.83f, 0.78f}};
+    Light fill{{0.8452f, -0.0845f, 0.5278f}, {0.13f, 0.15f, 0.19f}};
+    Vec3f sky{0.235f, 0.250f, 0.275f};     ///< ambient on a normal that points up
+    Vec3f ground{0.085f, 0.077f, 0.070f};  ///< ambient on a normal that points down
+    Vec3f albedo{0.690f, 0.632f, 0.572f};
+    float specular = 0.11f;                ///< key light only
+    float shininess = 36;
+};
+
+/// Shades every hit pixel over transparent black; a normal that faces away is turned round first, so
+/// both sides of a sheet look alike.
+///
+/// normals, hit  width * height each, row-major from the top left; hit != 0 where there is a surface
+/// returns       premultiplied linear Rec.709, alpha 1 at hits and 0 elsewhere
+/// cost          O(pixels), parallel over rows; a pure function of its arguments
+Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+              std::span<const std::uint8_t> hit, const Lighting& lighting = {});
+
+/// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away), for
+/// curvature maps that are asked to show form as well.
+void light_picture(const ShadeView& view, const NormalPlanes& normals,
+                   std::span<const std::uint8_t> hit, float floor, Picture& picture);
+
+/// Vertical gradient behind a picture, linear Rec.709; alpha 0 leaves the picture as it is.
+struct Background {
+    Vec3f top{1, 1, 1}, bottom{1, 1, 1};
+    float alpha = 1;
+};
+
+/// picture OVER background.
+void composite_over(const Background& background, Picture& picture);
+
+}  // namespace slim

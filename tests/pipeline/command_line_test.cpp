@@ -1,0 +1,128 @@
+#include "pipeline/command_line.h"
+
+#include "slim/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace slim {
+namespace {
+
+struct LineConfig {
+    std::vector<std::string> inputs;
+    std::string output;
+    int degree = 2;
+    double angle = 0;
+    bool legend = true;
+    bool strict = false;
+    std::vector<std::string> aov = {"shaded"};
+    std::string camera = "iso";
+    std::vector<std::string> extra;
+
+    template <class V>
+    void visit(V&& field) {
+        field.input("inputs", inputs, "clouds");
+        field.output("output", output, "model");
+        field("degree", degree, "degree", 1, 3);
+        field("angle", angle, "angle", -90, 90);
+        field("legend", legend, "legend");
+        field("strict", strict, "strict");
+        field("aov", aov, "pictures");
+        field("camera", camera, "camera");
+        field.path("extra_path", extra, "more files");
+    }
+};
+
+CommonOptions parse(LineConfig& config, std::vector<std::string> words) {
+    words.insert(words.begin(), "slim-line");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    return parse_command_line(static_cast<int>(argv.size()), argv.data(), fields_of(config));
+}
+
+std::string refusal(const std::vector<std::string>& words) {
+    LineConfig config;
+    try {
+        parse(config, words);
+        return "";
+    } catch (const ConfigError& error) {
+        return error.what();
+    }
+}
+
+TEST(CommandLine, ReadsWordsOptionsAndFlags) {
+    LineConfig config;
+    const CommonOptions common =
+        parse(config, {"a.ply", "--degree", "3", "b.ply", "-o", "m.slim", "--no-legend", "--strict",
+                       "--aov", "mean,k1", "--aov=k2", "--threads", "7", "-q", "--json", "--force"});
+    EXPECT_EQ(config.inputs, (std::vector<std::string>{"a.ply", "b.ply"}));
+    EXPECT_EQ(config.output, "m.slim");
+    EXPECT_EQ(config.degree, 3);
+    EXPECT_FALSE(config.legend);
+    EXPECT_TRUE(config.strict);
+    EXPECT_EQ(config.aov, (std::vector<std::string>{"mean", "k1", "k2"}));
+    EXPECT_EQ(common.threads, 7);
+    EXPECT_TRUE(common.quiet && common.json && common.force);
+    EXPECT_FALSE(common.verbose || common.help || common.version || common.print_config);
+}
+
+TEST(CommandLine, NegativeNumbersAreValues) {
+    LineConfig config;
+    parse(config, {"--angle", "-30", "--camera", "-1,2,3"});
+    EXPECT_EQ(config.angle, -30);
+    EXPECT_EQ(config.camera, "-1,2,3");
+}
+
+TEST(CommandLine, PathsAreNotSplitAtCommas) {
+    LineConfig config;
+    parse(config, {"a,b.ply", "--extra-path", "c,d.ply"});
+    EXPECT_EQ(config.inputs, (std::vector<std::string>{"a,b.ply"}));
+    EXPECT_EQ(config.extra, (std::vector<std::string>{"c,d.ply"}));
+}
+
+TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "line.toml";
+    std::ofstream(file) << "degree = 1\nangle = 10\ncamera = 'front'\n";
+    LineConfig config;
+    parse(config, {"--angle=30", "--set", "degree=2", "--set=angle=20", "--config", file.string()});
+    EXPECT_EQ(config.camera, "front");
+    EXPECT_EQ(config.degree, 2);
+    EXPECT_EQ(config.angle, 30);
+}
+
+TEST(CommandLine, SuggestsTheNearestOption) {
+    EXPECT_EQ(refusal({"--degre", "3"}), "unknown option --degre (did you mean '--degree'?)");
+    EXPECT_EQ(refusal({"--thread=3"}), "unknown option --thread (did you mean '--threads'?)");
+    EXPECT_EQ(refusal({"--set", "degre=3"}),
+              "--set degre=3: unknown key 'degre' (did you mean 'degree'?)");
+}
+
+TEST(CommandLine, RefusesWhatMakesNoSense) {
+    EXPECT_NE(refusal({"--degree"}), "");
+    EXPECT_NE(refusal({"--degree", "7"}), "");
+    EXPECT_NE(refusal({"--set", "degree"}), "");
+    EXPECT_NE(refusal({"--threads", "-1"}), "");
+    EXPECT_NE(refusal({"--threads", "many"}), "");
+    EXPECT_NE(refusal({"-x"}), "");
+}
+
+TEST(CommandLine, HelpNamesEveryFieldItsDefaultRangeAndExample) {
+    LineConfig config;
+    const std::string text =
+        help_text({"line", "Draws a line.", {"slim line a.ply -o m.slim"}}, fields_of(config));
+    for (const char* part : {"Draws a line.", "Usage: slim line INPUT... -o PATH", "--degree",
+                             "in [1, 3]", "(default: 2)", "--no-legend", "--strict", "--extra-path",
+                             "--threads", "slim line a.ply -o m.slim"})
+        EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST(CommandLine, HelpIsAnsweredWhateverElseIsThere) {
+    LineConfig config;
+    EXPECT_TRUE(parse(config, {"--help", "--unknown"}).help);
+    EXPECT_TRUE(parse(config, {"--version"}).version);
+}
+
+}  // namespace
+}  // namespace slim

@@ -1,0 +1,193 @@
+#include "pipeline/config.h"
+
+#include "pipeline/toml_file.h"
+#include "slim/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SampleConfig {
+    std::vector<std::string> inputs;
+    std::string output;
+    int degree = 2;
+    double t_mdl = 0.01;
+    float range = 0;
+    bool legend = true;
+    std::uint64_t seed = 1;
+    std::string normals = "auto";
+    std::vector<std::string> aov = {"shaded"};
+    std::vector<double> offset;
+    std::string work;
+
+    template <class V>
+    void visit(V&& field) {
+        field.input("inputs", inputs, "clouds");
+        field.output("output", output, "model");
+        field("degree", degree, "degree", 1, 3);
+        field("t_mdl", t_mdl, "threshold", 1e-12, 1e3);
+        field("range", range, "range", 0, 10);
+        field("legend", legend, "legend");
+        field("seed", seed, "seed");
+        field.choice("normals", normals, "normals", {"auto", "keep", "estimate"});
+        field.choice("aov", aov, "pictures", {"shaded", "mean", "k1"});
+        field("offset", offset, "offset");
+        field.path("work", work, "folder");
+    }
+};
+
+/// The message of the ConfigError that the call throws, "" if it throws none.
+template <class Call>
+std::string refusal(const Call& call) {
+    try {
+        call();
+        return "";
+    } catch (const ConfigError& error) {
+        return error.what();
+    }
+}
+
+fs::path write_file(const std::string& name, const std::string& text) {
+    const fs::path path = fs::path(testing::TempDir()) / name;
+    std::ofstream(path) << text;
+    return path;
+}
+
+TEST(Config, SetsEveryKindOfField) {
+    SampleConfig config;
+    const FieldList fields = fields_of(config);
+    fields.find("degree")->set({"3"}, "x");
+    fields.find("t_mdl")->set({"1e-3"}, "x");
+    fields.find("range")->set({"2.5"}, "x");
+    fields.find("legend")->set({"false"}, "x");
+    fields.find("seed")->set({"18446744073709551615"}, "x");
+    fields.find("aov")->set({"mean", "k1"}, "x");
+    fields.find("offset")->set({"-1", "2.5", "1e6"}, "x");
+    EXPECT_EQ(config.degree, 3);
+    EXPECT_EQ(config.t_mdl, 1e-3);
+    EXPECT_EQ(config.range, 2.5f);
+    EXPECT_FALSE(config.legend);
+    EXPECT_EQ(config.seed, 18446744073709551615ull);
+    EXPECT_EQ(config.aov, (std::vector<std::string>{"mean", "k1"}));
+    EXPECT_EQ(config.offset, (std::vector<double>{-1, 2.5, 1e6}));
+}
+
+TEST(Config, AcceptsAWholeNumberWithAnExponent) {
+    SampleConfig config;
+    fields_of(config).find("seed")->set({"5e5"}, "x");
+    EXPECT_EQ(config.seed, 500000u);
+    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"5e-1"}, "x"); }), "");
+    EXPECT_NE(refusal([&] { fields_of(config).find("seed")->set({"-1"}, "x"); }), "");
+}
+
+TEST(Config, RefusesWhatIsOutOfRangeOrNoNumber) {
+    SampleConfig config;
+    const FieldList fields = fields_of(config);
+    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"4"}, "--degree"); }),
+              "--degree: expected a number in [1, 3]; found 4");
+    EXPECT_EQ(refusal([&] { fields.find("degree")->set({"two"}, "--degree"); }),
+              "--degree: expected a whole number, found 'two'");
+    EXPECT_NE(refusal([&] { fields.find("t_mdl")->set({"nan"}, "x"); }), "");
+    EXPECT_NE(refusal([&] { fields.find("legend")->set({"yes"}, "x"); }), "");
+    EXPECT_EQ(config.degree, 2);  // a refused value changes nothing
+}
+
+TEST(Config, SuggestsTheNearestChoice) {
+    SampleConfig config;
+    EXPECT_EQ(refusal([&] { fields_of(config).find("normals")->set({"kepe"}, "--normals"); }),
+              "--normals: expected one of auto, keep, estimate; found 'kepe' (did you mean 'keep'?)");
+    EXPECT_NE(refusal([&] { fields_of(config).find("aov")->set({"shaded", "men"}, "x"); }), "");
+    EXPECT_EQ(suggestion("wholly-different", {"keep"}), "");
+}
+
+TEST(Config, HashesWhatCountsAndNotThePaths) {
+    SampleConfig a, b;
+    b.inputs = {"elsewhere.ply"};
+    b.output = "other.slim";
+    b.work = "folder";
+    EXPECT_EQ(canonical_config(fields_of(a)), canonical_config(fields_of(b)));
+    b.seed = 2;
+    EXPECT_NE(canonical_config(fields_of(a)), canonical_config(fields_of(b)));
+}
+
+TEST(Config, NamesWhatIsMissing) {
+    SampleConfig config;
+    EXPECT_EQ(refusal([&] { check_required(fields_of(config)); }), "missing inputs: clouds");
+    FieldList fields = fields_of(config);
+    config.inputs = {"a.ply"};
+    EXPECT_EQ(refusal([&] { check_required(fields); }), "missing -o: model");
+    config.output = "m.slim";
+    EXPECT_EQ(refusal([&] { check_required(fields); }), "");
+}
+
+TEST(TomlFile, ReadsBackWhatPrintConfigWrites) {
+    SampleConfig config;
+    config.inputs = {"/a b/\"quoted\"\\.ply", "/c.ply"};
+    config.output = "/m.slim";
+    config.t_mdl = 0.1 + 0.2;
+    config.range = 7;
+    config.legend = false;
+    config.offset = {403000.25, -1, 1e300};
+    config.aov = {"k1"};
+    const std::string text = print_config(fields_of(config));
+    SampleConfig back;
+    apply_config_file(write_file("round_trip.toml", text), fields_of(back));
+    EXPECT_EQ(print_config(fields_of(back)), text);
+    EXPECT_EQ(back.inputs, config.inputs);
+    EXPECT_EQ(back.t_mdl, config.t_mdl);
+}
+
+TEST(TomlFile, ResolvesPathsAgainstTheFile) {
+    const fs::path file = write_file("paths.toml", "inputs = ['sub/a.ply']\nwork = '../w'\n");
+    SampleConfig config;
+    apply_config_file(file, fields_of(config));
+    EXPECT_EQ(config.inputs[0], (file.parent_path() / "sub/a.ply").lexically_normal().string());
+    EXPECT_EQ(config.work, (file.parent_path() / "../w").lexically_normal().string());
+}
+
+TEST(TomlFile, NamesLineAndNearestKeyOfAnUnknownOne) {
+    const fs::path file = write_file("unknown.toml", "degree = 2\n\ndegre = 3\n");
+    SampleConfig config;
+    EXPECT_EQ(refusal([&] { apply_config_file(file, fields_of(config)); }),
+              file.string() + ":3: unknown key 'degre' (did you mean 'degree'?)");
+}
+
+TEST(TomlFile, RefusesWrongTypes) {
+    const char* texts[] = {"degree = 2.5",  "degree = '2'",    "degree = [2]",     "t_mdl = true",
+                           "legend = 1",    "aov = 'shaded'",  "aov = [1]",        "normals = 1",
+                           "degree = ",     "seed = 1979-05-27", "offset = [[1]]", "[fit]\ndegree = 1",
+                           "aov = ['k1', 2]", "degree = 1\ndegree = 2"};
+    for (const char* text : texts) {
+        SCOPED_TRACE(text);
+        const fs::path file = write_file("wrong.toml", text);
+        SampleConfig config;
+        EXPECT_TRUE(refusal([&] { apply_config_file(file, fields_of(config)); })
+                        .starts_with(file.string() + ":"));
+    }
+}
+
+TEST(TomlFile, MissingFileIsAnInputError) {
+    SampleConfig config;
+    EXPECT_THROW(apply_config_file("/no/such.toml", fields_of(config)), IoError);
+    EXPECT_THROW(apply_config_file(testing::TempDir(), fields_of(config)), IoError);
+}
+
+TEST(TomlFile, KeepsTheOrderOfTablesInTheFile) {
+    const fs::path file = write_file(
+        "tables.toml", "[[view]]\nname = 'z'\n[output]\ndir = 'o'\n[[view]]\nname = 'a'\n");
+    const TomlTable root = read_toml(file);
+    ASSERT_EQ(root.tables.size(), 3u);
+    EXPECT_EQ(root.tables[0].values[0].items[0], "z");
+    EXPECT_EQ(root.tables[1].name, "output");
+    EXPECT_EQ(root.tables[2].values[0].items[0], "a");
+    EXPECT_EQ(root.tables[2].values[0].line, 6);
+}
+
+}  // namespace
+}  // namespace slim

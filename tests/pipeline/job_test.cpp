@@ -1,0 +1,173 @@
+#include "pipeline/job.h"
+
+#include "pipeline/index_page.h"
+#include "slim/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDemo = R"(
+[input.scan]
+shape = "sculpture"
+points = 1000
+noise = 0.001
+
+[fit]
+degree = 3
+
+[render]
+size = "640x480"
+
+[[view]]
+name = "front"
+camera = "front"
+
+[[view]]
+camera = "iso"
+aovs = ["mean"]
+size = "320x240"
+
+[measure]
+
+[output]
+dir = "out"
+aovs = ["shaded", "k1"]
+)";
+
+fs::path write_job(const std::string& text) {
+    const fs::path path = fs::path(testing::TempDir()) / "job.toml";
+    std::ofstream(path) << text;
+    return path;
+}
+
+std::string refusal(const std::string& text) {
+    try {
+        read_job(write_job(text));
+        return "";
+    } catch (const ConfigError& error) {
+        return error.what();
+    }
+}
+
+bool has(const JobStep& step, const std::string& argument) {
+    return std::find(step.arguments.begin(), step.arguments.end(), argument) != step.arguments.end();
+}
+
+TEST(Job, BecomesStepsInOrder) {
+    const Job job = read_job(write_job(kDemo));
+    std::vector<std::string> names;
+    for (const JobStep& step : job.steps) names.push_back(step.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"scan", "build", "measure", "view front", "view iso"}));
+    EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out");
+}
+
+TEST(Job, PassesOptionsOnToTheVerbs) {
+    const Job job = read_job(write_job(kDemo));
+    EXPECT_EQ(job.steps[0].arguments[0], "sculpture");
+    EXPECT_TRUE(has(job.steps[0], "--points=1000"));
+    EXPECT_TRUE(has(job.steps[0], "--noise=0.001"));
+    EXPECT_TRUE(has(job.steps[1], "--degree=3"));
+    EXPECT_TRUE(has(job.steps[1], (job.folder / "cloud.ply").string()));
+    EXPECT_TRUE(has(job.steps[3], "--camera=front"));
+    EXPECT_TRUE(has(job.steps[3], "--size=640x480"));
+    EXPECT_TRUE(has(job.steps[3], "--aov=shaded,k1"));
+    EXPECT_TRUE(has(job.steps[3], (job.folder / "front.png").string()));
+    EXPECT_TRUE(has(job.steps[4], "--aov=mean"));
+    EXPECT_TRUE(has(job.steps[4], (job.folder / "iso.mean.png").string()));
+    // A view's own size comes after the common one, and the later counts.
+    const auto& words = job.steps[4].arguments;
+    EXPECT_LT(std::find(words.begin(), words.end(), "--size=640x480"),
+              std::find(words.begin(), words.end(), "--size=320x240"));
+}
+
+TEST(Job, ReadsFilesFromBesideItself) {
+    const Job job = read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n[measure]\n"));
+    ASSERT_EQ(job.steps.size(), 3u);
+    EXPECT_EQ(job.steps[0].verb, "build");
+    EXPECT_EQ(job.steps[0].inputs[1], fs::path(testing::TempDir()) / "sub/b.ply");
+    EXPECT_EQ(job.steps[2].name, "measure b.ply");
+    EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out/job");
+}
+
+TEST(Job, SaysWhatIsLeftOut) {
+    const auto left_out = [](const std::string& text) {
+        const Job job = read_job(write_job(text));
+        std::string all;
+        for (const std::string& reason : job.left_out) all += reason + "\n";
+        return all;
+    };
+    const std::string plain = left_out(
+        "[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\n[output]\nhtml = false\n");
+    for (const char* part : {"curvature: no AOV asks for it", "measure:", "scan:", "index.html:", "normal"})
+        EXPECT_NE(plain.find(part), std::string::npos) << part;
+    const std::string demo = left_out(kDemo);
+    for (const char* part : {"curvature: no", "measure:", "scan:", "index.html:"})
+        EXPECT_EQ(demo.find(part), std::string::npos) << part;
+}
+
+TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
+    const std::string start = "[input]\nfiles = ['a.ply']\n";
+    const std::pair<const char*, const char*> cases[] = {
+        {"[ftt]\n", ":3: unknown table [ftt] (did you mean 'fit'?)"},
+        {"[fit]\ndegre = 2\n", ":4: unknown key 'degre' (did you mean 'degree'?)"},
+        {"[fit]\noutput = 'm.slim'\n", ":4: unknown key 'output'"},
+        {"[fit]\ndegree = 9\n", ":4: degree: expected a number in [1, 3]; found 9"},
+        {"[[view]]\ncamra = 'front'\n", ":4: unknown key 'camra' (did you mean 'camera'?)"},
+        {"[[view]]\naovs = ['men']\n", ""},
+        {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
+        {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
+        {"[fit.more]\n", "unknown table [more]"},
+        {"[input.scan]\nshape = 'torus'\n", "expected either files or a scan"},
+    };
+    for (const auto& [text, message] : cases) {
+        SCOPED_TRACE(text);
+        const std::string found = refusal(start + text);
+        EXPECT_NE(found, "");
+        EXPECT_NE(found.find(message), std::string::npos) << found;
+        EXPECT_TRUE(found.starts_with(testing::TempDir())) << found;
+    }
+    EXPECT_NE(refusal("[fit]\ndegree = 2\n").find("no [input]"), std::string::npos);
+    EXPECT_NE(refusal("degree = 2\n" + start).find(":1: unknown key 'degree'"), std::string::npos);
+}
+
+TEST(Makefile, NamesEveryStepsOutputAndWhatItNeeds) {
+    const Job job = read_job(write_job(kDemo));
+    const std::string text = makefile_of(job, "/opt/a b");
+    const std::string folder = job.folder.string();
+    EXPECT_NE(text.find(folder + "/model.slim.done.json: " + folder + "/cloud.ply.done.json"),
+              std::string::npos);
+    EXPECT_NE(text.find(folder + "/front.png.done.json: " + folder + "/model.slim.done.json"),
+              std::string::npos);
+    EXPECT_NE(text.find("'/opt/a b/slim-build'"), std::string::npos);
+    EXPECT_NE(text.find("--json > '" + folder + "/measure.json'.tmp"), std::string::npos);
+}
+
+TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
+    const Job job = read_job(write_job(kDemo));
+    std::vector<StepOutcome> outcomes;
+    for (const JobStep& step : job.steps) outcomes.push_back({step, nlohmann::json::object(), false, 1.25, 2e6});
+    outcomes[1].result = {{"points", 1000u}, {"leaves", 1234567u}, {"bytes", 2048u},
+                          {"stages", {{{"stage", "fit"}, {"seconds", 0.5}, {"peak_memory_bytes", 1e6}}}}};
+    outcomes[2].result = {{"l2", 1.5e-4}, {"normal_rms_deg", 2.5}};
+    outcomes[3].result = {{"files", {(job.folder / "front.shaded.png").string(),
+                                     (job.folder / "front.k1.png").string(),
+                                     (job.folder / "front.k1.legend.svg").string()}}};
+    outcomes[0].up_to_date = true;
+    const std::string page = index_page(job, outcomes);
+    for (const char* part : {"1,234,567", "2 KiB", "0.00015", "src=\"front.shaded.png\"",
+                             "src=\"front.k1.png\"", "1.25", "&emsp;fit", "up to date"})
+        EXPECT_NE(page.find(part), std::string::npos) << part;
+    EXPECT_EQ(page.find("legend.svg"), std::string::npos);
+    EXPECT_EQ(page.find(job.folder.string()), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slim

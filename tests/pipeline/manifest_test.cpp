@@ -1,0 +1,139 @@
+#include "pipeline/manifest.h"
+
+#include "pipeline/stage.h"
+#include "slim/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class StampTest : public testing::Test {
+public:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) /
+                  ("stamp_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+        write("in.ply", "points");
+    }
+
+    void write(const std::string& name, const std::string& text) {
+        std::ofstream(folder_ / name, std::ios::binary) << text;
+    }
+
+    StageContext context() { return {reporter_, 2, false, "fit", "degree = 2\n", "degree = 2\n"}; }
+
+    /// One run of a stage: true if it was up to date, else it writes its output.
+    bool run(const StageContext& with, const std::string& depends = "") {
+        Stamp stamp(with, manifest_path(folder_ / "out.slim"));
+        stamp.input(folder_ / "in.ply");
+        stamp.optional_input(folder_ / "in.truth");
+        stamp.depends(depends);
+        if (const auto result = stamp.up_to_date()) {
+            EXPECT_EQ(result->at("leaves"), 7);
+            EXPECT_EQ(result->at("up_to_date"), true);
+            EXPECT_TRUE(result->at("recorded").contains("seconds"));
+            return true;
+        }
+        write("out.slim", "model");
+        EXPECT_EQ(stamp.commit({folder_ / "out.slim"}, {{"leaves", 7}}), (json{{"leaves", 7}}));
+        return false;
+    }
+
+    Reporter reporter_;
+    fs::path folder_;
+};
+
+TEST_F(StampTest, ASecondRunIsUpToDate) {
+    EXPECT_FALSE(run(context()));
+    EXPECT_TRUE(run(context()));
+    EXPECT_TRUE(run(context()));
+}
+
+TEST_F(StampTest, ThreadsDoNotMatter) {
+    EXPECT_FALSE(run(context()));
+    StageContext other = context();
+    other.threads = 7;
+    EXPECT_TRUE(run(other));
+}
+
+TEST_F(StampTest, WhatChangesTheResultIsDoneAgain) {
+    const std::function<void(StampTest&, StageContext&)> changes[] = {
+        [](StampTest& t, StageContext&) { t.write("in.ply", "Points"); },
+        [](StampTest& t, StageContext&) { t.write("in.truth", "truth"); },
+        [](StampTest& t, StageContext&) { t.write("out.slim", "MODEL"); },
+        [](StampTest& t, StageContext&) { fs::remove(t.folder_ / "out.slim"); },
+        [](StampTest& t, StageContext&) { t.write("out.slim.done.json", "{\"stage\": \"fit\"}"); },
+        [](StampTest& t, StageContext&) { t.write("out.slim.done.json", "not json"); },
+        [](StampTest&, StageContext& c) { c.config = "degree = 3\n"; },
+        [](StampTest&, StageContext& c) { c.stage = "tree"; },
+        [](StampTest&, StageContext& c) { c.force = true; },
+    };
+    int i = 0;
+    for (const auto& change : changes) {
+        SCOPED_TRACE(i++);
+        SetUp();
+        StageContext with = context();
+        EXPECT_FALSE(run(with));
+        change(*this, with);
+        EXPECT_FALSE(run(with));
+    }
+    SetUp();
+    EXPECT_FALSE(run(context(), "slice 0"));
+    EXPECT_FALSE(run(context(), "slice 1"));
+}
+
+TEST_F(StampTest, TheFolderMayMove) {
+    EXPECT_FALSE(run(context()));
+    const fs::path moved = folder_.string() + "_moved";
+    fs::remove_all(moved);
+    fs::rename(folder_, moved);
+    folder_ = moved;
+    EXPECT_TRUE(run(context()));
+}
+
+TEST_F(StampTest, TheManifestSaysWhatWasDone) {
+    EXPECT_FALSE(run(context()));
+    std::ifstream in(folder_ / "out.slim.done.json");
+    const json manifest = json::parse(in);
+    EXPECT_EQ(manifest.at("stage"), "fit");
+    EXPECT_EQ(manifest.at("outputs")[0].at("path"), "out.slim");
+    EXPECT_EQ(manifest.at("outputs")[0].at("bytes"), 5);
+    EXPECT_EQ(manifest.at("inputs")[0].at("xxh3_128"), hash_file(folder_ / "in.ply"));
+    EXPECT_EQ(manifest.at("threads"), 2);
+    for (const char* key : {"program", "config", "config_hash", "seconds", "peak_memory_bytes", "host",
+                            "finished"})
+        EXPECT_TRUE(manifest.contains(key)) << key;
+}
+
+TEST_F(StampTest, AMissingInputIsNamed) {
+    const StageContext with = context();
+    Stamp stamp(with, manifest_path(folder_ / "out.slim"));
+    stamp.input(folder_ / "nowhere.ply");
+    try {
+        stamp.commit({}, {});
+        FAIL() << "no error";
+    } catch (const IoError& error) {
+        EXPECT_NE(std::string(error.what()).find("nowhere.ply"), std::string::npos);
+        EXPECT_EQ(error.code(), ExitCode::bad_data);
+    }
+}
+
+TEST(HashFile, IsTheHashOfTheBytes) {
+    const fs::path file = fs::path(testing::TempDir()) / "hash_me";
+    const std::string text(3'000'000, 'x');
+    std::ofstream(file, std::ios::binary) << text;
+    EXPECT_EQ(hash_file(file), hash_text(text));
+    EXPECT_NE(hash_text("a"), hash_text("b"));
+    EXPECT_EQ(hash_text("a").size(), 32u);
+}
+
+}  // namespace
+}  // namespace slim

@@ -1,0 +1,188 @@
+#include "raytrace/shade.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace slim {
+namespace {
+
+/// The front half of a unit sphere seen by an orthographic camera that shows [-1.25, 1.25]^2.
+struct SphereBuffers {
+    int n;
+    std::vector<float> x, y, z;
+    std::vector<std::uint8_t> hit;
+
+    explicit SphereBuffers(int size, float side = 1) : n(size) {
+        for (int row = 0; row < n; ++row)
+            for (int column = 0; column < n; ++column) {
+                const float u = 1.25f * (2 * (static_cast<float>(column) + 0.5f) / static_cast<float>(n) - 1);
+                const float v = 1.25f * (1 - 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
+                const float rest = 1 - u * u - v * v;
+                hit.push_back(rest > 0);
+                x.push_back(rest > 0 ? side * u : 0);
+                y.push_back(rest > 0 ? side * v : 0);
+                z.push_back(rest > 0 ? side * std::sqrt(rest) : 0);
+            }
+    }
+    NormalPlanes normals() const { return {x, y, z}; }
+    Picture shaded(const ShadeView& view, const Lighting& lighting = {}) const {
+        return shade(n, n, view, normals(), hit, lighting);
+    }
+};
+
+ShadeView orthographic_view() {
+    ShadeView view;
+    view.half_width = view.half_height = 1.25;
+    view.orthographic = true;
+    return view;
+}
+
+float brightness(const Picture& p, int x, int y) { return p.pixel(x, y)[1]; }
+
+TEST(Shade, KeyLightComesFromTheUpperLeft) {
+    const Picture p = SphereBuffers(64).shaded(orthographic_view());
+    EXPECT_GT(brightness(p, 20, 18), 2 * brightness(p, 44, 46));
+    EXPECT_GT(brightness(p, 20, 18), brightness(p, 20, 46));
+    EXPECT_GT(brightness(p, 20, 18), brightness(p, 44, 18));
+}
+
+TEST(Shade, NothingIsBlackAndHardlyAnythingBurnsOut) {
+    const SphereBuffers sphere(128);
+    const Picture p = sphere.shaded(orthographic_view());
+    int burnt = 0, n_hits = 0;
+    for (std::size_t i = 0; i < p.n_pixels(); ++i) {
+        if (!sphere.hit[i]) continue;
+        ++n_hits;
+        EXPECT_GT(p.rgba[4 * i + 1], 0.03f);
+        burnt += p.rgba[4 * i] > 1;
+    }
+    EXPECT_LT(burnt, n_hits / 50);
+}
+
+TEST(Shade, AlphaIsTheHitMaskAndMissesAreZero) {
+    const SphereBuffers sphere(32);
+    const Picture p = sphere.shaded(orthographic_view());
+    for (std::size_t i = 0; i < p.n_pixels(); ++i) {
+        EXPECT_EQ(p.rgba[4 * i + 3], sphere.hit[i] ? 1 : 0);
+        if (!sphere.hit[i]) {
+            EXPECT_EQ(p.rgba[4 * i], 0);
+        }
+    }
+}
+
+TEST(Shade, BothSidesLookAlike) {
+    const Picture out = SphereBuffers(48).shaded(orthographic_view());
+    const Picture in = SphereBuffers(48, -1).shaded(orthographic_view());
+    EXPECT_EQ(out.rgba, in.rgba);
+}
+
+TEST(Shade, LightsTurnWithTheCamera) {
+    ShadeView turned = orthographic_view();  // from the left: right = +z, back = -x
+    turned.right = {0, 0, 1}, turned.back = {-1, 0, 0};
+    SphereBuffers sphere(48);
+    const Picture front = sphere.shaded(orthographic_view());
+    for (std::size_t i = 0; i < sphere.x.size(); ++i) {
+        const float x = sphere.x[i];
+        sphere.x[i] = -sphere.z[i], sphere.z[i] = x;
+    }
+    EXPECT_EQ(front.rgba, sphere.shaded(turned).rgba);
+}
+
+TEST(Shade, PerspectiveFlipsByTheRayOfThePixel) {
+    // A normal that leans away from the axis but towards the eye at the picture's left edge.
+    ShadeView view;
+    view.half_width = view.half_height = 2;
+    const std::vector<float> x{0.9539392f}, y{0}, z{-0.3f};
+    const std::vector<std::uint8_t> hit{1};
+    std::vector<float> wide_x(3, x[0]), wide_y(3, 0), wide_z(3, z[0]);
+    const std::vector<std::uint8_t> hits(3, 1);
+    const Picture p = shade(3, 1, view, {wide_x, wide_y, wide_z}, hits);
+    EXPECT_NE(p.rgba[0], p.rgba[8]);  // left: as it is; right: turned round
+    ShadeView flat = view;
+    flat.orthographic = true;
+    const Picture q = shade(3, 1, flat, {wide_x, wide_y, wide_z}, hits);
+    EXPECT_EQ(q.rgba[0], q.rgba[8]);
+}
+
+TEST(Shade, SpecularAndAlbedoCount) {
+    const SphereBuffers sphere(64);
+    Lighting matte;
+    matte.specular = 0;
+    Lighting dark = matte;
+    dark.albedo = matte.albedo * 0.5f;
+    const Picture a = sphere.shaded(orthographic_view(), matte);
+    const Picture b = sphere.shaded(orthographic_view(), dark);
+    const Picture c = sphere.shaded(orthographic_view());
+    float most = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) most = std::max(most, c.rgba[i] - a.rgba[i]);
+    EXPECT_GT(most, 0.05f);
+    EXPECT_NEAR(brightness(b, 30, 30), 0.5f * brightness(a, 30, 30), 1e-6f);
+}
+
+TEST(Shade, MissingNormalStaysFinite) {
+    const std::vector<float> zero{0};
+    const std::vector<std::uint8_t> hit{1};
+    const Picture p = shade(1, 1, orthographic_view(), {zero, zero, zero}, hit);
+    EXPECT_TRUE(std::isfinite(p.rgba[0]));
+    EXPECT_EQ(p.rgba[3], 1);
+}
+
+TEST(Shade, LightPictureDimsTheFarSideToItsFloor) {
+    const SphereBuffers sphere(64);
+    Picture white(64, 64);
+    std::fill(white.rgba.begin(), white.rgba.end(), 1.0f);
+    light_picture(orthographic_view(), sphere.normals(), sphere.hit, 0.4f, white);
+    EXPECT_GT(brightness(white, 20, 18), 0.95f);
+    for (std::size_t i = 0; i < sphere.hit.size(); ++i) EXPECT_GE(white.rgba[4 * i], 0.4f);
+    EXPECT_LT(brightness(white, 50, 46), 0.75f);
+    EXPECT_EQ(brightness(white, 0, 0), 1);  // no hit: untouched
+}
+
+TEST(Shade, CompositesOverAGradient) {
+    Picture p(1, 2);
+    p.pixel(0, 1)[0] = 0.25f, p.pixel(0, 1)[3] = 0.5f;  // half covered
+    composite_over({{1, 1, 1}, {0, 0.4f, 0}, 1}, p);
+    EXPECT_FLOAT_EQ(p.pixel(0, 0)[0], 0.75f);
+    EXPECT_FLOAT_EQ(p.pixel(0, 1)[0], 0.25f + 0.5f * 0.25f);
+    EXPECT_FLOAT_EQ(p.pixel(0, 1)[3], 1);
+    Picture clear(1, 1);
+    composite_over({{1, 1, 1}, {1, 1, 1}, 0}, clear);
+    EXPECT_EQ(clear.rgba, std::vector<float>(4, 0.0f));
+}
+
+TEST(Picture, SrgbCurveHasItsPublishedPointsAndInverts) {
+    EXPECT_FLOAT_EQ(srgb_from_linear(0), 0);
+    EXPECT_FLOAT_EQ(srgb_from_linear(1), 1);
+    EXPECT_NEAR(srgb_from_linear(0.21404114f), 0.5f, 1e-6);  // IEC 61966-2-1
+    EXPECT_NEAR(srgb_from_linear(0.0031308f), 0.04045f, 1e-5);
+    EXPECT_EQ(srgb_from_linear(std::numeric_limits<float>::quiet_NaN()), 0);
+    EXPECT_EQ(srgb_from_linear(7), 1);
+    for (int i = 0; i < 256; ++i) {
+        const float v = static_cast<float>(i) / 255;
+        EXPECT_NEAR(srgb_from_linear(linear_from_srgb(v)), v, 1e-6f);
+    }
+}
+
+TEST(Picture, EncodingUnpremultiplies) {
+    Picture p(1, 1);
+    const float linear = linear_from_srgb(128.0f / 255);
+    for (int c = 0; c < 3; ++c) p.pixel(0, 0)[c] = 0.25f * linear;
+    p.pixel(0, 0)[3] = 0.25f;
+    EXPECT_EQ(encode_srgb8(p).rgba, (std::vector<std::uint8_t>{128, 128, 128, 64}));
+}
+
+TEST(Picture, BoxFilterAveragesBlocks) {
+    Picture p(4, 2);
+    for (std::size_t i = 0; i < p.rgba.size(); ++i) p.rgba[i] = static_cast<float>(i);
+    const Picture half = box_downsample(p, 2);
+    ASSERT_EQ(half.width, 2);
+    ASSERT_EQ(half.height, 1);
+    EXPECT_FLOAT_EQ(half.pixel(0, 0)[0], (0 + 4 + 16 + 20) / 4.0f);
+    EXPECT_FLOAT_EQ(half.pixel(1, 0)[3], (11 + 15 + 27 + 31) / 4.0f);
+}
+
+}  // namespace
+}  // namespace slim
