@@ -159,7 +159,7 @@ bool burn_legend(const Legend& legend, Picture& picture) {
     const Labels labels = labels_of(legend);
     const Layout l = layout_of(legend, labels, picture);
     if (l.width + l.margin > 0.6f * static_cast<float>(picture.width) ||
-        l.height + l.margin > 0.6f * static_cast<float>(picture.height))
+        l.height + l.margin > 0.75f * static_cast<float>(picture.height))
         return false;
     fill_rounded(picture, l, std::round(10 * l.unit));
     fill_bar(picture, l, *legend.map);
