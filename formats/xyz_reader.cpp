@@ -32,7 +32,7 @@ bool XyzReader::take_count() {
     const auto [stop, status] = std::from_chars(words_[0].data(), end, count);
     if (status != std::errc{} || stop != end) return false;
     if (last_was_count_) fail("two counts in a row; this looks like PTX, which is not read");
-    if (n_rows_ != declared_.value_or(0))
+    if (n_rows_ < declared_.value_or(0))
         fail(message("a count after ", n_rows_, " points, but ", declared_.value_or(0),
                      " were declared before it"));
     if (count > UINT64_MAX / 2 - declared_.value_or(0)) fail("a count beyond reason");
@@ -67,7 +67,8 @@ bool XyzReader::next_row() {
         last_was_count_ = false;
         return true;
     }
-    if (declared_ && n_rows_ != *declared_)
+    // More points than declared lose nothing; PTS files in the wild have miscounted.
+    if (declared_ && n_rows_ < *declared_)
         fail(message("the file ends after ", n_rows_, " of ", *declared_, " declared points"));
     return false;
 }

@@ -15,7 +15,7 @@ namespace slim {
 /// empty or start with `#` or `//` are passed over; a line of names may come first; a line with one
 /// whole number alone (PTS) says how many points follow.
 /// throws FormatError naming the line: a word that is no number, another number of columns than the
-///        first row, another number of points than a PTS count said
+///        first row, fewer points than a PTS count said
 class XyzReader : public PointSource {
 public:
     explicit XyzReader(const std::string& path);

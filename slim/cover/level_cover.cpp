@@ -15,13 +15,11 @@ constexpr std::size_t kBatch = 256;         // searches between two rounds of ac
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
 constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
 constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
-constexpr int kMostLevels = 48;
 
 /// One centre of a batch and what its search found.
 struct Candidate {
     std::uint32_t point;
     bool leaf = false;
-    bool isolated = false;
     RadiusChoice choice;
     CoveringSurfel surfel;               // of the leaf
     FittedSurfel internal;               // otherwise
@@ -41,9 +39,9 @@ public:
         : block_(points),
           rules_(rules),
           pyramid_(points, box_of(points), rules.seed),
-          root_radius_(rules.diagonal / 10),
+          root_radius_(level_radius(rules.diagonal, rules.first_level)),
           ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                  root_radius_, rules.least_radius, rules.degree, rules.ladder),
+                  root_radius_, rules.least_radius, rules.degree, ladder_rules(rules)),
           weight_(points.size(), 0.0f),
           state_(points.size(), 0),
           stamp_(points.size(), 0),
@@ -57,8 +55,12 @@ public:
     }
 
     Cover run(Reporter& reporter) {
-        std::size_t open = block_.size();
-        for (int level = 1; level <= kMostLevels && open > 0; ++level) {
+        BallPoints<double> work;
+        for (const FittedSurfel& s : rules_.done)
+            if (s.flags & kLeaf)
+                mark(covered_points(pyramid_.all(), s, rules_.noise_variance, work));
+        std::size_t open = count_open();
+        for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
             open = count_open();
             out_.counts.levels = static_cast<std::uint64_t>(level);
@@ -76,6 +78,12 @@ public:
 private:
     enum State : std::uint8_t { kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8 };
 
+    /// Fine levels know no points beyond their halo: their balls must not exceed it.
+    static LadderRules ladder_rules(const CoverRules& rules) {
+        LadderRules ladder = rules.ladder;
+        if (rules.first_level > 1) ladder.above_root = 0;
+        return ladder;
+    }
     static Bbox box_of(const PointBlock& points) {
         Bbox box;
         for (const Vec3d& p : points.position) box.extend(p);
@@ -90,15 +98,14 @@ private:
         for (std::uint32_t p = 0; p < block_.size(); ++p) n += is_open(p) ? 1u : 0u;
         return n;
     }
-    double level_radius(int level) const { return root_radius_ * std::pow(kGoldenRatio, level - 1); }
-
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
     bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
     void accept(Candidate& c, int level);
-    void cover(const CoveringSurfel& leaf);
+    void mark(const std::vector<Covered>& covered);
+    void count(const CoveringSurfel& leaf);
 
     const PointBlock& block_;
     const CoverRules& rules_;
@@ -137,7 +144,7 @@ bool LevelCover::conflicts(std::uint32_t point, const std::vector<Candidate>& ba
 }
 
 void LevelCover::run_level(int level) {
-    const double radius = level_radius(level);
+    const double radius = level_radius(rules_.diagonal, level);
     const std::size_t thinning = thinning_for(radius);
     const auto& order = pyramid_.by_priority();
     const std::size_t n = pyramid_.level_size(thinning);
@@ -189,14 +196,14 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
         c.choice.radius = static_cast<float>(c.choice.radius);
         ++work.searches;
     }
-    c.isolated = c.choice.forced && c.choice.radius >= static_cast<float>(root_radius_);
-    const double lower = level_radius(level) * kGoldenRatio * kGoldenRatio;
-    c.leaf = c.choice.radius >= lower;
+    const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
+    c.leaf = c.choice.radius >= lower && !c.choice.isolated;
+    if (c.choice.isolated) return;
     if (c.leaf)
         c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
                               rules_.noise_variance, work.exact);
     else
-        make_internal(c, level_radius(level), thinning, work);
+        make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
 void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
@@ -216,7 +223,7 @@ void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
-    if (c.isolated) {
+    if (c.choice.isolated) {
         state_[c.point] |= kClosed;
         ++out_.counts.isolated;
         return;
@@ -240,15 +247,19 @@ void LevelCover::accept(Candidate& c, int level) {
     f.flags = static_cast<std::uint8_t>(kLeaf | (c.choice.saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.point];
-    cover(c.surfel);
+    mark(c.surfel.covered);
+    count(c.surfel);
     out_.surfels.push_back(f);
 }
 
-void LevelCover::cover(const CoveringSurfel& leaf) {
-    for (const Covered& p : leaf.covered) {
+void LevelCover::mark(const std::vector<Covered>& covered) {
+    for (const Covered& p : covered) {
         weight_[p.point] += p.weight;
         if (p.in_core) state_[p.point] |= kCore;
     }
+}
+
+void LevelCover::count(const CoveringSurfel& leaf) {
     CoverCounts& counts = out_.counts;
     ++counts.leaves;
     counts.saturated += (leaf.fitted.flags & kSaturated) != 0;
@@ -259,6 +270,10 @@ void LevelCover::cover(const CoveringSurfel& leaf) {
 }
 
 }  // namespace
+
+double level_radius(double diagonal, int level) {
+    return diagonal / 10 * std::pow(kGoldenRatio, level - 1);
+}
 
 CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);

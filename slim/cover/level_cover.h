@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -23,6 +24,9 @@ struct CoverRules {
     std::uint64_t seed = 0;
     LadderRules ladder;
     std::function<bool(const Vec3d&)> owns;  ///< centres and points to cover; empty: all
+    int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
+    int last_level = 48;                ///< and those below this one's
+    std::span<const FittedSurfel> done; ///< surfels that cover already, of levels before first_level
 };
 
 /// Counts of what happened, each fallback by cause.
@@ -38,6 +42,9 @@ struct CoverCounts {
     CoverCounts& operator+=(const CoverCounts& b);
 };
 
+/// rho_r of a level: rho_0 g^(level - 1), rho_0 = L / 10 (paper eq. (5)).
+double level_radius(double diagonal, int level);
+
 struct Cover {
     std::vector<FittedSurfel> surfels;  ///< leaves and internal ones, in the order of acceptance
     CoverCounts counts;
@@ -51,6 +58,7 @@ struct Cover {
 /// Points need normals; a point without one takes part in fits but is no centre's side.
 /// Deterministic: centres are searched in batches of fixed size, accepted one by one in order.
 /// Cost: about one radius search (10 us) a surfel, one visit a point and leaf that covers it.
+/// With last_level set, points that wait for finer levels stay uncovered.
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter);
 
 }  // namespace slim

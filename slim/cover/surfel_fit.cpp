@@ -9,23 +9,25 @@
 namespace slim {
 namespace {
 
+constexpr float kAtCenter = 0.9999999f;
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 
-/// Lists the ball's points that the surfel explains; `at_center` is set if the centre's point is one.
-void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
-                  CoveringSurfel& out) {
-    const Surfel& s = out.fitted.surfel;
+/// The ball's points that the surfel explains. Other sheets' points have sq = 2 and are passed over.
+std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double>& ball,
+                                  const FittedSurfel& fitted, double noise_variance) {
+    const Surfel& s = fitted.surfel;
     const double tolerance =
-        kExplained * std::max(out.fitted.fit_error, std::sqrt(noise_variance)) / s.support_radius;
+        kExplained * std::max(fitted.fit_error, std::sqrt(noise_variance)) / s.support_radius;
+    std::vector<Covered> covered;
     for (std::size_t i = 0; i < ball.n; ++i) {
         if (ball.sq[i] >= 1) continue;
         const Vec3d x = s.frame.local_from_world({ball.x[i], ball.y[i], ball.z[i]});
         if (!(std::abs(x.z - s.polynomial.value(x.x, x.y)) <= tolerance)) continue;
-        out.covered.push_back({tree.source(ball.index[i]),
-                               static_cast<float>(weight_kernel(ball.sq[i])),
-                               ball.sq[i] < kTrim * kTrim});
-        if (ball.sq[i] == 0) out.explains_center = true;
+        covered.push_back({tree.source(ball.index[i]),
+                           static_cast<float>(weight_kernel(ball.sq[i])),
+                           ball.sq[i] < kTrim * kTrim});
     }
+    return covered;
 }
 
 }  // namespace
@@ -45,8 +47,17 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = average.disagree;
-    list_covered(points, ball, noise_variance, out);
+    out.covered = list_covered(points, ball, out.fitted, noise_variance);
+    // The heaviest weight is G(0) = 1, which only points at the centre have.
+    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
     return out;
+}
+
+std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,
+                                    double noise_variance, BallPoints<double>& ball) {
+    gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
+    drop_other_side(ball, fitted.surfel.frame.normal);
+    return list_covered(points, ball, fitted, noise_variance);
 }
 
 }  // namespace slim

@@ -32,4 +32,8 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
                           double radius, int degree, double noise_variance,
                           BallPoints<double>& work);
 
+/// The tree's points that a surfel made elsewhere covers, by the same rule.
+std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& surfel,
+                                    double noise_variance, BallPoints<double>& work);
+
 }  // namespace slim

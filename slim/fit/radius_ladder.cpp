@@ -32,8 +32,8 @@ double RadiusLadder::rung_radius(int rung) const {
 }
 
 std::size_t RadiusLadder::least_points() const {
-    return static_cast<std::size_t>(
-        std::ceil(rules_.points_per_coefficient * n_coefficients(degree_)));
+    const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(degree_));
+    return std::min(static_cast<std::size_t>(wanted), points_.all().size());
 }
 
 /// Whether a ball holds no more contrary normals than their noise explains: mean + 3 sigma of a Poisson count.
@@ -55,7 +55,7 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess) const {
         return count_in_ball(points_.all(), center, rung_radius(r), enough) >= enough;
     };
     while (rung < last_rung_ && holds_enough(rung)) ++rung;
-    while (rung >= 0 && !holds_enough(rung)) --rung;
+    while (rung >= -rules_.above_root && !holds_enough(rung)) --rung;
     return rung;
 }
 
@@ -100,7 +100,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess);
-    if (finest < 0) return {root_radius_, false, true};
+    if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
     std::size_t level = 0;
@@ -122,14 +122,6 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     if (saturated || lo == hi) return {rung_radius(chosen), saturated, false};
     return {refine(*rungs[chosen], lo, hi, center, normal, work), false, false};
-}
-
-std::size_t RadiusLadder::sample_level(const Vec3d& center, double radius,
-                                       std::size_t level) const {
-    while (level + 1 < points_.n_levels() &&
-           count_in_ball(points_.level(level), center, radius, rules_.sample + 1) > rules_.sample)
-        ++level;
-    return level;
 }
 
 }  // namespace slim

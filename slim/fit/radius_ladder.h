@@ -16,6 +16,7 @@ struct LadderRules {
     float least_cos = 0.3f;               ///< a point below it ends the height field
     double contrary_share = 0;            ///< of such points among the cloud's normals: noise of the normals
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
 };
 
 /// What the search found for one centre.
@@ -23,6 +24,7 @@ struct RadiusChoice {
     double radius = 0;
     bool saturated = false;  ///< the top rung won: E still falls there
     bool forced = false;     ///< no admissible rung: too few points or no height field
+    bool isolated = false;   ///< not even the largest ball tried holds enough points
 };
 
 /// Workspace of one thread and the counts it keeps.
@@ -47,8 +49,6 @@ public:
 
     double rung_radius(int rung) const;
     int last_rung() const { return last_rung_; }
-    /// The thinning whose points in the ball of a rung number at most rules.sample; from `level` up.
-    std::size_t sample_level(const Vec3d& center, double radius, std::size_t level) const;
 
 private:
     struct Rung {

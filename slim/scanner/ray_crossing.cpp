@@ -9,7 +9,7 @@ namespace {
 constexpr double kLeastStep = 2e-4;  // of the diagonal
 
 /// Root between a and b, f(a) and f(b) of opposite sign: regula falsi with the Illinois weight,
-/// bisecting whenever three steps did not halve the bracket.
+/// bisecting whenever three steps did not halve the bracket, and from step 20 on.
 double refine(const Shape& shape, const Ray& ray, double a, double fa, double b, double fb) {
     const double tolerance = 1e-15 * (1 + std::abs(b));
     double width = std::abs(b - a);
@@ -19,6 +19,7 @@ double refine(const Shape& shape, const Ray& ray, double a, double fa, double b,
             if (std::abs(b - a) > 0.5 * width) t = 0.5 * (a + b);
             width = std::abs(b - a);
         }
+        if (i > 20) t = 0.5 * (a + b);  // a crease in the bracket can fool secants for long
         const double f = shape.value(ray.at(t));
         if (f == 0) return t;
         if ((f > 0) == (fb > 0)) {

@@ -29,10 +29,10 @@ struct Crossing {
     bool entering = false;  ///< from outside (f > 0) to inside
 };
 
-/// First sign change of f along the ray within the interval, to about 1e-14 of its scale in t.
+/// First sign change of f along the ray within the interval, to about 1e-14 in t (relative).
 ///
 /// Marches in steps that the shape's Lipschitz bound proves safe, at least 2e-4 of the diagonal (so a
-/// grazing chord shorter than that may be passed over), then bisection and secants (ITP).
+/// grazing chord shorter than that may be passed over), then secants (Illinois) and bisection.
 std::optional<Crossing> next_crossing(const Shape& shape, const Ray& ray, const Interval& part);
 
 /// Largest t in the interval such that no point of the cone around the ray (radius `slope` * t) up to

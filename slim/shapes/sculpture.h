@@ -56,7 +56,7 @@ private:
         const T depth = fade_in(T(-p.y), 0.10, 0.16) * sq_r / (sq_r + 0.01);
         const T flare =
             0.150 + 0.04 * square(T(p.y - 0.2)) + 0.13 * fade_in(T(-p.y), 0.40, 0.14);
-        const T skirt = r - flare - 0.055 * depth * folds;
+        const T skirt = r - flare - 0.063 * depth * folds;
         const T hem = 0.05 + 0.035 * cos(T(3.0 * angle + 0.5)) + 0.3 * x;
         const T pleats = 0.006 * cos(T(22.0 * angle + 4.0 * turn)) * fade_in(T(-p.y), -0.10, 0.04) *
                          sq_r / (sq_r + 0.01);

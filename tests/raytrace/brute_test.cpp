@@ -50,8 +50,6 @@ void expect_agreement(const SurfelTreeData& model, const RenderRequest& request)
     EXPECT_LE(static_cast<double>(d.hit + d.depth), allowed);
     EXPECT_LE(static_cast<double>(d.normal), allowed);
     EXPECT_LE(static_cast<double>(d.curvature), allowed);
-    std::printf("covered %lu: mask %lu, depth %lu, normal %lu, curvature %lu\n", d.covered, d.hit,
-                d.depth, d.normal, d.curvature);
 }
 
 RenderRequest request_for(const SurfelTreeData& model, const char* name, bool orthographic,

@@ -126,6 +126,32 @@ TEST(ProjectAlong, PutsNoisyPointsOnTheSphereWithItsNormalAndCurvature) {
     }
 }
 
+TEST(ProjectAlong, OneCubicSurfelKeepsTheCurvatureOfItsHeightField) {
+    int n_projected = 0;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(seed);
+        const Surfel s = random_cubic(seed);
+        const std::vector<const Surfel*> one{&s};
+        const Vec3d start = s.center + random_unit(seed + 5) * (0.3 * s.support_radius);
+        const auto p = project_along(start, s.frame.normal, one, true);
+        if (!p) continue;
+        ++n_projected;
+        const Vec3d q = s.frame.local_from_world((p->point - s.center) / s.support_radius);
+        ASSERT_NEAR(q.z, s.polynomial.value(q.x, q.y), 1e-12);
+        const auto& a = s.polynomial;
+        const double u = a.d_u(q.x, q.y), v = a.d_v(q.x, q.y), g = std::sqrt(1 + u * u + v * v);
+        const double uu = a.d_uu(q.x, q.y), uv = a.d_uv(q.x, q.y), vv = a.d_vv(q.x, q.y);
+        // Classic formulas of a graph, over rho for the unit; minus, because convex is positive.
+        const double mean = -((1 + v * v) * uu - 2 * u * v * uv + (1 + u * u) * vv) /
+                            (2 * g * g * g * s.support_radius);
+        const double gauss = (uu * vv - uv * uv) / (g * g * g * g * s.support_radius * s.support_radius);
+        ASSERT_NEAR(p->curvature.mean, mean, 1e-10);
+        ASSERT_NEAR(p->curvature.gauss, gauss, 1e-10);
+        ASSERT_GT(p->weight, 0);
+    }
+    EXPECT_GT(n_projected, 80);
+}
+
 TEST(ProjectAlong, MissesWithoutSupportAndAgainstTheOrientation) {
     const auto surfels = sphere_model();
     const auto all = pointers(surfels);

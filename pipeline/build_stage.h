@@ -1,0 +1,55 @@
+#pragma once
+
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// The stages slice, normals, fit and tree in one go.
+struct BuildConfig {
+    std::vector<std::string> inputs;
+    std::string output;
+    int degree = 2;
+    double t_mdl = 0.01;
+    double lambda = 0;
+    std::string normals = "auto";
+    std::string sensors;
+    std::string memory = "1GiB";
+    int slices = 0;
+    bool strict = false;
+    std::string work;
+    std::uint64_t seed = 0;
+
+    template <class Visitor>
+    void visit(Visitor&& field) {
+        field.input("inputs", inputs,
+                    "point clouds: PLY or text (.xyz .txt .asc .pts .csv), .gz allowed");
+        field.output("output", output, "model to write (model.slim)");
+        field("degree", degree, "polynomial degree of a surfel", 1, 3);
+        field("t_mdl", t_mdl,
+              "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12, 1e3);
+        field("lambda", lambda, "noise variance of eq. (3), model units squared; 0: measured", 0, 1e300);
+        field.choice("normals", normals,
+                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones",
+                     {"auto", "keep", "estimate"});
+        field.path("sensors", sensors,
+                   "JSON with sensor positions per scan; default: <input>.scans.json, if there");
+        field("memory", memory, "bound on the memory used");
+        field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
+        field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
+        field.path("work", work,
+                   "folder for intermediate files, kept; default: <output>.work, removed at the end");
+        field("seed", seed, "chooses among equally good centres");
+    }
+};
+
+/// Cloud to model. A killed build resumes at the last stage (of the last slice) that ended.
+/// throws what the stages throw
+nlohmann::json run_build(const BuildConfig& config, StageContext& context);
+
+}  // namespace slim

@@ -1,0 +1,9 @@
+#include "pipeline/fit_stage.h"
+
+int main(int argc, char** argv) {
+    return slim::run_stage<slim::FitConfig>(
+        {"fit",
+         "stage 3: multi-scale surfels for each slice",
+         {"slim fit scan.work --degree 2 --t-mdl 0.01", "slim fit scan.work --slice 3"}},
+        argc, argv, slim::run_fit);
+}

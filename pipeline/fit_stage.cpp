@@ -1,0 +1,260 @@
+#include "pipeline/fit_stage.h"
+
+#include "formats/fit_file.h"
+#include "formats/slice_file.h"
+#include "pipeline/manifest.h"
+#include "pipeline/memory_size.h"
+#include "pipeline/normals_stage.h"
+#include "slim/base/error.h"
+#include "slim/base/hash.h"
+#include "slim/cover/level_cover.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace slim {
+namespace {
+
+constexpr std::uint64_t kCoarseSample = 0x636f6172;  // purpose of the hash
+constexpr std::uint64_t kBytesPerPoint = 256;        // of a block under fit: points, trees, cover
+constexpr double kHaloShare = 0.25;                  // of the thinnest slab
+
+nlohmann::json counts_json(const CoverCounts& c) {
+    nlohmann::json fallbacks, degrees;
+    for (std::size_t i = 1; i < kFallbacks; ++i)
+        fallbacks[fallback_name(static_cast<Fallback>(i))] = c.fallbacks[i];
+    for (std::size_t d = 0; d < c.degrees.size(); ++d)
+        degrees[std::to_string(d)] = c.degrees[d];
+    return {{"leaves", c.leaves},
+            {"internals", c.internals},
+            {"levels", c.levels},
+            {"saturated", c.saturated},
+            {"forced", c.forced},
+            {"normals_disagree", c.normals_disagree},
+            {"dropped_unexplained", c.unexplained},
+            {"dropped_isolated", c.isolated},
+            {"searches", c.evaluated},
+            {"searches_discarded", c.discarded},
+            {"rungs", c.rungs},
+            {"refinements", c.refinements},
+            {"point_visits", c.point_visits},
+            {"fallbacks", fallbacks},
+            {"degrees", degrees}};
+}
+
+CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const GlobalNoise& noise) {
+    CoverRules rules;
+    rules.degree = config.degree;
+    rules.mdl_threshold = config.t_mdl;
+    rules.diagonal = plan.diagonal;
+    rules.noise_variance = noise.noise_variance;
+    rules.least_radius =
+        std::max(2 * plan.coordinate_quantum, plan.diagonal * std::numeric_limits<double>::epsilon());
+    rules.seed = config.seed;
+    rules.ladder.contrary_share = noise.contrary_share;
+    return rules;
+}
+
+/// First level whose balls fit into the halo of a slice; 1 for a job of one slice.
+int first_fine_level(const SlicePlan& plan) {
+    if (plan.slices.size() < 2) return 1;
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    double thinnest = std::numeric_limits<double>::infinity();
+    std::vector<double> walls{plan.bounds.lo[axis]};
+    walls.insert(walls.end(), plan.cuts.begin(), plan.cuts.end());
+    walls.push_back(plan.bounds.hi[axis]);
+    for (std::size_t i = 1; i < walls.size(); ++i)
+        thinnest = std::min(thinnest, walls[i] - walls[i - 1]);
+    int level = 1;
+    while (level < 40 && level_radius(plan.diagonal, level) > kHaloShare * thinnest) ++level;
+    return level;
+}
+
+/// Copies the points that `wanted` accepts to the end of `out`.
+template <class Wanted>
+void append_points(const PointBlock& from, Wanted&& wanted, PointBlock& out) {
+    out.origin = from.origin;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        if (!wanted(i)) continue;
+        out.position.push_back(from.position[i]);
+        out.normal.push_back(from.normal[i]);
+        out.id.push_back(from.id[i]);
+    }
+}
+
+/// What a tree needs to know of a fit, and what all fits of a job must share.
+nlohmann::json rules_json(const CoverRules& rules) {
+    return {{"degree", rules.degree},
+            {"t_mdl", rules.mdl_threshold},
+            {"diagonal", rules.diagonal},
+            {"noise_variance", rules.noise_variance},
+            {"contrary_share", rules.ladder.contrary_share},
+            {"seed", rules.seed}};
+}
+
+void write_cover(const std::filesystem::path& path, const CoverRules& rules, const Cover& cover) {
+    write_fit(path.string(), cover.surfels,
+              nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}
+                  .dump());
+}
+
+/// Coarse levels of a job in slices: fitted once, from a random sample of all points.
+nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const CoverRules& rules,
+                          int first_fine, StageContext& context) {
+    const auto output = coarse_fit_path(config.work);
+    Stamp stamp(context, manifest_path(output));
+    for (std::size_t i = 0; i < plan.slices.size(); ++i)
+        stamp.input(oriented_points_path(config.work, i));
+    if (auto done = stamp.up_to_date()) return *done;
+    const double budget =
+        static_cast<double>(parse_memory_size(config.memory) / 2 / kBytesPerPoint);
+    const double share = budget / static_cast<double>(plan.n_points);
+    PointBlock sample;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        const PointBlock slice = read_slice(oriented_points_path(config.work, i).string());
+        append_points(slice, [&](std::size_t k) {
+            return unit_interval(keyed_hash(config.seed, slice.id[k], kCoarseSample)) < share;
+        }, sample);
+    }
+    CoverRules coarse = rules;
+    coarse.last_level = first_fine - 1;
+    const Cover cover = cover_points(sample, coarse, context.reporter);
+    write_cover(output, rules, cover);
+    nlohmann::json result = counts_json(cover.counts);
+    result["sample"] = sample.size();
+    return stamp.commit({output}, result);
+}
+
+/// The slice's points and those of others nearer than the halo.
+PointBlock with_halo(const FitConfig& config, const SlicePlan& plan, std::size_t slice, double halo) {
+    PointBlock block = read_slice(oriented_points_path(config.work, slice).string());
+    if (plan.slices.size() < 2) return block;
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1] - halo;
+    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice] + halo;
+    for (const std::size_t other : {slice - 1, slice + 1}) {
+        if (other >= plan.slices.size()) continue;  // slice 0 has no predecessor: the index wraps
+        const PointBlock near = read_slice(oriented_points_path(config.work, other).string());
+        append_points(near, [&](std::size_t i) {
+            return near.position[i][axis] >= lo && near.position[i][axis] <= hi;
+        }, block);
+    }
+    return block;
+}
+
+nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRules rules,
+                         std::size_t slice, int first_fine, StageContext& context) {
+    const auto output = fit_path(config.work, slice);
+    const bool sliced = plan.slices.size() > 1;
+    Stamp stamp(context, manifest_path(output));
+    stamp.input(plan_path(config.work));
+    for (std::size_t i = slice > 0 ? slice - 1 : 0; i < std::min(slice + 2, plan.slices.size()); ++i)
+        stamp.input(oriented_points_path(config.work, i));
+    if (sliced) stamp.input(coarse_fit_path(config.work));
+    stamp.depends(fmt::format("lambda {} contrary {}", rules.noise_variance,
+                              rules.ladder.contrary_share));
+    if (auto done = stamp.up_to_date()) return *done;
+    FitFile coarse;
+    if (sliced) coarse = read_fit(coarse_fit_path(config.work).string());
+    const PointBlock block =
+        with_halo(config, plan, slice, level_radius(plan.diagonal, first_fine));
+    rules.first_level = first_fine;
+    rules.done = coarse.surfels;
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
+    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
+    if (sliced)
+        rules.owns = [=](const Vec3d& p) { return p[axis] >= lo && p[axis] < hi; };
+    const Cover cover = cover_points(block, rules, context.reporter);
+    context.check_stop();
+    write_cover(output, rules, cover);
+    return stamp.commit({output}, counts_json(cover.counts));
+}
+
+void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
+    for (const auto& [key, value] : one.items()) {
+        if (value.is_object() && key != "recorded")
+            add_counts(value, sum[key]);
+        else if (key == "levels")
+            sum[key] = std::max(sum.value(key, std::uint64_t{0}), value.get<std::uint64_t>());
+        else if (value.is_number_unsigned())
+            sum[key] = sum.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
+    }
+}
+
+}  // namespace
+
+std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice) {
+    return slice_folder(work, slice) / "surfels.fit";
+}
+
+std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
+    return work / "coarse.fit";
+}
+
+GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
+    std::string missing;
+    double sum = 0, samples = 0, noisy = 0, points = 0;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
+        const auto manifest = nlohmann::json::parse(file, nullptr, false);
+        if (manifest.is_discarded() || !manifest.contains("result")) {
+            missing += fmt::format(" {}", i);
+            continue;
+        }
+        const auto& r = manifest.at("result");
+        const double n = r.at("noise_samples").get<double>();
+        sum += r.at("noise_variance").get<double>() * n;
+        samples += n;
+        noisy += r.at("noisy").get<double>();
+        points += r.at("points").get<double>();
+    }
+    if (!missing.empty())
+        throw IncompleteError(fmt::format(
+            "{}: normals are missing for slices{}: run `slim normals {}`", config.work, missing,
+            config.work));
+    GlobalNoise out;
+    const double measured = samples > 0 ? sum / samples : 0;
+    const double quantum = std::max(plan.coordinate_quantum,
+                                    plan.diagonal * std::numeric_limits<double>::epsilon());
+    const double floor = 16 * quantum * quantum;
+    out.noise_variance = config.lambda > 0 ? config.lambda : std::max(measured, floor);
+    out.floored = config.lambda <= 0 && measured < floor;
+    out.contrary_share = points > 0 ? noisy / points : 0;
+    return out;
+}
+
+nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
+    const SlicePlan plan = read_plan(config.work);
+    if (plan.n_points < 3 || !(plan.diagonal > 0))
+        throw DataError(fmt::format(
+            "{}: {} points within a box of diagonal {}: a surface needs at least 3 points that do not "
+            "coincide",
+            plan.inputs.empty() ? config.work : plan.inputs[0].path, plan.n_points, plan.diagonal));
+    const GlobalNoise noise = read_global_noise(config, plan);
+    const CoverRules rules = rules_of(config, plan, noise);
+    const int first_fine = first_fine_level(plan);
+    nlohmann::json sum = nlohmann::json::object();
+    bool up_to_date = true;
+    if (plan.slices.size() > 1) {
+        const auto coarse = fit_coarse(config, plan, rules, first_fine, context);
+        add_counts(coarse, sum);
+        up_to_date &= coarse.contains("up_to_date");
+    }
+    for (const std::size_t slice : slices_to_do(config.slice, plan)) {
+        const auto one = fit_slice(config, plan, rules, slice, first_fine, context);
+        add_counts(one, sum);
+        up_to_date &= one.contains("up_to_date");
+    }
+    sum["noise_variance"] = noise.noise_variance;
+    sum["noise_variance_floored"] = noise.floored;
+    sum["contrary_share"] = noise.contrary_share;
+    if (up_to_date) sum["up_to_date"] = true;
+    return sum;
+}
+
+}  // namespace slim

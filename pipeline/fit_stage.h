@@ -1,0 +1,57 @@
+#pragma once
+
+#include "pipeline/plan_file.h"
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace slim {
+
+/// Stage 3: surfels for every slice.
+struct FitConfig {
+    std::string work;
+    int slice = -1;
+    int degree = 2;
+    double t_mdl = 0.01;
+    double lambda = 0;
+    std::string memory = "1GiB";
+    std::uint64_t seed = 0;
+
+    template <class Visitor>
+    void visit(Visitor&& field) {
+        field.input("work", work, "work folder of `slim slice` and `slim normals`");
+        field("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field("degree", degree, "polynomial degree of a surfel", 1, 3);
+        field("t_mdl", t_mdl, "T_MDL of eq. (3), fraction of the diagonal: sparseness against accuracy",
+              1e-12, 1e3);
+        field("lambda", lambda,
+              "noise variance of eq. (3) in model units squared; 0: measured from the points", 0, 1e300);
+        field("memory", memory, "bounds the sample that coarse levels of a job in slices are fitted from");
+        field("seed", seed, "chooses among equally good centres");
+    }
+};
+
+/// WORK/slice_0007/surfels.fit, and WORK/coarse.fit of a job of several slices.
+std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice);
+std::filesystem::path coarse_fit_path(const std::filesystem::path& work);
+
+/// What all slices share: lambda and the noise of the normals, from the normals stage's manifests.
+struct GlobalNoise {
+    double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
+    double contrary_share = 0;  ///< of normals that noise turns out of a height field
+    bool floored = false;
+};
+/// IncompleteError (exit 6) naming the slices whose normals are missing.
+GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
+
+/// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
+/// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own
+/// points and those of others within the radius of the first fine level (notes/0001).
+/// throws NumericalError if a job's only slice ends without a surfel
+nlohmann::json run_fit(const FitConfig& config, StageContext& context);
+
+}  // namespace slim

@@ -1,0 +1,10 @@
+#include "pipeline/measure_stage.h"
+
+int main(int argc, char** argv) {
+    return slim::run_stage<slim::MeasureConfig>(
+        {"measure",
+         "distance, normals and curvature of a cloud against a model",
+         {"slim measure scan.slim scan.ply", "slim measure torus.slim torus.ply --truth torus.truth --json"},
+         true},
+        argc, argv, slim::run_measure);
+}

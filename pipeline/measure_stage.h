@@ -1,0 +1,33 @@
+#pragma once
+
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace slim {
+
+/// How far a cloud lies from a model.
+struct MeasureConfig {
+    std::string model, cloud, truth;
+
+    template <class Visitor>
+    void visit(Visitor&& field) {
+        field.input("model", model, "model.slim");
+        field.input("cloud", cloud, "cloud to project onto the model");
+        field.path("truth", truth,
+                   "exact normals and curvatures (doubles nx ny nz k1 k2 a point); default: "
+                   "<cloud>.truth, if there");
+    }
+};
+
+/// Projects every finite point of the cloud along its normal (NUMERICS 5.5; the model's own normal where it
+/// has none). Keys: points missed l2 max normal_rms_deg leaves bytes; with truth also k1_rms k2_rms
+/// mean_curvature_rms (1 / length) and the same with _x_diagonal.
+/// A point is missed if no surfel supports it on its normal's side, nor on the other: the latter ones are
+/// counted as `opposed`, their normals compared without sign (scans hold some flipped normals).
+/// throws DataError if the cloud has no finite point
+nlohmann::json run_measure(const MeasureConfig& config, StageContext& context);
+
+}  // namespace slim

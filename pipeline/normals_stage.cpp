@@ -1,0 +1,193 @@
+#include "pipeline/normals_stage.h"
+
+#include "formats/slice_file.h"
+#include "pipeline/manifest.h"
+#include "pipeline/sensors.h"
+#include "slim/base/error.h"
+#include "slim/base/hash.h"
+#include "slim/fit/noise_variance.h"
+#include "slim/normals/estimate.h"
+#include "slim/normals/orient.h"
+#include "slim/normals/repair.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <numeric>
+
+namespace slim {
+namespace {
+
+constexpr double kSamples = 200000;          // points that lambda is the mean over (NUMERICS 3.2: 1 %)
+constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
+constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
+
+/// Counts of one slice, by what became of the normals.
+struct NormalsReport {
+    std::size_t kept = 0, turned = 0, estimated = 0, degenerate = 0, noisy = 0;
+    OrientReport orientation;
+};
+
+std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+        if (!(sq_length(points.normal[i]) > 0) || !is_finite(points.normal[i])) out.push_back(i);
+    return out;
+}
+
+/// Estimates and orients the normals of `wanted`; the others' signs are taken as known.
+void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& wanted,
+                      const std::vector<Vec3d>& sensors, std::size_t k, NormalsReport& report) {
+    const NeighborGraph graph = neighbor_graph(points, k);
+    estimate_normals(points, graph, wanted, report.degenerate);
+    report.estimated = wanted.size();
+    std::vector<bool> known(points.size(), true);
+    for (const std::uint32_t i : wanted) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        known[i] = scan < sensors.size() && is_finite(sensors[scan]);
+    }
+    const std::size_t by_sensor = orient_to_sensors(points, wanted, sensors);
+    if (by_sensor < wanted.size()) report.orientation = orient_by_neighbors(points, graph, known);
+    report.orientation.by_sensor = by_sensor;
+}
+
+NormalsReport give_normals(PointBlock& points, const NormalsConfig& config,
+                           const std::vector<Vec3d>& sensors, Reporter& reporter) {
+    NormalsReport report;
+    if (!points.has_normals() || config.normals == "estimate")
+        points.normal.assign(points.size(), Vec3f{});
+    for (Vec3f& n : points.normal) n = is_finite(n) ? normalized(n) : Vec3f{};
+    std::vector<std::uint32_t> wanted = points_without_normal(points);
+    if (config.normals == "keep" && !wanted.empty())
+        reporter.warn(fmt::format(
+            "{} points have no normal and none is estimated (--normals keep): they are estimated "
+            "with --normals auto",
+            wanted.size()));
+    if (config.normals == "keep") wanted.clear();
+    const std::size_t n_own = points.size() - wanted.size();
+    if (config.normals == "auto" && n_own > 0) {
+        const NormalAudit audit = repair_contrary_normals(points);
+        report.turned = audit.contrary;
+        report.noisy = audit.noisy;
+        if (static_cast<double>(audit.contrary) > kManyContrary * static_cast<double>(n_own)) {
+            reporter.warn(fmt::format(
+                "{} of {} normals oppose their neighbours: all normals are estimated anew",
+                audit.contrary, n_own));
+            report.turned = report.noisy = 0;
+            points.normal.assign(points.size(), Vec3f{});
+            wanted = points_without_normal(points);
+        }
+    }
+    report.kept = points.size() - wanted.size() - report.turned;
+    if (!wanted.empty())
+        estimate_missing(points, wanted, sensors, static_cast<std::size_t>(config.neighbors), report);
+    return report;
+}
+
+/// This slice's share of lambda: points sampled by id at the rate of the whole job.
+NoiseVariance noise_of(const PointBlock& points, std::uint64_t n_total) {
+    const double rate = kSamples / static_cast<double>(n_total);
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
+        if (unit_interval(h) < rate) chosen.emplace_back(h, i);
+    }
+    std::sort(chosen.begin(), chosen.end());
+    std::vector<Vec3d> samples;
+    for (const auto& [hash, i] : chosen) samples.push_back(points.position[i]);
+    return estimate_noise_variance(KnnIndex(points.position), points.position, samples, true);
+}
+
+nlohmann::json report_json(const NormalsReport& r, const NoiseVariance& noise, std::size_t n) {
+    return {{"points", n},
+            {"kept", r.kept},
+            {"turned", r.turned},
+            {"estimated", r.estimated},
+            {"degenerate", r.degenerate},
+            {"noisy", r.noisy},
+            {"oriented_by_sensor", r.orientation.by_sensor},
+            {"oriented_by_neighbors", r.orientation.by_neighbors},
+            {"oriented_by_rule", r.orientation.by_rule},
+            {"unanchored_components", r.orientation.components},
+            {"noise_variance", noise.value},
+            {"noise_neighbors", noise.neighbors},
+            {"noise_samples", noise.n_sampled},
+            {"flatness", noise.flatness}};
+}
+
+nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& plan,
+                                 std::size_t slice, const std::vector<Vec3d>& sensors,
+                                 StageContext& context) {
+    const auto input = slice_points_path(config.work, slice);
+    const auto output = oriented_points_path(config.work, slice);
+    Stamp stamp(context, manifest_path(output));
+    stamp.input(input);
+    stamp.input(plan_path(config.work));
+    if (!config.sensors.empty()) stamp.input(config.sensors);
+    for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
+    if (auto done = stamp.up_to_date()) return *done;
+    PointBlock points = read_slice(input.string());
+    const NormalsReport report = give_normals(points, config, sensors, context.reporter);
+    const NoiseVariance noise = noise_of(points, plan.n_points);
+    context.check_stop();
+    write_slice(output.string(), points);
+    return stamp.commit({output}, report_json(report, noise, points.size()));
+}
+
+/// Counts of all slices added up.
+void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
+    for (const char* key : {"points", "kept", "turned", "estimated", "degenerate", "noisy",
+                            "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
+                            "unanchored_components"})
+        sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
+}
+
+}  // namespace
+
+std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {
+    return slice_folder(work, slice) / "oriented.slice";
+}
+
+std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
+    const auto check = [&](long long i) {
+        if (i < 0 || i >= static_cast<long long>(plan.slices.size()))
+            throw ConfigError(fmt::format("slice {}: the plan has slices 0 to {}", i,
+                                          plan.slices.size() - 1));
+        return std::vector<std::size_t>{static_cast<std::size_t>(i)};
+    };
+    if (slice >= 0) return check(slice);
+    // CONVENTIONS 2.1; SGE counts from 1.
+    for (const auto& [variable, first] : {std::pair{"SLURM_ARRAY_TASK_ID", 0},
+                                          std::pair{"SGE_TASK_ID", 1},
+                                          std::pair{"PBS_ARRAY_INDEX", 0}}) {
+        const char* text = std::getenv(variable);
+        long long index = 0;
+        if (!text || std::from_chars(text, text + std::strlen(text), index).ec != std::errc())
+            continue;
+        return check(index - first);
+    }
+    std::vector<std::size_t> all(plan.slices.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+}
+
+nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
+    const SlicePlan plan = read_plan(config.work);
+    const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
+    nlohmann::json sum = nlohmann::json::object();
+    bool up_to_date = true;
+    const auto todo = slices_to_do(config.slice, plan);
+    for (std::size_t i = 0; i < todo.size(); ++i) {
+        const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
+        add_counts(one, sum);
+        up_to_date &= one.contains("up_to_date");
+        context.reporter.progress("normals", i + 1, todo.size());
+    }
+    sum["slices"] = todo.size();
+    if (up_to_date) sum["up_to_date"] = true;
+    return sum;
+}
+
+}  // namespace slim

@@ -1,0 +1,60 @@
+#include "pipeline/sensors.h"
+
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace slim {
+namespace {
+
+/// Adds the positions of one file, whose scan numbers start at `first_scan` in the job.
+void add_sensors(const std::string& path, std::uint32_t first_scan, const Vec3d& origin,
+                 std::vector<Vec3d>& out) {
+    std::ifstream file(path);
+    if (!file) throw IoError(fmt::format("{}: cannot be opened", path));
+    try {
+        for (const auto& scan : nlohmann::json::parse(file).at("scans")) {
+            const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
+            const auto p = scan.at("position").get<std::vector<double>>();
+            if (p.size() != 3 || id > 65535)
+                throw FormatError(fmt::format(
+                    "{}: scan {}: expected an id below 65536 and a position of 3 numbers", path, id));
+            constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+            if (out.size() <= id) out.resize(id + 1, Vec3d{nan, nan, nan});
+            out[id] = Vec3d{p[0], p[1], p[2]} - origin;
+        }
+    } catch (const nlohmann::json::exception& e) {
+        throw FormatError(fmt::format(
+            "{}: expected {{\"scans\": [{{\"id\": 0, \"position\": [x, y, z]}}, ...]}}: {}", path,
+            e.what()));
+    }
+}
+
+}  // namespace
+
+std::string scans_json_path(const std::string& cloud_path) {
+    std::filesystem::path path(cloud_path);
+    if (path.extension() == ".gz") path.replace_extension();
+    return path.replace_extension(".scans.json").string();
+}
+
+std::vector<Vec3d> read_sensors(const std::string& sensors_file, const SlicePlan& plan) {
+    std::vector<Vec3d> out;
+    if (!sensors_file.empty()) {
+        add_sensors(sensors_file, 0, plan.origin, out);
+        return out;
+    }
+    for (const PlanInput& input : plan.inputs) {
+        const std::string path = scans_json_path(input.path);
+        if (std::filesystem::exists(path)) add_sensors(path, input.first_scan, plan.origin, out);
+    }
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,9 @@
+#include "pipeline/tree_stage.h"
+
+int main(int argc, char** argv) {
+    return slim::run_stage<slim::TreeConfig>(
+        {"tree",
+         "stage 4: the fits of all slices to one model file",
+         {"slim tree scan.work -o scan.slim"}},
+        argc, argv, slim::run_tree);
+}

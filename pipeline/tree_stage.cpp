@@ -1,0 +1,117 @@
+#include "pipeline/tree_stage.h"
+
+#include "formats/fit_file.h"
+#include "formats/model_file.h"
+#include "pipeline/fit_stage.h"
+#include "pipeline/manifest.h"
+#include "pipeline/version.h"
+#include "slim/base/error.h"
+#include "slim/tree/tree_builder.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace slim {
+namespace {
+
+/// The fit files of a job: coarse levels first, then slice by slice.
+std::vector<std::filesystem::path> fit_paths(const TreeConfig& config, const SlicePlan& plan) {
+    std::vector<std::filesystem::path> paths;
+    if (plan.slices.size() > 1) paths.push_back(coarse_fit_path(config.work));
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) paths.push_back(fit_path(config.work, i));
+    return paths;
+}
+
+void check_all_there(const TreeConfig& config, const std::vector<std::filesystem::path>& paths) {
+    std::string missing;
+    for (const auto& path : paths)
+        if (!std::filesystem::exists(manifest_path(path))) missing += " " + path.string();
+    if (!missing.empty())
+        throw IncompleteError(fmt::format("{}: these fits are missing:{}: run `slim fit {}`",
+                                          config.work, missing, config.work));
+}
+
+/// What the fits of a job say of themselves, and their surfels.
+struct Merged {
+    nlohmann::json rules;
+    nlohmann::json counts = nlohmann::json::array();
+    std::vector<FittedSurfel> surfels;
+};
+
+/// throws IncompleteError if two fits were made with different rules
+Merged merge_fits(const std::vector<std::filesystem::path>& paths) {
+    Merged out;
+    for (const auto& path : paths) {
+        const FitFile fit = read_fit(path.string());
+        const auto header = nlohmann::json::parse(fit.header_json);
+        if (out.rules.is_null()) out.rules = header.at("rules");
+        if (header.at("rules") != out.rules)
+            throw IncompleteError(fmt::format(
+                "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` again",
+                path.string(), paths[0].string(), out.rules.dump(), header.at("rules").dump()));
+        out.counts.push_back(header.at("counts"));
+        out.surfels.insert(out.surfels.end(), fit.surfels.begin(), fit.surfels.end());
+    }
+    return out;
+}
+
+ModelHeader header_of(const SlicePlan& plan, const nlohmann::json& rules) {
+    ModelHeader h;
+    h.degree = rules.at("degree");
+    h.origin = plan.origin;
+    h.bounds = plan.bounds;
+    h.diagonal = plan.diagonal;
+    h.noise_variance = rules.at("noise_variance");
+    h.mdl_threshold = rules.at("t_mdl");
+    h.n_points = plan.n_points;
+    h.seed = rules.at("seed");
+    return h;
+}
+
+/// Counts of all fits, in the model for `slim info`; no times, threads or paths.
+nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
+                             const TreeCounts& counts) {
+    nlohmann::json inputs = nlohmann::json::array();
+    for (const PlanInput& in : plan.inputs)
+        inputs.push_back({{"format", in.format},
+                          {"points", in.n_points},
+                          {"dropped_non_finite", in.n_dropped},
+                          {"bad_normals", in.n_bad_normals},
+                          {"has_normals", in.has_normals}});
+    return {{"program", program_version()},
+            {"inputs", inputs},
+            {"rules", fits.rules},
+            {"fits", fits.counts},
+            {"weight", "gauss-like, C2 (NUMERICS 2.3)"},
+            {"cover", "B"},
+            {"orphans", counts.orphans},
+            {"childless", counts.childless}};
+}
+
+}  // namespace
+
+nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
+    const SlicePlan plan = read_plan(config.work);
+    const auto paths = fit_paths(config, plan);
+    check_all_there(config, paths);
+    Stamp stamp(context, manifest_path(config.output));
+    for (const auto& path : paths) stamp.input(path);
+    if (auto done = stamp.up_to_date()) return *done;
+
+    const Merged fits = merge_fits(paths);
+    TreeCounts counts;
+    const SurfelTreeData data = build_tree(fits.surfels, header_of(plan, fits.rules), counts);
+    context.check_stop();
+    write_model(config.output, data, provenance_of(plan, fits, counts).dump());
+    return stamp.commit({config.output},
+                        {{"leaves", data.header.n_leaves},
+                         {"nodes", data.nodes.size()},
+                         {"orphans", counts.orphans},
+                         {"childless", counts.childless},
+                         {"points", plan.n_points},
+                         {"bytes", std::filesystem::file_size(config.output)}});
+}
+
+}  // namespace slim

@@ -1,0 +1,136 @@
+#include "raytrace/project/draw_list.h"
+
+#include "raytrace/project/lod_cut.h"
+#include "raytrace/project/tile_bins.h"
+#include "slim/base/error.h"
+#include "slim/base/hash.h"
+#include "tests/raytrace/support/analytic_models.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+double uniform(std::uint64_t seed, std::uint64_t i) { return 2 * unit_interval(keyed_hash(seed, i)) - 1; }
+
+/// True if the ray of the pixel meets the ball at or behind the near plane.
+bool ray_meets(const PixelView& view, int x, int y, const Vec3d& center, double radius) {
+    const Vec3d o = view.camera_from_local(view.ray_origin(x + 0.5, y + 0.5));
+    const Vec3d d = view.rotate_to_camera(view.ray_direction(x + 0.5, y + 0.5));
+    const double foot = dot(center - o, d);
+    const double sq_half = radius * radius - sq_length(o + d * foot - center);
+    return sq_half > 0 && (foot + std::sqrt(sq_half)) * d.z >= view.near_plane;
+}
+
+TEST(ScreenRect, HoldsEveryPixelOfTheBallAndIsTightInFrontOfTheCamera) {
+    const int size = 60;
+    for (const double fov : {0.001, 35.0, 120.0, 179.0})
+        for (const bool orthographic : {false, true})
+            for (std::uint64_t seed = 0; seed < 60; ++seed) {
+                SCOPED_TRACE(testing::Message() << fov << ' ' << orthographic << ' ' << seed);
+                Camera camera;
+                camera.fov_y_deg = fov, camera.orthographic = orthographic, camera.near_plane = 0.05;
+                camera.width = 2;
+                const PixelView view = pixel_view(camera, size, size);
+                const double z = 1.5 * (1 + uniform(seed, 0)) - 0.2;
+                const double spread = orthographic ? 1 : std::abs(z) * std::tan(fov * 0.0087);
+                const Vec3d c{spread * uniform(seed, 1), spread * uniform(seed, 2), z};
+                const double radius = 0.4 * spread * unit_interval(keyed_hash(seed, 3));
+                const ScreenRect r = screen_rect(view, {0, 0, size, size}, c, radius);
+                ScreenRect true_rect{size, size, 0, 0};
+                for (int y = 0; y < size; ++y)
+                    for (int x = 0; x < size; ++x) {
+                        if (!ray_meets(view, x, y, c, radius)) continue;
+                        true_rect = {std::min(true_rect.x0, x), std::min(true_rect.y0, y),
+                                     std::max(true_rect.x1, x + 1), std::max(true_rect.y1, y + 1)};
+                        ASSERT_TRUE(x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1) << x << ' ' << y;
+                    }
+                if (true_rect.empty() || z <= 2 * radius || z < 0.1 + radius) continue;
+                // An extreme of the outline may lie between pixel centres: two pixels for a round one.
+                EXPECT_GE(r.x0, true_rect.x0 - 3);
+                EXPECT_LE(r.x1, true_rect.x1 + 3);
+            }
+}
+
+TEST(ViewVolume, NeverCullsABallThatAPixelSees) {
+    const int size = 40;
+    int culled = 0;
+    for (const bool orthographic : {false, true})
+        for (std::uint64_t seed = 0; seed < 300; ++seed) {
+            Camera camera;
+            camera.orthographic = orthographic, camera.fov_y_deg = 70, camera.width = 2;
+            camera.near_plane = 0.1;
+            const PixelView view = pixel_view(camera, size, size);
+            const PixelWindow window{10, 5, 20, 15};
+            const Vec3d c{2 * uniform(seed, 1), 2 * uniform(seed, 2), 2 * uniform(seed, 3)};
+            const double radius = 0.5 * unit_interval(keyed_hash(seed, 4));
+            if (ViewVolume(view, window).may_see(c, radius)) continue;
+            ++culled;
+            for (int y = window.y; y < window.y + window.height; ++y)
+                for (int x = window.x; x < window.x + window.width; ++x)
+                    ASSERT_FALSE(ray_meets(view, x, y, c, radius)) << seed;
+        }
+    EXPECT_GT(culled, 100);
+}
+
+TEST(LodCut, DescendsWhileTheProjectedBallIsLarger) {
+    const auto model = test::two_level_sphere(1, 100, 900);
+    Camera camera;
+    camera.orthographic = true, camera.width = 4, camera.eye = {0, 0, 5};
+    const PixelView view = pixel_view(camera, 400, 400);
+    const double diameter = 2 * model.view().support_radius(1) * view.px_per_unit;
+    std::uint64_t visited = 0;
+    const PixelWindow window{0, 0, 400, 400};
+    EXPECT_EQ(lod_cut(model.view(), view, window, diameter * 1.01, visited).size(), 100u);
+    EXPECT_EQ(visited, 101u);
+    EXPECT_EQ(lod_cut(model.view(), view, window, diameter * 0.99, visited).size(), 900u);
+    EXPECT_EQ(lod_cut(model.view(), view, window, 0, visited).size(), 900u);
+}
+
+TEST(LodCut, RefusesACycle) {
+    auto model = test::two_level_sphere(1, 10, 40);
+    model.nodes[3].first_child = 2;
+    Camera camera;
+    camera.eye = {0, 0, 5};
+    std::uint64_t visited = 0;
+    const PixelView view = pixel_view(camera, 50, 50);
+    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, 0, visited), FormatError);
+    model.nodes[3].first_child = 49;
+    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, 0, visited), FormatError);
+}
+
+TEST(DrawList, IsSortedByTheNearEndOfTheTrimmedBall) {
+    const auto model = test::sphere_model(1, 500);
+    Camera camera;
+    camera.eye = {0, 0, 5};
+    const PixelView view = pixel_view(camera, 50, 50);
+    std::uint64_t visited = 0;
+    const PixelWindow window{0, 0, 50, 50};
+    const auto cut = lod_cut(model.view(), view, window, 0, visited);
+    const DrawList list = draw_list(view, window, model.view(), cut);
+    ASSERT_EQ(list.records.size(), 500u);
+    for (std::size_t i = 1; i < list.records.size(); ++i)
+        ASSERT_LE(list.records[i - 1].z_center - kTrim * list.records[i - 1].radius,
+                  list.records[i].z_center - kTrim * list.records[i].radius + 1e-6);
+}
+
+TEST(TileBins, HoldEachRectInItsTilesInOrder) {
+    const PixelWindow window{5, 7, 100, 70};
+    const std::vector<ScreenRect> rects{{5, 7, 6, 8}, {36, 38, 38, 40}, {5, 7, 105, 77}};
+    const TileBins bins = tile_bins(window, rects);
+    EXPECT_EQ(bins.columns, 4);
+    EXPECT_EQ(bins.rows, 3);
+    const auto of = [&](std::size_t t) {
+        return std::vector<std::uint32_t>(bins.of(t).begin(), bins.of(t).end());
+    };
+    EXPECT_EQ(of(0), (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(of(1), (std::vector<std::uint32_t>{1, 2}));
+    EXPECT_EQ(of(4), (std::vector<std::uint32_t>{1, 2}));
+    EXPECT_EQ(of(11), (std::vector<std::uint32_t>{2}));
+}
+
+}  // namespace
+}  // namespace slim
