@@ -35,7 +35,7 @@ void add_field(CLI::App& app, const Field& field, Given& given) {
         return;
     }
     std::string names = field.option();
-    if (field.key == "output") names = "-o," + names;
+    if (field.role == FieldRole::output) names = "-o," + names;
     if (field.is_word()) names = field.key;
     given.option = app.add_option(names, given.items)->take_all()->allow_extra_args(false);
     if (field.is_word() && field.is_list())
@@ -123,7 +123,7 @@ std::string usage(const StageDescription& stage, const FieldList& fields) {
 
 std::string field_help(const Field& field) {
     std::string name = field.is_word() ? field.key : field.option();
-    if (field.key == "output") name = "-o, " + name;
+    if (field.role == FieldRole::output) name = "-o, " + name;
     std::string text = field.help;
     const std::string range = field.range_text();
     if (!range.empty()) text += ", " + range;

@@ -120,11 +120,12 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
     for (const StepOutcome& outcome : outcomes) {
         text += cost_row(escaped(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
                          outcome.up_to_date ? "up to date: as recorded" : "");
-        if (!outcome.result.contains("stages") || !outcome.result.at("stages").is_array()) continue;
-        for (const json& stage : outcome.result.at("stages"))
-            if (stage.is_object())
-                text += cost_row("&emsp;" + escaped(stage.value("stage", "")),
-                                 stage.value("seconds", 0.0), stage.value("peak_memory_bytes", 0.0), "");
+        if (!outcome.result.contains("stages")) continue;
+        const json& stages = outcome.result.at("stages");
+        for (const char* name : {"slice", "normals", "fit", "tree"})
+            if (stages.contains(name))
+                text += cost_row(std::string("&emsp;") + name, stages.at(name).value("seconds", 0.0),
+                                 stages.at(name).value("peak_memory_bytes", 0.0), "");
     }
     return text + "</table>\n";
 }

@@ -1,10 +1,15 @@
 #include "pipeline/job.h"
 
 #include "pipeline/build_stage.h"
+#include "pipeline/fit_stage.h"
+#include "pipeline/manifest.h"
 #include "pipeline/measure_stage.h"
-#include "pipeline/render_stage.h"
+#include "pipeline/normals_stage.h"
+#include "pipeline/render_config.h"
 #include "pipeline/scan_stage.h"
+#include "pipeline/slice_stage.h"
 #include "pipeline/toml_file.h"
+#include "pipeline/tree_stage.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -160,7 +165,7 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}};
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}, {}};
         // The shape is a word of slim-scan, not an option.
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
@@ -172,17 +177,50 @@ private:
 
     void read_fit() {
         static const TomlTable empty;
-        const TomlTable* table = find(root_, "fit");
-        NoKeys none;
-        JobStep step{"build", "build", {}, clouds_, job_.folder / "model.slim"};
-        if (table) check_tables(*table, {});
+        const TomlTable* found = find(root_, "fit");
+        const TomlTable& table = found ? *found : empty;
+        check_tables(table, {});
+        model_ = job_.folder / "model.slim";
+        JobStep step{"build", "build", {}, clouds_, model_, {}};
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
-        const std::vector<std::string> options =
-            read_options<BuildConfig>(table ? *table : empty, file_, none, {"inputs", "output"});
-        step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+        NoKeys none;
+        append(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
         add_output(step);
-        model_ = step.output;
         job_.steps.push_back(std::move(step));
+        read_build_stages(table);
+    }
+
+    /// The same options dealt out to the single stages, which know them by the same keys.
+    void read_build_stages(const TomlTable& table) {
+        BuildConfig build;
+        apply_table(table, fields_of(build), file_);
+        const std::string work = build.work.empty() ? model_.string() + ".work" : build.work;
+        JobStep slice{"slice", "slice", {}, clouds_, work, manifest_path(work, "slice")};
+        for (const fs::path& cloud : clouds_) slice.arguments.push_back(cloud.string());
+        slice.arguments.insert(slice.arguments.end(), {"-o", work});
+        append_shared<SliceConfig>(slice, table, build);
+        JobStep normals{"normals", "normals", {work}, {slice.target}, {}, fs::path(work) / "normals.json"};
+        append_shared<NormalsConfig>(normals, table, build);
+        JobStep fit{"fit", "fit", {work}, {normals.target}, {}, fs::path(work) / "fit.json"};
+        append_shared<FitConfig>(fit, table, build);
+        JobStep tree{"tree", "tree", {work}, {fit.target}, model_, {}};
+        add_output(tree);
+        job_.build_stages = {slice, normals, fit, tree};
+    }
+
+    /// Those options of [fit] that the stage has too.
+    template <class Config>
+    static void append_shared(JobStep& step, const TomlTable& table, BuildConfig& build) {
+        Config config;
+        const FieldList stage = fields_of(config);
+        const FieldList all = fields_of(build);
+        for (const TomlValue& value : table.values)
+            if (value.key != "work" && stage.find(value.key))
+                append_option(*all.find(value.key), step.arguments);
+    }
+
+    static void append(JobStep& step, const std::vector<std::string>& arguments) {
+        step.arguments.insert(step.arguments.end(), arguments.begin(), arguments.end());
     }
 
     void read_measure() {
@@ -196,9 +234,12 @@ private:
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
         for (const fs::path& cloud : clouds_) {
-            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}};
+            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}, {}};
             if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
-            step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+            append(step, options);
+            std::string name = step.name + ".json";
+            std::replace(name.begin(), name.end(), ' ', '_');
+            step.target = job_.folder / name;
             job_.steps.push_back(std::move(step));
         }
     }
@@ -226,8 +267,8 @@ private:
         if (view.aovs.empty()) view.aovs = output_.aovs;
         check_aovs(view.aovs, table);
         aovs_.insert(view.aovs.begin(), view.aovs.end());
-        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}};
-        step.arguments.insert(step.arguments.end(), options.begin(), options.end());
+        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}};
+        append(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
@@ -274,6 +315,7 @@ private:
     static void add_output(JobStep& step) {
         step.arguments.push_back("-o");
         step.arguments.push_back(step.output.string());
+        step.target = manifest_path(step.output);
     }
 
     inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov"};

@@ -35,30 +35,20 @@ std::string make_path(const fs::path& path) {
     return out;
 }
 
-/// What a step leaves when it is done; a step that only answers leaves a file of its answer.
-fs::path target_of(const JobStep& step, const Job& job) {
-    if (!step.output.empty()) return manifest_path(step.output);
-    std::string name = step.name;
-    for (char& c : name)
-        if (c == ' ' || c == '/') c = '_';
-    return job.folder / (name + ".json");
-}
-
 /// The target that makes a file, or the file itself if no step does.
 fs::path made_by(const fs::path& file, const Job& job) {
     for (const JobStep& step : job.steps)
-        if (step.output == file) return target_of(step, job);
+        if (step.output == file) return step.target;
     return file;
 }
 
 std::string rule_of(const JobStep& step, const Job& job, const fs::path& programs) {
-    const fs::path target = target_of(step, job);
-    std::string rule = make_path(target) + ":";
+    std::string rule = make_path(step.target) + ":";
     for (const fs::path& input : step.inputs) rule += " " + make_path(made_by(input, job));
     rule += " | " + make_path(job.folder) + "\n\t" +
             recipe_word((programs / ("slim-" + step.verb)).string());
     for (const std::string& argument : step.arguments) rule += " " + recipe_word(argument);
-    const std::string file = recipe_word(target.string());
+    const std::string file = recipe_word(step.target.string());
     if (step.output.empty())
         return rule + fmt::format(" --json > {0}.tmp && mv {0}.tmp {0}\n", file);
     return rule + "\n\t@touch " + file + "\n";
@@ -67,12 +57,16 @@ std::string rule_of(const JobStep& step, const Job& job, const fs::path& program
 }  // namespace
 
 std::string makefile_of(const Job& job, const fs::path& program_folder) {
-    std::string text = fmt::format("# Made by 'slim plan {} --format make'.\n\nall:", job.file.string());
-    for (const JobStep& step : job.steps) text += " " + make_path(target_of(step, job));
-    text += "\n.PHONY: all\n.DELETE_ON_ERROR:\n\n" + make_path(job.folder) + ":\n\tmkdir -p " +
-            recipe_word(job.folder.string()) + "\n";
-    for (const JobStep& step : job.steps) text += "\n" + rule_of(step, job, program_folder);
-    return text;
+    std::string goals, rules;
+    for (const JobStep& step : job.steps) {
+        goals += " " + make_path(step.target);
+        if (step.verb != "build") rules += "\n" + rule_of(step, job, program_folder);
+    }
+    for (const JobStep& step : job.build_stages) rules += "\n" + rule_of(step, job, program_folder);
+    const std::string folder = make_path(job.folder);
+    return fmt::format("# Made by 'slim plan {} --format make'.\n\nall:{}\n.PHONY: all\n"
+                       ".DELETE_ON_ERROR:\n\n{}:\n\tmkdir -p {}\n{}",
+                       job.file.string(), goals, folder, recipe_word(job.folder.string()), rules);
 }
 
 std::string explanation_of(const Job& job) {

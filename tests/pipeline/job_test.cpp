@@ -142,11 +142,15 @@ TEST(Makefile, NamesEveryStepsOutputAndWhatItNeeds) {
     const Job job = read_job(write_job(kDemo));
     const std::string text = makefile_of(job, "/opt/a b");
     const std::string folder = job.folder.string();
-    EXPECT_NE(text.find(folder + "/model.slim.done.json: " + folder + "/cloud.ply.done.json"),
+    EXPECT_NE(text.find(folder + "/model.slim.work/slice.done.json: " + folder + "/cloud.ply.done.json"),
+              std::string::npos);
+    EXPECT_NE(text.find(folder + "/model.slim.done.json: " + folder + "/model.slim.work/fit.json"),
               std::string::npos);
     EXPECT_NE(text.find(folder + "/front.png.done.json: " + folder + "/model.slim.done.json"),
               std::string::npos);
-    EXPECT_NE(text.find("'/opt/a b/slim-build'"), std::string::npos);
+    EXPECT_NE(text.find("'/opt/a b/slim-fit' '" + folder + "/model.slim.work' '--degree=3'"),
+              std::string::npos);
+    EXPECT_EQ(text.find("slim-build"), std::string::npos);
     EXPECT_NE(text.find("--json > '" + folder + "/measure.json'.tmp"), std::string::npos);
 }
 
@@ -155,7 +159,7 @@ TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back({step, nlohmann::json::object(), false, 1.25, 2e6});
     outcomes[1].result = {{"points", 1000u}, {"leaves", 1234567u}, {"bytes", 2048u},
-                          {"stages", {{{"stage", "fit"}, {"seconds", 0.5}, {"peak_memory_bytes", 1e6}}}}};
+                          {"stages", {{"fit", {{"seconds", 0.5}, {"peak_memory_bytes", 1e6}}}}}};
     outcomes[2].result = {{"l2", 1.5e-4}, {"normal_rms_deg", 2.5}};
     outcomes[3].result = {{"files", {(job.folder / "front.shaded.png").string(),
                                      (job.folder / "front.k1.png").string(),

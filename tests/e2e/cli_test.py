@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""The contract of every verb: help, configuration, errors, exit codes, signals, broken outputs."""
+import json
+import os
+import signal
+import subprocess
+import time
+
+from harness import SOURCE, Harness
+
+VERBS = ["scan", "slice", "normals", "fit", "tree", "build", "render", "measure", "info", "run", "plan"]
+harness = Harness("slim", *(f"slim-{verb}" for verb in VERBS))
+run, check = harness.run, harness.check
+
+
+def every_verb():
+    overview = run("slim", "--help").out
+    for verb in VERBS:
+        check(f"  {verb} " in overview, f"slim --help does not list {verb}")
+        help_text = run("slim", verb, "--help")
+        check(help_text.code == 0, f"{verb} --help: exit {help_text.code}")
+        for part in ("Usage: slim " + verb, "Examples:", "--threads", "--json"):
+            check(part in help_text.out, f"{verb} --help lacks '{part}'")
+        check(run(f"slim-{verb}", "--version").out.startswith(f"slim-{verb} "), f"{verb} --version")
+
+        wrong = run(f"slim-{verb}", "--theads", "2")
+        check(wrong.code == 2 and "'--threads'" in wrong.err and not wrong.out,
+              f"{verb} --theads: exit {wrong.code}: {wrong.err}")
+        wrong = run(f"slim-{verb}", "--theads", "2", "--json")
+        check(wrong.json()["error"]["code"] == 2, f"{verb}: error object {wrong.out}")
+        missing = run(f"slim-{verb}")
+        check(missing.code == 2 and "missing" in missing.err, f"{verb} alone: {missing.err}")
+
+        printed = run(f"slim-{verb}", "--print-config").out
+        file = SOURCE / "configs" / f"{verb}.toml"
+        kept = "".join(line for line in file.read_text().splitlines(keepends=True)[2:])
+        check(kept == printed, f"{file} is not what slim-{verb} --print-config says; run "
+                               "scripts/write_configs")
+        again = run(f"slim-{verb}", "--config", file, "--print-config")
+        check(again.code == 0, f"{file}: {again.err}")
+
+
+def front_door():
+    wrong = run("slim", "biuld")
+    check(wrong.code == 2 and "'build'" in wrong.err, f"slim biuld: {wrong.err}")
+    check(run("slim").code == 2, "slim alone is a usage error")
+    check(run("slim", "--version").code == 0, "slim --version")
+
+
+def config_file():
+    file = harness.folder / "c.toml"
+    file.write_text("points = 1000\n\nstatoins = 3\n")
+    wrong = run("slim-scan", "sphere", "-o", "x.ply", "--config", file)
+    check(wrong.code == 2 and "c.toml:3" in wrong.err and "'stations'" in wrong.err, wrong.err)
+    file.write_text("points = 1000\nstations = 3\n")
+    good = run("slim-scan", "sphere", "-o", "x.ply", "--config", file, "--set", "points=1100", "--json")
+    check(good.code == 0 and good.json()["points"] == 1100, f"--set after --config: {good.err}")
+    wrong = run("slim-scan", "shpere", "-o", "x.ply")
+    check(wrong.code == 2 and "'sphere'" in wrong.err, wrong.err)
+
+
+def outputs():
+    missing = run("slim-info", "nowhere.ply", "--json")
+    check(missing.code == 3 and "nowhere.ply" in missing.json()["error"]["message"], missing.err)
+    for place in ("no/such/folder/x.ply", "/proc/x.ply"):
+        wrong = run("slim-scan", "sphere", "-o", place, "--points", "1000")
+        check(wrong.code in (2, 3, 4) and "x.ply" in wrong.err, f"{place}: {wrong.code} {wrong.err}")
+    with open("/dev/full", "w") as full:
+        wrong = run("slim-info", "x.ply", stdout=full)
+        check(wrong.code == 4 and "standard output" in wrong.err, f"full disk: {wrong.code} {wrong.err}")
+    reader, writer = os.pipe()
+    os.close(reader)
+    wrong = run("slim-info", "x.ply", stdout=writer)
+    check(wrong.code == 4 and "Broken pipe" in wrong.err, f"broken pipe: {wrong.code} {wrong.err}")
+
+
+def up_to_date():
+    first = run("slim-scan", "torus", "-o", "t.ply", "--points", "2000", "--json").json()
+    check("up_to_date" not in first, "a first run is not up to date")
+    before = (harness.folder / "t.ply").stat().st_mtime_ns
+    second = run("slim-scan", "torus", "-o", "t.ply", "--points", "2000", "--threads", "1", "--json").json()
+    check(second.get("up_to_date") is True, f"the second run: {second}")
+    check((harness.folder / "t.ply").stat().st_mtime_ns == before, "the file was written again")
+    for change in (["--seed", "5"], ["--force"]):
+        third = run("slim-scan", "torus", "-o", "t.ply", "--points", "2000", "--json", *change).json()
+        check("up_to_date" not in third, f"{change} was ignored")
+    manifest = json.loads((harness.folder / "t.ply.done.json").read_text())
+    check(manifest["outputs"][0]["path"] == "t.ply", "the manifest names its output beside it")
+
+
+def signals():
+    for number, code in ((signal.SIGTERM, 143), (signal.SIGINT, 130)):
+        folder = harness.folder / f"signal_{code}"
+        folder.mkdir()
+        child = subprocess.Popen([harness.bin / "slim-scan", "sculpture", "-o", folder / "x.ply",
+                                  "--points", "50000000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        for _ in range(200):
+            time.sleep(0.05)
+            if any(folder.iterdir()):
+                break
+        child.send_signal(number)
+        _, err = child.communicate(timeout=30)
+        check(child.returncode == code, f"signal {number}: exit {child.returncode}: {err.decode()}")
+        check(not list(folder.iterdir()), f"signal {number} left {list(folder.iterdir())}")
+
+
+every_verb()
+front_door()
+config_file()
+outputs()
+up_to_date()
+signals()
+harness.end()

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""A small job from scan to page: what it writes, that it does only what changed, and that a killed
+build resumes; the model's bytes for several numbers of threads; the job as a Makefile."""
+import re
+import shutil
+import signal
+import subprocess
+import time
+
+from harness import Harness
+
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-run", "slim-plan")
+run, check = harness.run, harness.check
+
+JOB = """
+[input.scan]
+shape = "bumpy"
+points = 20000
+noise = 0.0002
+[fit]
+t_mdl = 0.02
+[render]
+size = "SIZE"
+truth_shape = "bumpy"
+[[view]]
+camera = "front"
+[[view]]
+name = "corner"
+camera = "iso"
+aovs = ["shaded"]
+size = "200x150"
+[measure]
+[output]
+dir = "out"
+aovs = ["shaded", "mean", "truth_distance"]
+"""
+
+
+def write_job(size="240x180"):
+    (harness.folder / "job.toml").write_text(JOB.replace("SIZE", size))
+
+
+def steps(result):
+    return {step["name"]: step for step in result["steps"]}
+
+
+def run_job():
+    result = run("slim", "run", "job.toml", "--json", "-q", seconds=300)
+    check(result.code == 0, f"slim run: exit {result.code}: {result.err}")
+    return result.json()
+
+
+def whole_job():
+    write_job()
+    done = steps(run_job())
+    check(list(done) == ["scan", "build", "measure", "view front", "view corner"], f"steps {list(done)}")
+    measured = done["measure"]["result"]
+    for key in ("points", "missed", "l2", "max", "normal_rms_deg", "leaves", "bytes", "k1_rms", "k2_rms",
+                "mean_curvature_rms", "k1_rms_x_diagonal"):
+        check(key in measured, f"measure does not say {key}")
+    check(measured["points"] == 20000, f"measured {measured['points']} points")
+    check(0 < measured["l2"] < 1e-3, f"l2 is {measured['l2']}")
+    page = (harness.folder / "out/index.html").read_text()
+    pictures = re.findall(r'<img src="([^"]+)"', page)
+    check(len(pictures) == 4, f"the page shows {pictures}")
+    for picture in pictures:
+        check((harness.folder / "out" / picture).exists(), f"the page shows {picture}, which is not there")
+    check(str(harness.folder) not in page, "the page holds an absolute path")
+
+
+def only_what_changed():
+    again = steps(run_job())
+    redone = [name for name, step in again.items() if not step["up_to_date"] and name != "measure"]
+    check(not redone, f"nothing changed, yet {redone} ran again")
+    write_job("241x180")
+    again = steps(run_job())
+    redone = [name for name, step in again.items() if not step["up_to_date"] and name != "measure"]
+    check(redone == ["view front"], f"one view changed, and {redone} ran again")
+
+
+def threads_agree():
+    reference = None
+    for threads in (1, 2, 7):
+        model = harness.folder / f"t{threads}.slim"
+        result = run("slim-build", "out/cloud.ply", "-o", model, "--t-mdl", "0.02", "--threads", threads)
+        check(result.code == 0, result.err)
+        data = model.read_bytes()
+        reference = reference or data
+        check(data == reference, f"{threads} threads make another model")
+
+
+def killed_build_resumes():
+    result = run("slim-scan", "sculpture", "--points", "300000", "-o", "big.ply", "-q", seconds=120)
+    check(result.code == 0, result.err)
+    command = [harness.bin / "slim-build", "big.ply", "-o", "big.slim"]
+    child = subprocess.Popen(command, cwd=harness.folder, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE)
+    slice_done = harness.folder / "big.slim.work/slice.done.json"
+    for _ in range(1000):
+        time.sleep(0.01)
+        if slice_done.exists():
+            break
+    child.send_signal(signal.SIGTERM)
+    _, err = child.communicate(timeout=60)
+    check(child.returncode == 143, f"killed build: exit {child.returncode}: {err.decode()}")
+    check(not (harness.folder / "big.slim").exists(), "a killed build left a model")
+    check(slice_done.exists(), "a killed build forgot the slices it had")
+    resumed = run("slim-build", "big.ply", "-o", "big.slim", seconds=300)
+    check(resumed.code == 0 and "slice: up to date" in resumed.err, f"resumed: {resumed.err}")
+    fresh = run("slim-build", "big.ply", "-o", "fresh.slim", seconds=300)
+    check(fresh.code == 0, fresh.err)
+    same = (harness.folder / "big.slim").read_bytes() == (harness.folder / "fresh.slim").read_bytes()
+    check(same, "a resumed build makes another model")
+    check(not (harness.folder / "big.slim.work").exists(), "the work folder is still there")
+
+
+def makefile():
+    write_job("250x180")
+    plan = run("slim", "plan", "job.toml", "--format", "make")
+    check(plan.code == 0 and "slim-fit" in plan.out, f"plan: {plan.err}")
+    explained = run("slim", "plan", "job.toml", "--explain")
+    check("Left out" in explained.out and "depth" in explained.out, explained.out)
+    if not shutil.which("make"):
+        print("not tried: make is not installed")
+        return
+    (harness.folder / "Makefile").write_text(plan.out)
+    shutil.rmtree(harness.folder / "out")
+    made = subprocess.run(["make", "-j2"], cwd=harness.folder, capture_output=True, text=True)
+    check(made.returncode == 0, f"make: {made.stdout[-1000:]} {made.stderr[-1000:]}")
+    for name in ("model.slim", "measure.json", "front.mean.png", "corner.shaded.png"):
+        check((harness.folder / "out" / name).exists(), f"make did not make {name}")
+    again = subprocess.run(["make"], cwd=harness.folder, capture_output=True, text=True)
+    check("slim-" not in again.stdout, f"make does work again: {again.stdout}")
+
+
+def wrong_jobs():
+    job = harness.folder / "wrong.toml"
+    job.write_text("[input]\nfiles = ['nowhere.ply']\n[fit]\ndegre = 2\n")
+    result = run("slim", "run", "wrong.toml", "--json")
+    check(result.code == 2 and "wrong.toml:4" in result.err and "'degree'" in result.err, result.err)
+    job.write_text("[input]\nfiles = ['nowhere.ply']\n")
+    result = run("slim", "run", "wrong.toml", "--json")
+    check(result.code == 3 and "nowhere.ply" in result.json()["error"]["message"], result.err)
+
+
+whole_job()
+only_what_changed()
+threads_agree()
+killed_build_resumes()
+makefile()
+wrong_jobs()
+harness.end()
