@@ -78,10 +78,11 @@ TEST(EstimateNormals, TouchesTheWantedOnly) {
     estimate_normals(block, neighbor_graph(block, 16), wanted, degenerate);
     for (std::size_t i = 0; i < block.size(); ++i) {
         const bool is_wanted = i == 3 || i == 500 || i == 1999;
-        if (is_wanted)
+        if (is_wanted) {
             EXPECT_GT(std::abs(dot(block.normal[i], before[i])), 0.99f);
-        else
+        } else {
             ASSERT_EQ(block.normal[i], before[i]);
+        }
     }
 }
 
@@ -191,7 +192,9 @@ TEST(Repair, TurnsSparseFlippedNormalsBack) {
     EXPECT_LE(audit.contrary, flipped);
     EXPECT_GT(share_agreeing(block, truth), 0.998);
     for (std::size_t i = 0; i < block.size(); ++i)  // what was right is not touched
-        if (unit_interval(keyed_hash(5, i)) >= 0.05) ASSERT_EQ(block.normal[i], truth[i]);
+        if (unit_interval(keyed_hash(5, i)) >= 0.05) {
+            ASSERT_EQ(block.normal[i], truth[i]);
+        }
 }
 
 TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {

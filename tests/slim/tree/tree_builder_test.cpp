@@ -166,7 +166,9 @@ TEST(TreeBuilder, OrphansHangOnTheNearestAndChildlessBallsAreLeftOut) {
     for (std::size_t i = 1; i < 5; ++i) {
         const bool top = tree.node(i).level == 1;
         EXPECT_EQ(parent[i] == 0, top);
-        if (!top) EXPECT_NEAR(length(tree.center(parent[i])), 0, 1e-6);
+        if (!top) {
+            EXPECT_NEAR(length(tree.center(parent[i])), 0, 1e-6);
+        }
     }
     EXPECT_EQ(tree.node(0).n_children, 2u);
 }
