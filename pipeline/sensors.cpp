@@ -19,7 +19,8 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const Vec3d&
     std::ifstream file(path);
     if (!file) throw IoError(fmt::format("{}: cannot be opened", path));
     try {
-        for (const auto& scan : nlohmann::json::parse(file).at("scans")) {
+        const auto scans = nlohmann::json::parse(file);  // named: it must outlive the loop
+        for (const auto& scan : scans.at("scans")) {
             const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
             const auto p = scan.at("position").get<std::vector<double>>();
             if (p.size() != 3 || id > 65535)
