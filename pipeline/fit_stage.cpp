@@ -177,12 +177,15 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
 
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     for (const auto& [key, value] : one.items()) {
-        if (value.is_object() && key != "recorded")
+        if (key == "recorded") continue;
+        if (value.is_object()) {
+            if (!sum.contains(key)) sum[key] = nlohmann::json::object();
             add_counts(value, sum[key]);
-        else if (key == "levels")
+        } else if (key == "levels") {
             sum[key] = std::max(sum.value(key, std::uint64_t{0}), value.get<std::uint64_t>());
-        else if (value.is_number_unsigned())
+        } else if (value.is_number_unsigned()) {
             sum[key] = sum.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
+        }
     }
 }
 

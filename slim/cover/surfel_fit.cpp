@@ -12,6 +12,18 @@ namespace {
 constexpr float kAtCenter = 0.9999999f;
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 
+/// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
+/// right; left open they would become centres of their own and speckle a curvature map.
+void take_back(BallPoints<double>& ball, const Vec3d& normal,
+               const std::vector<SetAside<double>>& aside) {
+    const Vec3f n = to_float(normal);
+    for (const SetAside<double>& a : aside) {
+        const std::size_t i = a.index;
+        if (ball.nx[i] * n.x + ball.ny[i] * n.y + ball.nz[i] * n.z >= kOtherSideCos)
+            ball.sq[i] = a.sq;
+    }
+}
+
 /// The ball's points that the surfel explains. Other sheets' points have sq = 2 and are passed over.
 std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double>& ball,
                                   const FittedSurfel& fitted, double noise_variance) {
@@ -38,8 +50,10 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
     gather_ball(points, center, radius, ball);
     const BallNormal average = average_normal(ball, 1, normal);
     const Frame<double> frame = frame_from_normal(round_normal(average.normal));
-    drop_other_side(ball, frame.normal);
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, frame.normal, aside);
     const LocalFit fit = fit_ball(ball, 1, frame, degree);
+    take_back(ball, frame.normal, aside);
 
     CoveringSurfel out;
     out.fitted.surfel = {center, radius, frame, fit.polynomial, fit.degree};
@@ -56,7 +70,9 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,
                                     double noise_variance, BallPoints<double>& ball) {
     gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
-    drop_other_side(ball, fitted.surfel.frame.normal);
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
+    take_back(ball, fitted.surfel.frame.normal, aside);
     return list_covered(points, ball, fitted, noise_variance);
 }
 

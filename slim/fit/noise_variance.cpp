@@ -50,7 +50,8 @@ NoiseVariance with_neighbors(const KnnIndex& index, std::span<const Vec3d> point
     std::vector<std::uint32_t> found;
     std::vector<double> sq_distances;
     // Duplicates eat neighbours: ask for more, so that k distinct ones are left in all but odd data.
-    const std::size_t asked = index.search(samples, 2 * k + 1, found, sq_distances);
+    const std::size_t asked = index.search(samples, k + std::max<std::size_t>(k / 4, 10), found,
+                                           sq_distances);
     std::vector<Partial> partial((samples.size() + kGrain - 1) / kGrain);
     parallel_blocks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         Partial& sum = partial[begin / kGrain];
