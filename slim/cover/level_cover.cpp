@@ -201,7 +201,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (c.choice.isolated) return;
     if (c.leaf)
         c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
-                              rules_.noise_variance, work.exact);
+                              c.choice.forced, rules_.noise_variance, work.exact);
     else
         make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
@@ -211,7 +211,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree,
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
                                   rules_.noise_variance, work.exact);
     c.internal = s.fitted;
     gather_ball(tree, center, radius, work.exact);

@@ -10,6 +10,7 @@ namespace slim {
 namespace {
 
 constexpr float kAtCenter = 0.9999999f;
+constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -45,14 +46,16 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
 }  // namespace
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
-                          double radius, int degree, double noise_variance,
+                          double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball) {
     gather_ball(points, center, radius, ball);
     const BallNormal average = average_normal(ball, 1, normal);
     const Frame<double> frame = frame_from_normal(round_normal(average.normal));
     std::vector<SetAside<double>> aside;
     set_contrary_aside(ball, frame.normal, aside);
-    const LocalFit fit = fit_ball(ball, 1, frame, degree);
+    LocalFit fit = fit_ball(ball, 1, frame, forced ? 1 : degree);
+    for (int d = 2; forced && d <= degree && fit.sq_error > kWithinNoise * noise_variance; ++d)
+        fit = fit_ball(ball, 1, frame, d);
     take_back(ball, frame.normal, aside);
 
     CoveringSurfel out;

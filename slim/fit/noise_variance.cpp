@@ -81,15 +81,16 @@ NoiseVariance with_neighbors(const KnnIndex& index, std::span<const Vec3d> point
 
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
                                       std::span<const Vec3d> samples, bool automatic) {
-    NoiseVariance out = with_neighbors(index, points, samples, 10);
-    while (automatic && out.flatness > kFlat && out.neighbors < kMostNeighbors &&
-           out.neighbors < points.size()) {
-        // A mean over more neighbours each needs fewer samples: the cost stays what it was.
-        const std::size_t k = 2 * out.neighbors;
-        const std::size_t n = std::max<std::size_t>(samples.size() * 10 / k, 1);
-        out = with_neighbors(index, points, samples.first(n), k);
-    }
-    return out;
+    // Whether k is large enough shows on a tenth of the samples; a mean over more neighbours each needs
+    // fewer samples, so that the cost does not grow with k.
+    const auto first = [&](std::size_t n) {
+        return samples.first(std::min(samples.size(), std::max<std::size_t>(n, 1000)));
+    };
+    std::size_t k = 10;
+    while (automatic && k < kMostNeighbors && k < points.size() &&
+           with_neighbors(index, points, first(samples.size() / k), k).flatness > kFlat)
+        k *= 2;
+    return with_neighbors(index, points, first(samples.size() * 10 / k), k);
 }
 
 }  // namespace slim
