@@ -97,6 +97,11 @@ float line_height(const std::string& text, const TextStyle& style) {
     return text.empty() ? 0 : 1.85f * style.cap_height;
 }
 
+/// A note keeps clear of the label of the tick at its end of the bar.
+float note_height(const std::string& text, const TextStyle& style) {
+    return text.empty() ? 0 : 2.25f * style.cap_height;
+}
+
 Layout layout_of(const Legend& legend, const Labels& labels, const Picture& picture) {
     Layout l{};
     const auto side = static_cast<float>(std::min(picture.width, picture.height));
@@ -108,8 +113,8 @@ Layout layout_of(const Legend& legend, const Labels& labels, const Picture& pict
     l.title = {15 * u, kInk, 0.15f};
     l.label = {14 * u, kInk, 0.12f};
     const float heading = line_height(legend.title, l.title) + line_height(legend.unit, l.label);
-    const float body = l.bar_height + line_height(legend.high_note, l.label) +
-                       line_height(legend.low_note, l.label) +
+    const float body = l.bar_height + note_height(legend.high_note, l.label) +
+                       note_height(legend.low_note, l.label) +
                        l.tip * static_cast<float>(legend.clipped_high + legend.clipped_low);
     l.height = std::round(2 * l.padding + heading + 12 * u + body);
     const float ticks = l.bar_width + l.tick + l.gap + widest(labels.texts, l.label);
@@ -119,7 +124,7 @@ Layout layout_of(const Legend& legend, const Labels& labels, const Picture& pict
     l.x = static_cast<float>(picture.width) - l.margin - l.width;
     l.y = std::round((static_cast<float>(picture.height) - l.height) / 2);
     l.bar_x = l.x + l.padding;
-    l.bar_y = std::round(l.y + l.padding + heading + 12 * u + line_height(legend.high_note, l.label) +
+    l.bar_y = std::round(l.y + l.padding + heading + 12 * u + note_height(legend.high_note, l.label) +
                          (legend.clipped_high ? l.tip : 0));
     return l;
 }
@@ -130,9 +135,9 @@ void draw_words(Picture& picture, const Legend& legend, const Layout& l) {
     y += line_height(legend.title, l.title);
     draw_text(picture, legend.unit, l.bar_x, y, l.label);
     const float top = l.bar_y - (legend.clipped_high ? l.tip : 0);
-    draw_text(picture, legend.high_note, l.bar_x, top - 0.75f * l.label.cap_height, l.label);
+    draw_text(picture, legend.high_note, l.bar_x, top - 1.15f * l.label.cap_height, l.label);
     const float bottom = l.bar_y + l.bar_height + (legend.clipped_low ? l.tip : 0);
-    draw_text(picture, legend.low_note, l.bar_x, bottom + 1.75f * l.label.cap_height, l.label);
+    draw_text(picture, legend.low_note, l.bar_x, bottom + 2.15f * l.label.cap_height, l.label);
 }
 
 void draw_ticks(Picture& picture, const Legend& legend, const Labels& labels, const Layout& l) {
@@ -154,7 +159,7 @@ bool burn_legend(const Legend& legend, Picture& picture) {
     const Labels labels = labels_of(legend);
     const Layout l = layout_of(legend, labels, picture);
     if (l.width + l.margin > 0.6f * static_cast<float>(picture.width) ||
-        l.height + l.margin > 0.6f * static_cast<float>(picture.height))
+        l.height + l.margin > 0.75f * static_cast<float>(picture.height))
         return false;
     fill_rounded(picture, l, std::round(10 * l.unit));
     fill_bar(picture, l, *legend.map);

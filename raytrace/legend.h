@@ -28,8 +28,8 @@ std::vector<double> legend_ticks(const ValueRange& range);
 std::string tick_label(double value, const std::vector<double>& ticks);
 
 /// Burns the legend into the right edge of a picture on a translucent panel, scaled with the smaller
-/// side (1000 pixels: digits 14 high). Returns false and leaves the picture alone if it would take
-/// more than 60 % of either side.
+/// side (1000 pixels: digits 14 high). Returns false and leaves the picture alone if it would take more
+/// than 60 % of the width or 75 % of the height.
 bool burn_legend(const Legend& legend, Picture& picture);
 
 /// The same bar as a file of its own: SVG 1.1, millimetres, for print.

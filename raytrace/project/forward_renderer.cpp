@@ -28,7 +28,8 @@ private:
 struct Scene {
     const SurfelTree& tree;
     PixelView view;
-    PixelWindow window;
+    PixelWindow window;  ///< as wanted
+    PixelWindow grid;    ///< in whole tiles
     const DrawList& list;
     const TileBins& bins;
 };
@@ -39,7 +40,8 @@ void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& ou
     const DrawRecord& nearest = scene.list.records[entries.front()];
     const int column = static_cast<int>(tile) % scene.bins.columns;
     const int row = static_cast<int>(tile) / scene.bins.columns;
-    t.start(scene.view, scene.window, column, row,
+    t.start(scene.view, scene.window, scene.grid.x + column * kTileSize,
+            scene.grid.y + row * kTileSize,
             nearest.z_center - kTrim * static_cast<double>(nearest.radius), kWantHessian);
     run_stage_1<Degree>(scene.list, entries, t);
     run_stage_2<Degree, kWantHessian>(scene.list, entries, t);
@@ -79,17 +81,18 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     RenderStats stats;
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
+    const PixelWindow grid = whole_tiles(window);
     out.reset(window.width, window.height, request.wanted);
-    const auto cut = lod_cut(tree, view, window, request.lod_px, stats.nodes_visited);
+    const auto cut = lod_cut(tree, view, grid, request.lod_px, stats.nodes_visited);
     stats.cut_ms = clock.lap_ms();
-    const DrawList list = draw_list(view, window, tree, cut);
+    const DrawList list = draw_list(view, grid, tree, cut);
     stats.surfels_drawn = list.records.size();
     stats.decode_ms = clock.lap_ms();
-    const TileBins bins = tile_bins(window, list.full);
+    const TileBins bins = tile_bins(grid, list.full);
     stats.tile_entries = bins.entries.size();
     stats.bin_ms = clock.lap_ms();
     const TileCounts counts =
-        draw_tiles({tree, view, window, list, bins},
+        draw_tiles({tree, view, window, grid, list, bins},
                    choose(tree.header().degree, (request.wanted & kCurvatureChannel) != 0), out);
     stats.draw_ms = clock.lap_ms();
     stats.root_tests = counts.root_tests;

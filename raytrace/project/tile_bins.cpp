@@ -15,6 +15,12 @@ void for_each_tile(const PixelWindow& window, int columns, const ScreenRect& r, 
 
 }  // namespace
 
+PixelWindow whole_tiles(const PixelWindow& w) {
+    const int x = w.x / kTileSize * kTileSize, y = w.y / kTileSize * kTileSize;
+    const auto rounded = [](int n) { return (n + kTileSize - 1) / kTileSize * kTileSize; };
+    return {x, y, rounded(w.x + w.width - x), rounded(w.y + w.height - y)};
+}
+
 TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects) {
     TileBins bins;
     bins.columns = (window.width + kTileSize - 1) / kTileSize;

@@ -24,6 +24,10 @@ struct TileBins {
     }
 };
 
+/// The window grown to whole tiles of the picture's grid, so that a tile and the surfels in it are the
+/// same for any window: a window's pixels then have the bytes of the whole picture's.
+PixelWindow whole_tiles(const PixelWindow& window);
+
 TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects);
 
 }  // namespace slim

@@ -32,18 +32,20 @@ void fill_directions(TileBuffers& t, const PixelView& view) {
 /// +inf inside the window, -inf outside: no surfel is ever nearer there.
 void fill_depth(TileBuffers& t) {
     fill(t.z, -kInfinity);
-    for (int y = 0; y < t.y1 - t.y0; ++y)
-        std::fill_n(t.z.v + y * kTileSize, t.x1 - t.x0, kInfinity);
+    for (int y = t.clip.y0; y < t.clip.y1; ++y)
+        std::fill_n(t.z.v + (y - t.y0) * kTileSize + (t.clip.x0 - t.x0), t.clip.x1 - t.clip.x0,
+                    kInfinity);
 }
 
 }  // namespace
 
-void TileBuffers::start(const PixelView& view, const PixelWindow& window, int column, int row,
+void TileBuffers::start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
                         double reference_depth, bool want_hessian) {
-    x0 = window.x + column * kTileSize;
-    y0 = window.y + row * kTileSize;
-    x1 = std::min(x0 + kTileSize, window.x + window.width);
-    y1 = std::min(y0 + kTileSize, window.y + window.height);
+    x0 = first_x;
+    y0 = first_y;
+    clip = {std::max(x0, window.x), std::max(y0, window.y),
+            std::min(x0 + kTileSize, window.x + window.width),
+            std::min(y0 + kTileSize, window.y + window.height)};
     z_ref = reference_depth;
     near_z = static_cast<float>(view.near_plane - z_ref);
     fill_directions(*this, view);

@@ -30,7 +30,8 @@ struct TileCounts {
 /// Everything of one tile while it is drawn; lives on the stack of its thread. Depths are camera z minus
 /// z_ref, so that floats resolve a small surfel on a far model.
 struct TileBuffers {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< pixels of the whole picture, clipped to the window
+    int x0 = 0, y0 = 0;  ///< first pixel of the tile, whole picture
+    ScreenRect clip;     ///< the tile's pixels inside the window
     double z_ref = 0;
     float near_z = 0;
     TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes
@@ -44,7 +45,7 @@ struct TileBuffers {
     TileCounts counts;
 
     /// Rays, depths and sums of a tile before stage 1.
-    void start(const PixelView& view, const PixelWindow& window, int column, int row,
+    void start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
                double reference_depth, bool want_hessian);
 
     PixelRays<FloatV> rays(int tile_y, int group) const;

@@ -13,17 +13,28 @@ struct Target {
     const PixelWindow& window;
     const TileBuffers& t;
 
-    std::size_t row_start(int tile_y) const {
-        return static_cast<std::size_t>(t.y0 + tile_y - window.y) *
-                   static_cast<std::size_t>(window.width) +
-               static_cast<std::size_t>(t.x0 - window.x);
+    int width() const { return t.clip.x1 - t.clip.x0; }
+    /// Entry of pixel (x, y) of the picture in a tile plane, and in the G-buffer.
+    std::size_t in_tile(int x, int y) const {
+        return static_cast<std::size_t>((y - t.y0) * kTileSize + (x - t.x0));
     }
-    int width() const { return t.x1 - t.x0; }
-    int height() const { return t.y1 - t.y0; }
+    std::size_t in_buffer(int x, int y) const {
+        return static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.width) +
+               static_cast<std::size_t>(x - window.x);
+    }
 
     void copy(const TilePlane& from, std::vector<float>& to) const {
-        for (int y = 0; y < height(); ++y)
-            std::copy_n(from.v + y * kTileSize, width(), to.data() + row_start(y));
+        for (int y = t.clip.y0; y < t.clip.y1; ++y)
+            std::copy_n(from.v + in_tile(t.clip.x0, y), width(),
+                        to.data() + in_buffer(t.clip.x0, y));
+    }
+
+    /// visit(entry in the tile, entry in the G-buffer) for each pixel with a hit.
+    template <class Visit>
+    void for_each_hit(Visit&& visit) const {
+        for (int y = t.clip.y0; y < t.clip.y1; ++y)
+            for (int x = t.clip.x0; x < t.clip.x1; ++x)
+                if (t.winner.v[in_tile(x, y)] >= 0) visit(in_tile(x, y), in_buffer(x, y));
     }
 };
 
@@ -46,15 +57,11 @@ void average(TileBuffers& t) {
 }
 
 void write_depth(const Target& target, TileBuffers& t, GBuffer& out) {
-    for (int y = 0; y < target.height(); ++y)
-        for (int x = 0; x < target.width(); ++x) {
-            const std::size_t i = static_cast<std::size_t>(y * kTileSize + x);
-            const std::size_t pixel = target.row_start(y) + static_cast<std::size_t>(x);
-            const bool hit = t.winner.v[i] >= 0;
-            out.hit[pixel] = hit;
-            if (out.has(kDepthChannel) && hit)
-                out.depth[pixel] = static_cast<float>(t.z_ref + static_cast<double>(t.z.v[i]));
-        }
+    target.for_each_hit([&](std::size_t i, std::size_t pixel) {
+        out.hit[pixel] = 1;
+        if (out.has(kDepthChannel))
+            out.depth[pixel] = static_cast<float>(t.z_ref + static_cast<double>(t.z.v[i]));
+    });
 }
 
 /// Camera axes to the frame of the job, in lanes; component `axis` of the result.
@@ -67,7 +74,7 @@ struct Rotation {
     }
 };
 
-/// `scratch` planes are free after the blend: gx, gy, gz serve as output here and below.
+/// The planes of the winner's gradient are free after the average: gx, gy, gz hold what is written.
 void write_normals(const PixelView& view, const Target& target, TileBuffers& t, GBuffer& out) {
     const Rotation rotation(view);
     const std::array<TilePlane*, 3> normal{&t.gx, &t.gy, &t.gz};
@@ -129,19 +136,14 @@ void write_curvature(const Target& target, TileBuffers& t, GBuffer& out) {
 /// What the winner's node says of itself.
 void write_fit(const Target& target, const SurfelTree& tree, const DrawList& list,
                std::span<const std::uint32_t> entries, const TileBuffers& t, GBuffer& out) {
-    for (int y = 0; y < target.height(); ++y)
-        for (int x = 0; x < target.width(); ++x) {
-            const std::size_t i = static_cast<std::size_t>(y * kTileSize + x);
-            if (!(t.winner.v[i] >= 0)) continue;
-            const std::size_t pixel = target.row_start(y) + static_cast<std::size_t>(x);
-            const std::uint32_t node =
-                list.records[entries[static_cast<std::size_t>(t.winner.v[i])]].node;
-            if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = node;
-            if (out.has(kFitErrorChannel)) out.fit_error[pixel] = tree.node(node).fit_error;
-            if (out.has(kLevelChannel)) out.level[pixel] = tree.node(node).level;
-            if (out.has(kCountChannel))
-                out.count[pixel] = static_cast<std::uint32_t>(t.count.v[i]);
-        }
+    target.for_each_hit([&](std::size_t i, std::size_t pixel) {
+        const std::uint32_t node =
+            list.records[entries[static_cast<std::size_t>(t.winner.v[i])]].node;
+        if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = node;
+        if (out.has(kFitErrorChannel)) out.fit_error[pixel] = tree.node(node).fit_error;
+        if (out.has(kLevelChannel)) out.level[pixel] = tree.node(node).level;
+        if (out.has(kCountChannel)) out.count[pixel] = static_cast<std::uint32_t>(t.count.v[i]);
+    });
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ namespace slim {
 /// Calls visit(tile_y, group) for the groups of lanes of a tile that a rectangle touches.
 template <class Visit>
 inline void for_each_group(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
-    const int y0 = std::max(r.y0, t.y0) - t.y0, y1 = std::min(r.y1, t.y1) - t.y0;
-    const int x0 = std::max(r.x0, t.x0) - t.x0, x1 = std::min(r.x1, t.x1) - t.x0;
+    const ScreenRect& c = t.clip;
+    const int y0 = std::max(r.y0, c.y0) - t.y0, y1 = std::min(r.y1, c.y1) - t.y0;
+    const int x0 = std::max(r.x0, c.x0) - t.x0, x1 = std::min(r.x1, c.x1) - t.x0;
     if (x0 >= x1) return;
     const int group_0 = x0 / kLanes, group_1 = (x1 - 1) / kLanes;
     for (int y = y0; y < y1; ++y)

@@ -51,7 +51,8 @@ std::array<Shape, 10> make_shapes() {
             patch<CylinderShape>("cylinder", {-1, -1, -1}, {1, 1, 1}, 1, 0.9),
             patch<ConeShape>("cone", {-1, -1, -1}, {1, 1, 1}, 1, 0.3),
             patch<MonkeyShape>("monkey", {-0.75, -0.75, -0.85}, {0.75, 0.75, 0.85}, 6.8, 1),
-            closed<BumpyShape>("bumpy", {-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}, 1.25, 0.1),
+            closed<BumpyShape>("bumpy", {-1.016782, -1.048759, -1.00001},
+                               {1.016782, 1.048759, 1.00001}, 1.25, 0.1),
             closed<SculptureShape>("sculpture", {-0.755, -1, -0.56}, {0.755, 1.2, 0.46}, 1.75,
                                     0.02)};
 }

@@ -149,7 +149,9 @@ TEST(ForwardRenderer, AWindowEqualsTheCropOfTheWholePicture) {
             for (int x = 0; x < w.width; ++x) {
                 const std::size_t i = part.index(x, y), j = whole.index(w.x + x, w.y + y);
                 ASSERT_EQ(part.hit[i], whole.hit[j]);
-                ASSERT_NEAR(part.depth[i], whole.depth[j], 2e-6 * whole.depth[j]);
+                ASSERT_EQ(part.depth[i], whole.depth[j]);
+                ASSERT_EQ(part.normal[1][i], whole.normal[1][j]);
+                ASSERT_EQ(part.k1[i], whole.k1[j]);
                 ASSERT_EQ(part.surfel_id[i], whole.surfel_id[j]);
             }
     }

@@ -38,7 +38,7 @@ TEST(AxisHistogram, CountsEveryValueInItsBinWhateverTheOrder) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         SCOPED_TRACE(seed);
         const double scale = std::pow(10.0, static_cast<double>(seed) - 10);
-        std::vector<double> values = random_values(seed, 3000, scale, seed % 3 == 0 ? 4e5 : -scale / 2);
+        std::vector<double> values = random_values(seed, 500, scale, seed % 3 == 0 ? 4e5 : -scale / 2);
         AxisHistogram histogram = histogram_of(values);
         const auto& counts = histogram.counts();
         for (std::size_t k = 0; k < counts.size(); ++k) {

@@ -1,0 +1,161 @@
+#include "raytrace/legend.h"
+
+#include "raytrace/font.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+namespace slim {
+namespace {
+
+Legend mean_legend() {
+    return {"mean curvature", "1/mm", &cool_warm(), {-2, 2}, "convex +", "concave \u2212"};
+}
+
+Picture white(int width, int height) {
+    Picture p(width, height);
+    std::fill(p.rgba.begin(), p.rgba.end(), 1.0f);
+    return p;
+}
+
+/// Pixels that two pictures do not share.
+int n_different(const Picture& a, const Picture& b) {
+    int n = 0;
+    for (std::size_t i = 0; i < a.n_pixels(); ++i)
+        n += !std::equal(&a.rgba[4 * i], &a.rgba[4 * i] + 4, &b.rgba[4 * i]);
+    return n;
+}
+
+int n_inked(const Picture& p) { return n_different(p, white(p.width, p.height)); }
+
+Picture burnt(const Legend& legend, int width = 1000, int height = 1000) {
+    Picture p = white(width, height);
+    EXPECT_TRUE(burn_legend(legend, p));
+    return p;
+}
+
+TEST(Legend, TicksOfASymmetricRangeAreItsEndsHalvesAndZero) {
+    EXPECT_EQ(legend_ticks({-3, 3}), (std::vector<double>{-3, -1.5, 0, 1.5, 3}));
+}
+
+TEST(Legend, TicksOfAnyRangeAreRoundInsideAndFew) {
+    for (const ValueRange r : {ValueRange{0, 1}, {4.38, 6.47}, {0, 8e-5}, {-1, 3}, {99, 99.5}}) {
+        const auto ticks = legend_ticks(r);
+        EXPECT_GE(ticks.size(), 4u) << r.hi;
+        EXPECT_LE(ticks.size(), 9u) << r.hi;
+        const double step = ticks[1] - ticks[0];
+        for (const double t : ticks) {
+            EXPECT_GE(t, r.lo - 1e-9 * step);
+            EXPECT_LE(t, r.hi + 1e-5 * step);
+            EXPECT_NEAR(std::remainder(t, step), 0, 1e-6 * step);
+        }
+    }
+}
+
+TEST(Legend, LabelsHaveTheDigitsTheirNeighboursNeed) {
+    const std::vector<double> halves{-2.5, -1.25, 0, 1.25, 2.5};
+    EXPECT_EQ(tick_label(2.5, halves), "2.50");
+    EXPECT_EQ(tick_label(-1.25, halves), "\u22121.25");
+    EXPECT_EQ(tick_label(0, halves), "0");
+    EXPECT_EQ(tick_label(100, {0, 50, 100}), "100");
+    EXPECT_EQ(tick_label(1.5e-5, {0, 1.5e-5, 3e-5}), "1.5e\u22125");
+    EXPECT_EQ(tick_label(2e7, {0, 1e7, 2e7}), "2e7");
+}
+
+TEST(Legend, BarShowsTheMapFromTopToBottom) {
+    const Picture p = burnt(mean_legend());
+    // Somewhere in the picture the ends of the map are painted, the warm one above the cool one.
+    int warm = -1, cool = -1;
+    const Vec3f top = cool_warm().linear(1), bottom = cool_warm().linear(0);
+    for (int y = 0; y < p.height; ++y)
+        for (int x = 0; x < p.width; ++x) {
+            const float* c = p.pixel(x, y);
+            if (warm < 0 && std::abs(c[0] - top.x) + std::abs(c[2] - top.z) < 0.02f) warm = y;
+            if (std::abs(c[0] - bottom.x) + std::abs(c[2] - bottom.z) < 0.02f) cool = y;
+        }
+    ASSERT_GE(warm, 0);
+    EXPECT_NEAR(cool - warm, 330, 12);  // the bar is a third of the picture
+}
+
+TEST(Legend, EveryFieldShows) {
+    const Picture base = burnt(mean_legend());
+    const auto changed = [&](auto change) {
+        Legend legend = mean_legend();
+        change(legend);
+        return n_different(base, burnt(legend)) > 20;
+    };
+    EXPECT_TRUE(changed([](Legend& l) { l.title = "Gauss curvature"; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.unit = "1/km"; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.map = &viridis(); }));
+    EXPECT_TRUE(changed([](Legend& l) { l.range = {-3, 3}; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.high_note = "outside"; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.low_note = "inside"; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.clipped_high = true; }));
+    EXPECT_TRUE(changed([](Legend& l) { l.clipped_low = true; }));
+}
+
+TEST(Legend, GrowsWithThePicture) {
+    const double ratio = static_cast<double>(n_inked(burnt(mean_legend(), 2000, 2000))) /
+                         n_inked(burnt(mean_legend()));
+    EXPECT_NEAR(ratio, 4, 0.5);
+}
+
+TEST(Legend, IsLeftOutWhereItWouldHideThePicture) {
+    Picture p = white(160, 120);
+    EXPECT_FALSE(burn_legend(mean_legend(), p));
+    EXPECT_EQ(n_inked(p), 0);
+}
+
+TEST(Legend, SvgNamesAllAndEscapes) {
+    Legend legend = mean_legend();
+    legend.unit = "1/<b>&";
+    const std::string svg = legend_svg(legend);
+    for (const char* text : {"<svg", "mean curvature", "1/&lt;b&gt;&amp;", "convex +",
+                             "concave \u2212", "#3b4cc0", "#b40426", ">\u22122<", ">1<", "mm\""})
+        EXPECT_NE(svg.find(text), std::string::npos) << text;
+    EXPECT_EQ(svg.find(" Z\" fill"), std::string::npos);
+    legend.clipped_high = true;
+    EXPECT_NE(legend_svg(legend).find(" Z\" fill"), std::string::npos);
+}
+
+TEST(Font, EveryPrintableCharacterHasAGlyphOfItsOwn) {
+    Picture missing = white(40, 40);
+    draw_text(missing, "\x01", 8, 30, {});
+    for (char c = '!'; c <= '~'; ++c) {
+        if (std::string("$&@`{}").find(c) != std::string::npos) continue;  // not drawn for legends
+        Picture p = white(40, 40);
+        draw_text(p, std::string(1, c), 8, 30, {});
+        EXPECT_GT(n_inked(p), 3) << c;
+        EXPECT_GT(n_different(p, missing), 3) << c;
+    }
+    for (const char* sign : {"\u2212", "\u00b0", "\u00b1", "\u00b2", "\u00b3", "\u00b5", "\u00b7"}) {
+        Picture p = white(40, 40);
+        draw_text(p, sign, 8, 30, {});
+        EXPECT_GT(n_different(p, missing), 3) << sign;
+    }
+}
+
+TEST(Font, WidthAndColourAndClippingHold) {
+    TextStyle style;
+    style.color = {1, 0, 0};
+    Picture p = white(200, 40);
+    draw_text(p, "0123", 10, 30, style);
+    const float width = text_width("0123", style);
+    int last = 0;
+    for (int y = 0; y < p.height; ++y)
+        for (int x = 0; x < p.width; ++x)
+            if (p.pixel(x, y)[1] < 0.9f) {
+                EXPECT_NEAR(p.pixel(x, y)[0], 1, 1e-5);
+                last = std::max(last, x);
+            }
+    EXPECT_NEAR(static_cast<float>(last), 10 + width, 3);
+    EXPECT_NEAR(text_width("0123", {28}), 2 * width, 1e-3);
+    Picture small = white(8, 8);
+    draw_text(small, "Wide text that does not fit \xff\xc3", -20, 4, style);
+    EXPECT_EQ(small.rgba.size(), 8u * 8 * 4);
+}
+
+}  // namespace
+}  // namespace slim
