@@ -176,6 +176,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
 }
 
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
+    if (sum.is_null()) sum = nlohmann::json::object();
     for (const auto& [key, value] : one.items()) {
         if (key == "recorded") continue;
         if (value.is_object()) {
