@@ -35,6 +35,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"saturated", c.saturated},
             {"forced", c.forced},
             {"normals_disagree", c.normals_disagree},
+            {"recentred", c.recentred},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
             {"searches", c.evaluated},

@@ -43,6 +43,20 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
     return covered;
 }
 
+/// Weighted mean of the points that take part, along the tangent plane; 0.2 at a straight border.
+Vec3d lean_of(const BallPoints<double>& ball, const Vec3d& normal) {
+    Vec3d sum;
+    double weight = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double g = weight_kernel(ball.sq[i]);
+        sum += Vec3d{ball.x[i], ball.y[i], ball.z[i]} * g;
+        weight += g;
+    }
+    if (!(weight > 0)) return {};
+    const Vec3d mean = sum / weight;
+    return mean - normal * dot(mean, normal);
+}
+
 }  // namespace
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
@@ -56,6 +70,7 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
     LocalFit fit = fit_ball(ball, 1, frame, forced ? 1 : degree);
     for (int d = 2; forced && d <= degree && fit.sq_error > kWithinNoise * noise_variance; ++d)
         fit = fit_ball(ball, 1, frame, d);
+    const Vec3d lean = lean_of(ball, frame.normal);
     take_back(ball, frame.normal, aside);
 
     CoveringSurfel out;
@@ -64,6 +79,7 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = average.disagree;
+    out.lean = lean;
     out.covered = list_covered(points, ball, out.fitted, noise_variance);
     // The heaviest weight is G(0) = 1, which only points at the centre have.
     for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;

@@ -23,6 +23,7 @@ struct CoveringSurfel {
     FittedSurfel fitted;
     std::vector<Covered> covered;
     bool explains_center = false;
+    Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     Fallback fallback = Fallback::none;
     bool normals_disagree = false;
 };
