@@ -32,11 +32,18 @@ Frame<T> frame_from_normal(const Vec3<T>& n) {
             n};
 }
 
-/// Octahedral map of a unit vector to [-1, 1]^2 and back (Meyer et al. 2010); two floats keep the
-/// direction to about 1e-7 rad.
+/// Octahedral map of a unit vector to [-1, 1]^2 and back (Meyer et al. 2010); two floats, multiples of
+/// 2^-24, keep the direction to about 1e-7 rad.
 struct Octahedral {
     float s = 0, t = 0;
 };
+
+/// Rounds to a multiple of 2^-24, the step of floats below 1. On this grid 1 - |s| - |t| is exact and
+/// either 0 or far above rounding: a normal read back gives the same two floats again, and beside
+/// the fold at n.z = 0 the frame never turns. Finer floats near 0 would not keep that.
+inline float round_to_grid(double x) {
+    return static_cast<float>(std::nearbyint(x * 0x1p24) * 0x1p-24);
+}
 
 inline Octahedral octahedral_from_normal(const Vec3d& n) {
     const double l1 = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
@@ -46,7 +53,7 @@ inline Octahedral octahedral_from_normal(const Vec3d& n) {
         s = (1 - std::abs(t)) * std::copysign(1.0, s0);
         t = (1 - std::abs(s0)) * std::copysign(1.0, t);
     }
-    return {static_cast<float>(s), static_cast<float>(t)};
+    return {round_to_grid(s), round_to_grid(t)};
 }
 
 inline Vec3d normal_from_octahedral(const Octahedral& o) {

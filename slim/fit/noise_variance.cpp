@@ -17,13 +17,13 @@ constexpr std::size_t kGrain = 1024;
 /// Sums over one block of samples; blocks are added in order, so threads do not matter.
 struct Partial {
     double smallest = 0, flatness = 0;
-    std::size_t n = 0;
+    std::size_t n = 0, n_short = 0;
 };
 
-/// Eigenvalues of the covariance of the first k distinct places among the neighbours, rising; false if fewer
-/// than three.
-bool spread(std::span<const Vec3d> points, std::span<const std::uint32_t> found, std::size_t k,
-            Eigen::Vector3d& eigenvalues) {
+/// Eigenvalues of the covariance of the first k distinct places among the neighbours, rising, if there are at
+/// least three. Returns the number of places.
+std::size_t spread(std::span<const Vec3d> points, std::span<const std::uint32_t> found,
+                   std::size_t k, Eigen::Vector3d& eigenvalues) {
     std::vector<Eigen::Vector3d> distinct;
     for (const std::uint32_t i : found) {
         const Eigen::Vector3d p(points[i].x, points[i].y, points[i].z);
@@ -31,7 +31,7 @@ bool spread(std::span<const Vec3d> points, std::span<const std::uint32_t> found,
         distinct.push_back(p);
         if (distinct.size() == k) break;
     }
-    if (distinct.size() < 3) return false;
+    if (distinct.size() < 3) return distinct.size();
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const auto& p : distinct) mean += p;
     mean /= static_cast<double>(distinct.size());
@@ -42,11 +42,18 @@ bool spread(std::span<const Vec3d> points, std::span<const std::uint32_t> found,
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
             .eigenvalues()
             .cwiseMax(0);
-    return true;
+    return distinct.size();
 }
 
-NoiseVariance with_neighbors(const KnnIndex& index, std::span<const Vec3d> points,
-                             std::span<const Vec3d> samples, std::size_t k) {
+/// The mean over the samples, and how many of them have fewer than k distinct places among the neighbours
+/// that were asked for.
+struct Measured {
+    NoiseVariance noise;
+    std::size_t n_short = 0;
+};
+
+Measured with_neighbors(const KnnIndex& index, std::span<const Vec3d> points,
+                        std::span<const Vec3d> samples, std::size_t k) {
     std::vector<std::uint32_t> found;
     std::vector<double> sq_distances;
     // Duplicates eat neighbours: ask for more, so that k distinct ones are left in all but odd data.
@@ -57,40 +64,67 @@ NoiseVariance with_neighbors(const KnnIndex& index, std::span<const Vec3d> point
         Partial& sum = partial[begin / kGrain];
         for (std::size_t i = begin; i < end; ++i) {
             Eigen::Vector3d e;
-            if (!spread(points, {found.data() + i * asked, asked}, k, e)) continue;
+            const std::size_t places = spread(points, {found.data() + i * asked, asked}, k, e);
+            sum.n_short += places < k ? 1u : 0u;
+            if (places < 3) continue;
             sum.smallest += e[0];
             sum.flatness += e[1] > 0 ? e[0] / e[1] : 0;
             ++sum.n;
         }
     });
-    NoiseVariance out;
+    Measured measured;
+    NoiseVariance& out = measured.noise;
     out.neighbors = k;
     for (const Partial& p : partial) {
         out.value += p.smallest;
         out.flatness += p.flatness;
         out.n_sampled += p.n;
+        measured.n_short += p.n_short;
     }
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
     }
-    return out;
+    return measured;
+}
+
+std::vector<Vec3d> distinct_places(std::span<const Vec3d> points) {
+    std::vector<Vec3d> places(points.begin(), points.end());
+    std::sort(places.begin(), places.end(), [](const Vec3d& a, const Vec3d& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+    });
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+}
+
+/// k = 10, doubled while the neighbourhoods are not flat; whether they are shows on a tenth of the samples.
+/// The value is a mean over fewer samples the more neighbours each has, so the cost does not grow with k.
+/// False if duplicates left more than 1 % of the samples short of neighbours.
+bool estimate(const KnnIndex& index, std::span<const Vec3d> points, std::span<const Vec3d> samples,
+              bool automatic, NoiseVariance& out) {
+    const auto measure = [&](std::size_t k, std::size_t n) {
+        n = std::min(samples.size(), std::max<std::size_t>(n, 1000));
+        return with_neighbors(index, points, samples.first(n), k);
+    };
+    std::size_t k = 10;
+    while (automatic && k < kMostNeighbors && k < points.size() &&
+           measure(k, samples.size() / k).noise.flatness > kFlat)
+        k *= 2;
+    const std::size_t n = samples.size() * 10 / k;
+    const Measured measured = measure(k, n);
+    out = measured.noise;
+    return measured.n_short * 100 <= n || 2 * k + 1 >= points.size();
 }
 
 }  // namespace
 
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
                                       std::span<const Vec3d> samples, bool automatic) {
-    // Whether k is large enough shows on a tenth of the samples; a mean over more neighbours each needs
-    // fewer samples, so that the cost does not grow with k.
-    const auto first = [&](std::size_t n) {
-        return samples.first(std::min(samples.size(), std::max<std::size_t>(n, 1000)));
-    };
-    std::size_t k = 10;
-    while (automatic && k < kMostNeighbors && k < points.size() &&
-           with_neighbors(index, points, first(samples.size() / k), k).flatness > kFlat)
-        k *= 2;
-    return with_neighbors(index, points, first(samples.size() * 10 / k), k);
+    NoiseVariance out;
+    if (estimate(index, points, samples, automatic, out)) return out;
+    const std::vector<Vec3d> places = distinct_places(points);
+    estimate(KnnIndex(places), places, samples, automatic, out);
+    return out;
 }
 
 }  // namespace slim

@@ -19,7 +19,8 @@ struct NoiseVariance {
 
 /// With `automatic`, k = 10 is doubled up to 160 while flatness > 0.1 (NUMERICS 3.2).
 /// Points with fewer than three distinct neighbours are left out; none left gives value 0.
-/// Cost: one k-NN query a sample.
+/// Duplicates do not count: where they crowd out neighbours, distinct points are indexed anew.
+/// Cost: one k-NN query a sample; with many duplicates also a sort and an index of the points.
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
                                       std::span<const Vec3d> samples, bool automatic);
 

@@ -1,0 +1,100 @@
+#include "slim/fit/noise_variance.h"
+
+#include "slim/base/parallel.h"
+#include "tests/slim/fit/fit_support.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+NoiseVariance noise_of(const std::vector<Vec3d>& points, bool automatic = true) {
+    return estimate_noise_variance(KnnIndex(points), points, points, automatic);
+}
+
+/// n points of the square [-1, 1]^2, heights of standard deviation sigma.
+std::vector<Vec3d> noisy_plane(std::size_t n, double sigma) {
+    std::uint64_t i = 0;
+    return graph_points(n, 1, 3, [&](double, double) { return sigma * gaussian(4, i++); }).position;
+}
+
+TEST(NoiseVariance, OfAPlaneWithSmallNoiseIsItsVarianceLessThePlanesFreedom) {
+    // Spacing 2 / 200 = 0.01, noise a tenth of it. Covariances divide by k = 10, a plane takes 3: 0.7
+    // sigma^2, a little less for the tilt that the eigenvector finds.
+    const NoiseVariance noise = noise_of(noisy_plane(40000, 1e-3));
+    EXPECT_EQ(noise.neighbors, 10u);
+    EXPECT_EQ(noise.n_sampled, 40000u);
+    EXPECT_LT(noise.flatness, 0.1);
+    EXPECT_NEAR(noise.value / 1e-6, 0.65, 0.07);
+}
+
+TEST(NoiseVariance, OfAnExactPlaneIsZeroUpToRounding) {
+    const NoiseVariance noise = noise_of(noisy_plane(5000, 0));
+    EXPECT_LT(noise.value, 1e-30);
+    EXPECT_GE(noise.value, 0);
+    EXPECT_EQ(noise.n_sampled, 5000u);
+}
+
+TEST(NoiseVariance, DuplicatesGiveWhatTheUniqueSetGives) {
+    const std::vector<Vec3d> unique = sampled("sphere", 4000).positions;
+    const NoiseVariance reference = noise_of(unique);
+    for (const int copies : {2, 3, 12, 100}) {
+        SCOPED_TRACE(copies);
+        std::vector<Vec3d> all;
+        for (int copy = 0; copy < copies; ++copy)
+            all.insert(all.end(), unique.begin(), unique.end());
+        // NUMERICS section 6, 7. The eigenvalues' last bits depend on the order of equal distances.
+        const NoiseVariance noise = estimate_noise_variance(KnnIndex(all), all, unique, true);
+        EXPECT_NEAR(noise.value / reference.value, 1, 1e-6);
+        EXPECT_EQ(noise.n_sampled, unique.size());
+        EXPECT_EQ(noise.neighbors, 10u);
+    }
+}
+
+TEST(NoiseVariance, NoiseLargerThanTheSpacingTakesMoreNeighbours) {
+    // Spacing 0.01, noise 0.03: ten neighbours fill a ball, not a disc.
+    const std::vector<Vec3d> points = noisy_plane(40000, 0.03);
+    const NoiseVariance ten = noise_of(points, false), more = noise_of(points, true);
+    EXPECT_EQ(ten.neighbors, 10u);
+    EXPECT_GT(ten.flatness, 0.1);
+    EXPECT_LT(ten.value, 0.1 * 9e-4);  // far too small
+    EXPECT_GT(more.neighbors, 10u);
+    EXPECT_GT(more.value, 5 * ten.value);
+    EXPECT_LT(more.value, 9e-4);
+    EXPECT_LT(more.n_sampled, ten.n_sampled);
+}
+
+TEST(NoiseVariance, OfTooFewDistinctPointsIsZero) {
+    for (const std::size_t n : {1u, 2u, 50u}) {
+        const std::vector<Vec3d> equal(n, Vec3d{1, 2, 3});
+        const NoiseVariance noise = noise_of(equal);
+        EXPECT_EQ(noise.value, 0);
+        EXPECT_EQ(noise.n_sampled, 0u);
+    }
+    EXPECT_EQ(noise_of({}).value, 0);
+}
+
+TEST(NoiseVariance, ScalesAsALengthSquaredBitByBit) {
+    std::vector<Vec3d> points = sampled("bumpy", 3000, 1, 1e-3).positions;
+    const NoiseVariance one = noise_of(points);
+    for (Vec3d& p : points) p *= 1024.0;
+    const NoiseVariance large = noise_of(points);
+    EXPECT_EQ(large.value, one.value * 1024 * 1024);
+    EXPECT_EQ(large.flatness, one.flatness);
+}
+
+TEST(NoiseVariance, IsTheSameForAnyNumberOfThreads) {
+    const std::vector<Vec3d> points = sampled("bumpy", 10000, 1, 1e-3).positions;
+    std::vector<double> values;
+    for (const int n : {1, 2, 7}) {
+        const ThreadLimit limit(n);
+        values.push_back(noise_of(points).value);
+    }
+    EXPECT_EQ(values[0], values[1]);
+    EXPECT_EQ(values[0], values[2]);
+}
+
+}  // namespace
+}  // namespace slim::test
