@@ -10,8 +10,6 @@
 namespace slim {
 namespace {
 
-constexpr double kFlat = 0.1;
-constexpr std::size_t kMostNeighbors = 160;
 constexpr std::size_t kGrain = 1024;
 
 /// Sums over one block of samples; blocks are added in order, so threads do not matter.
@@ -97,21 +95,26 @@ std::vector<Vec3d> distinct_places(std::span<const Vec3d> points) {
     return places;
 }
 
-/// k = 10, doubled while the neighbourhoods are not flat; whether they are shows on a tenth of the samples.
-/// The value is a mean over fewer samples the more neighbours each has, so the cost does not grow with k.
+/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples.
+std::size_t flat_neighbors(const KnnIndex& index, std::span<const Vec3d> points,
+                           std::span<const Vec3d> samples) {
+    for (const std::size_t k : kNoiseNeighbors) {
+        const std::size_t n = std::max<std::size_t>(samples.size() / k, 1000);
+        const auto some = samples.first(std::min(samples.size(), n));
+        if (k >= points.size() || with_neighbors(index, points, some, k).noise.flatness <= kFlat)
+            return k;
+    }
+    return std::end(kNoiseNeighbors)[-1];
+}
+
+/// A mean over fewer samples the more neighbours each has: the cost does not grow with k.
 /// False if duplicates left more than 1 % of the samples short of neighbours.
 bool estimate(const KnnIndex& index, std::span<const Vec3d> points, std::span<const Vec3d> samples,
-              bool automatic, NoiseVariance& out) {
-    const auto measure = [&](std::size_t k, std::size_t n) {
-        n = std::min(samples.size(), std::max<std::size_t>(n, 1000));
-        return with_neighbors(index, points, samples.first(n), k);
-    };
-    std::size_t k = 10;
-    while (automatic && k < kMostNeighbors && k < points.size() &&
-           measure(k, samples.size() / k).noise.flatness > kFlat)
-        k *= 2;
-    const std::size_t n = samples.size() * 10 / k;
-    const Measured measured = measure(k, n);
+              std::size_t k, NoiseVariance& out) {
+    if (k == 0) k = flat_neighbors(index, points, samples);
+    const std::size_t n =
+        std::min(samples.size(), std::max<std::size_t>(samples.size() * 10 / k, 1000));
+    const Measured measured = with_neighbors(index, points, samples.first(n), k);
     out = measured.noise;
     return measured.n_short * 100 <= n || 2 * k + 1 >= points.size();
 }
@@ -119,11 +122,11 @@ bool estimate(const KnnIndex& index, std::span<const Vec3d> points, std::span<co
 }  // namespace
 
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
-                                      std::span<const Vec3d> samples, bool automatic) {
+                                      std::span<const Vec3d> samples, std::size_t neighbors) {
     NoiseVariance out;
-    if (estimate(index, points, samples, automatic, out)) return out;
+    if (estimate(index, points, samples, neighbors, out)) return out;
     const std::vector<Vec3d> places = distinct_places(points);
-    estimate(KnnIndex(places), places, samples, automatic, out);
+    estimate(KnnIndex(places), places, samples, neighbors, out);
     return out;
 }
 
