@@ -34,7 +34,7 @@ struct CoverCounts {
     std::uint64_t leaves = 0, internals = 0, levels = 0;
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
-    std::uint64_t isolated = 0;     ///< points with too few neighbours within rho_0: dropped
+    std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
     std::uint64_t recentred = 0;    ///< leaves of border points, moved inwards
     std::uint64_t evaluated = 0, discarded = 0, rungs = 0, refinements = 0, point_visits = 0;
     std::array<std::uint64_t, kFallbacks> fallbacks{};

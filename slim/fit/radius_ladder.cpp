@@ -60,6 +60,14 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess) const {
     return rung;
 }
 
+/// Whether the ball of a rung, the smallest with enough points, has them all at its rim: a stray point's
+/// ball reaches down to the surface, and its fit would be a large disc in the air. A surface gives
+/// the next finer ball nine points; in clouds of a few points all may be far from each other.
+bool RadiusLadder::stands_alone(const Vec3d& center, int rung) const {
+    return points_.all().size() > least_points() &&
+           count_in_ball(points_.all(), center, rung_radius(rung + 1), 2) < 2;
+}
+
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,
                                                          const Vec3d& center, const Vec3d& normal,
                                                          LadderWork& work) const {
@@ -106,6 +114,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess);
+    if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
     if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;

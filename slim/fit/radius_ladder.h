@@ -23,7 +23,8 @@ struct RadiusChoice {
     double radius = 0;
     bool saturated = false;  ///< the top rung won: E still falls there
     bool forced = false;     ///< no admissible rung: too few points or no height field
-    bool isolated = false;   ///< not even the largest ball tried holds enough points
+    bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
+                             ///< that does is at least rho_0 and has nobody near its centre
 };
 
 /// Workspace of one thread and the counts it keeps.
@@ -58,6 +59,7 @@ private:
     };
     std::size_t least_points() const;
     bool is_height_field(std::size_t contrary, std::size_t n) const;
+    bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;

@@ -1,0 +1,156 @@
+#include "pipeline/build_stage.h"
+
+#include "formats/model_file.h"
+#include "slim/base/parallel.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace slim::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BuildStage : public FitStages {
+protected:
+    std::string scanned_sphere(std::uint64_t n) {
+        ScanSettings s;
+        s.n_points = n;
+        s.n_stations = 6;
+        return write(scanned("sphere", s), "sphere.ply");
+    }
+};
+
+TEST_F(BuildStage, MakesAModelOfAScannedSphere) {
+    const std::string cloud = scanned_sphere(20000);
+    const auto result = build(build_config(cloud, "m.slim"));
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    EXPECT_EQ(result["leaves"], model.header().n_leaves);
+    EXPECT_EQ(result["points"], 20000);
+    EXPECT_EQ(model.header().degree, 2);
+    EXPECT_EQ(model.header().mdl_threshold, 0.01);
+    EXPECT_EQ(model.header().n_points, 20000u);
+    EXPECT_NEAR(model.header().diagonal, std::sqrt(12.0), 0.02);
+    EXPECT_GT(model.header().n_leaves, 100u);
+    EXPECT_LT(model.header().n_leaves, 2000u);
+    EXPECT_FALSE(fs::exists(file("m.slim.work")));
+    const auto measured = measure(file("m.slim"), cloud);
+    EXPECT_EQ(measured["missed"], 0);
+    EXPECT_LT(measured["l2"].get<double>(), 1e-4);
+}
+
+TEST_F(BuildStage, SaysUpToDateAndRebuildsWhenAnOptionChanges) {
+    auto config = build_config(scanned_sphere(5000), "m.slim");
+    const auto first = build(config);
+    EXPECT_FALSE(first.contains("up_to_date"));
+    const auto second = build(config);
+    EXPECT_TRUE(second.value("up_to_date", false));
+    EXPECT_EQ(second["leaves"], first["leaves"]);
+    const std::string before = read_bytes(file("m.slim"));
+    config.t_mdl = 0.001;
+    const auto third = build(config);
+    EXPECT_FALSE(third.contains("up_to_date"));
+    EXPECT_GT(third["leaves"].get<int>(), first["leaves"].get<int>());
+    EXPECT_NE(read_bytes(file("m.slim")), before);
+}
+
+TEST_F(BuildStage, EveryOptionCounts) {
+    const std::string cloud = scanned_sphere(5000);
+    build(build_config(cloud, "plain.slim"));
+    const std::string plain = read_bytes(file("plain.slim"));
+    const auto bytes_with = [&](auto&& change) {
+        auto config = build_config(cloud, "other.slim");
+        change(config);
+        build(config);
+        return read_bytes(file("other.slim"));
+    };
+    EXPECT_EQ(bytes_with([](BuildConfig&) {}), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = 3; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.lambda = 1e-5; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.normals = "estimate"; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.seed = 1; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.slices = 2; }), plain);
+}
+
+TEST_F(BuildStage, GivesTheSameBytesForAnyNumberOfThreadsAndWhenResumed) {
+    const std::string cloud = write(sampled("bumpy", 10000, 1, 1e-3), "bumpy.ply", false);
+    for (const int slices : {1, 3}) {
+        SCOPED_TRACE(slices);
+        std::vector<std::string> models;
+        for (const int n : {1, 2, 7}) {
+            const ThreadLimit limit(n);
+            auto config = build_config(cloud, "m" + std::to_string(n) + ".slim");
+            config.slices = slices;
+            config.work = file("work" + std::to_string(n));
+            build(config);
+            models.push_back(read_bytes(config.output));
+            fs::remove(config.output);
+            // As if killed in the last slice's fit: what follows is made again.
+            fs::remove(fs::path(config.output + ".done.json"));
+            const auto last = static_cast<std::size_t>(slices - 1);
+            fs::remove(fit_path(config.work, last));
+            const auto resumed = build(config);
+            EXPECT_TRUE(resumed["stages"]["normals"].value("up_to_date", false));
+            EXPECT_FALSE(resumed["stages"]["fit"].contains("up_to_date"));
+            models.push_back(read_bytes(config.output));
+        }
+        for (const std::string& m : models) EXPECT_TRUE(m == models[0]);
+    }
+}
+
+TEST_F(BuildStage, SlicesChangeTheResultWithinABound) {
+    const std::string cloud = write(sampled("bumpy", 30000, 1, 3e-4), "bumpy.ply");
+    double leaves[2] = {}, l2[2] = {}, normal[2] = {};
+    for (const int slices : {1, 3}) {
+        auto config = build_config(cloud, "m.slim");
+        config.slices = slices;
+        config.t_mdl = 0.002;  // so that most leaves are of fine levels, fitted slice by slice
+        const auto result = build(config);
+        printf("%s\n", result["stages"]["fit"].dump().c_str());
+        const auto measured = measure(file("m.slim"), cloud);
+        EXPECT_EQ(measured["missed"], 0);
+        leaves[slices == 3] = result["leaves"].get<double>();
+        l2[slices == 3] = measured["l2"].get<double>();
+        normal[slices == 3] = measured["normal_rms_deg"].get<double>();
+    }
+    printf("ratios %g %g %g\n", leaves[1] / leaves[0], l2[1] / l2[0], normal[1] / normal[0]);
+    EXPECT_NEAR(leaves[1] / leaves[0], 1, 0.05);
+    EXPECT_NEAR(l2[1] / l2[0], 1, 0.05);
+    EXPECT_NEAR(normal[1] / normal[0], 1, 0.05);
+}
+
+TEST_F(BuildStage, TooFewPointsAreRefusedWithExit3) {
+    const std::string two = folder_.write("two.xyz", "0 0 0\n1 1 1\n");
+    EXPECT_EQ(code_of([&] { build(build_config(two, "m.slim")); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("at least 3 points"), std::string::npos) << message_;
+    const std::string equal = folder_.write("equal.xyz", "1 2 3\n1 2 3\n1 2 3\n1 2 3\n");
+    EXPECT_EQ(code_of([&] { build(build_config(equal, "m.slim")); }), ExitCode::bad_data);
+    EXPECT_FALSE(fs::exists(file("m.slim")));
+}
+
+TEST_F(BuildStage, AFewPointsMakeAModel) {
+    const std::string nine = folder_.write(
+        "nine.xyz", "0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0.1\n2 1 0\n0 2 0\n1 2 0\n2 2 0\n");
+    const auto result = build(build_config(nine, "m.slim"));
+    EXPECT_GE(result["leaves"].get<int>(), 1);
+}
+
+TEST_F(BuildStage, ADistantCloudLosesNoDetail) {
+    // NUMERICS section 6, 4: as the run at the origin.
+    Cloud cloud = sampled("sphere", 10000);
+    for (Vec3d& p : cloud.positions) p = to_double(to_float(p));  // survives the shift in doubles
+    const std::string near = write(cloud, "near.ply");
+    build(build_config(near, "near.slim"));
+    for (Vec3d& p : cloud.positions) p += Vec3d{1048576, 0, -2097152};
+    const std::string far = write(cloud, "far.ply");
+    build(build_config(far, "far.slim"));
+    const auto a = measure(file("near.slim"), near), b = measure(file("far.slim"), far);
+    EXPECT_NEAR(b["leaves"].get<double>() / a["leaves"].get<double>(), 1, 0.01);
+    EXPECT_NEAR(b["l2"].get<double>() / a["l2"].get<double>(), 1, 0.01);
+}
+
+}  // namespace
+}  // namespace slim::test

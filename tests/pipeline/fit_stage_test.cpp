@@ -1,0 +1,98 @@
+#include "pipeline/fit_stage.h"
+
+#include "formats/fit_file.h"
+#include "slim/model/surfel_tree.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace slim::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FitStage : public FitStages {};
+
+TEST_F(FitStage, MissingNormalsAreExit6AndNamed) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 3);
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find("slices 0 1 2"), std::string::npos) << message_;
+    normals();
+    fs::remove(fs::path(oriented_points_path(file("work"), 1).string() + ".done.json"));
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find("slices 1:"), std::string::npos) << message_;
+}
+
+TEST_F(FitStage, WritesSurfelsAndCounts) {
+    slice(write(sampled("sphere", 10000), "c.ply"), 1);
+    normals();
+    const auto r = fit();
+    const FitFile file_read = read_fit(fit_path(file("work"), 0).string());
+    std::size_t leaves = 0;
+    for (const FittedSurfel& s : file_read.surfels) leaves += (s.flags & kLeaf) != 0;
+    EXPECT_EQ(r["leaves"], leaves);
+    EXPECT_EQ(r["leaves"].get<std::size_t>() + r["internals"].get<std::size_t>(), file_read.surfels.size());
+    EXPECT_FALSE(fs::exists(coarse_fit_path(file("work"))));
+    EXPECT_TRUE(fit().value("up_to_date", false));
+}
+
+TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
+    slice(write(sampled("sphere", 5000), "c.ply"), 1);
+    normals();
+    FitConfig config;
+    config.work = file("work");
+    const SlicePlan plan = read_plan(config.work);
+    const GlobalNoise measured = read_global_noise(config, plan);
+    EXPECT_GT(measured.noise_variance, 1e-10);
+    EXPECT_FALSE(measured.floored);
+    config.lambda = 1e-3;
+    EXPECT_EQ(read_global_noise(config, plan).noise_variance, 1e-3);
+    slice(write(sampled("plane", 5000), "flat.ply"), 1);
+    normals();
+    config.lambda = 0;
+    const GlobalNoise flat = read_global_noise(config, read_plan(config.work));
+    EXPECT_TRUE(flat.floored);
+    EXPECT_GT(flat.noise_variance, 0);
+}
+
+TEST_F(FitStage, SlicesOwnTheCentresOfTheirSlabAndCoarseLevelsAreShared) {
+    slice(write(sampled("bumpy", 20000), "c.ply"), 3);
+    normals();
+    FitConfig config;
+    config.t_mdl = 0.003;
+    fit(config);
+    const SlicePlan plan = read_plan(file("work"));
+    ASSERT_EQ(plan.cuts.size(), 2u);
+    int first_fine = 48;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (const FittedSurfel& s : read_fit(fit_path(file("work"), i).string()).surfels) {
+            const double x = s.surfel.center[static_cast<std::size_t>(plan.axis)];
+            EXPECT_GE(x, i > 0 ? plan.cuts[i - 1] : -INFINITY);
+            EXPECT_LT(x, i < 2 ? plan.cuts[i] : INFINITY);
+            first_fine = std::min<int>(first_fine, s.level);
+        }
+    for (const FittedSurfel& s : read_fit(coarse_fit_path(file("work")).string()).surfels)
+        EXPECT_LT(s.level, first_fine);
+}
+
+TEST_F(FitStage, SlicesMayBeFittedOneByOneInAnyOrder) {
+    slice(write(sampled("bumpy", 10000), "c.ply"), 3);
+    normals();
+    fit();
+    std::vector<std::string> together;
+    for (std::size_t i = 0; i < 3; ++i) together.push_back(read_bytes(fit_path(file("work"), i).string()));
+    for (std::size_t i = 0; i < 3; ++i) fs::remove(fit_path(file("work"), i));
+    fs::remove(coarse_fit_path(file("work")));
+    FitConfig config;
+    for (const int i : {2, 0, 1}) {
+        config.slice = i;
+        fit(config);
+    }
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(read_bytes(fit_path(file("work"), i).string()) == together[i]);
+}
+
+}  // namespace
+}  // namespace slim::test

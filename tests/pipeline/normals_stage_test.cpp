@@ -1,0 +1,116 @@
+#include "pipeline/normals_stage.h"
+
+#include "formats/slice_file.h"
+#include "slim/base/hash.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace slim::test {
+namespace {
+
+class NormalsStage : public FitStages {
+protected:
+    PointBlock oriented(std::size_t slice = 0) {
+        return read_slice(oriented_points_path(file("work"), slice).string());
+    }
+    Cloud with_flips(double share) {
+        Cloud cloud = sampled("sphere", 10000);
+        for (std::size_t i = 0; i < cloud.size(); ++i)
+            if (unit_interval(keyed_hash(1, i)) < share) cloud.normals[i] = -cloud.normals[i];
+        return cloud;
+    }
+    static std::size_t inwards(const PointBlock& block) {
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < block.size(); ++i)
+            n += dot(to_double(block.normal[i]), block.position[i] + block.origin) < 0;
+        return n;
+    }
+};
+
+TEST_F(NormalsStage, KeepsGoodNormals) {
+    slice(write(sampled("sphere", 10000), "c.ply"), 1);
+    const auto r = normals();
+    EXPECT_EQ(r["kept"], 10000);
+    EXPECT_EQ(r["estimated"], 0);
+    EXPECT_EQ(r["turned"], 0);
+    EXPECT_TRUE(listener_.warnings.empty());
+    EXPECT_TRUE(normals().value("up_to_date", false));
+}
+
+TEST_F(NormalsStage, TurnsAFewAndEstimatesAllWhereManyAreWrong) {
+    slice(write(with_flips(0.05), "c.ply"), 1);
+    const auto few = normals();
+    EXPECT_NEAR(few["turned"].get<double>(), 500, 60);
+    EXPECT_EQ(few["estimated"], 0);
+    EXPECT_TRUE(listener_.warnings.empty());
+    EXPECT_LT(inwards(oriented()), 30u);
+
+    slice(write(with_flips(0.2), "d.ply"), 1);
+    const auto many = normals();
+    EXPECT_EQ(many["estimated"], 10000);
+    EXPECT_EQ(many["turned"], 0);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("estimated anew"), std::string::npos);
+    EXPECT_EQ(inwards(oriented()), 0u);
+}
+
+TEST_F(NormalsStage, KeepTakesThemAsTheyAre) {
+    const Cloud cloud = with_flips(0.3);
+    slice(write(cloud, "c.ply"), 1);
+    NormalsConfig config;
+    config.normals = "keep";
+    const auto r = normals(config);
+    EXPECT_EQ(r["kept"], 10000);
+    const PointBlock block = oriented();
+    for (std::size_t i = 0; i < block.size(); ++i)
+        ASSERT_GT(dot(block.normal[i], cloud.normals[block.id[i]]), 0.999f);
+}
+
+TEST_F(NormalsStage, EstimatesMissingNormalsAndOnRequestAll) {
+    const Cloud cloud = sampled("torus", 10000);
+    slice(write(cloud, "c.ply", false), 1);
+    const auto r = normals();
+    EXPECT_EQ(r["estimated"], 10000);
+    const PointBlock block = oriented();
+    for (std::size_t i = 0; i < block.size(); ++i)
+        ASSERT_GT(dot(block.normal[i], cloud.normals[block.id[i]]), 0.5f);
+    slice(write(cloud, "d.ply"), 1);
+    NormalsConfig config;
+    config.normals = "estimate";
+    EXPECT_EQ(normals(config)["estimated"], 10000);
+}
+
+TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
+    // A scanner in the middle of the sphere sees it from inside.
+    Cloud cloud = sampled("sphere", 5000);
+    const std::string path = write(cloud, "c.ply", false);
+    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "position": [0, 0, 0]}]})");
+    slice(path, 1);
+    const auto r = normals();
+    EXPECT_EQ(r["oriented_by_sensor"], 5000);
+    EXPECT_EQ(inwards(oriented()), 5000u);
+}
+
+TEST_F(NormalsStage, WorksSliceBySlice) {
+    slice(write(sampled("sphere", 10000), "c.ply"), 3);
+    NormalsConfig config;
+    config.slice = 1;
+    EXPECT_EQ(normals(config)["slices"], 1);
+    EXPECT_FALSE(std::filesystem::exists(oriented_points_path(file("work"), 0)));
+    EXPECT_TRUE(std::filesystem::exists(oriented_points_path(file("work"), 1)));
+    config.slice = 3;
+    EXPECT_EQ(code_of([&] { normals(config); }), ExitCode::usage);
+    ::setenv("SLURM_ARRAY_TASK_ID", "2", 1);
+    const auto r = normals();
+    ::unsetenv("SLURM_ARRAY_TASK_ID");
+    EXPECT_EQ(r["slices"], 1);
+    EXPECT_TRUE(std::filesystem::exists(oriented_points_path(file("work"), 2)));
+    EXPECT_EQ(normals()["slices"], 3);
+}
+
+}  // namespace
+}  // namespace slim::test

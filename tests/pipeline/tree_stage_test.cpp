@@ -1,0 +1,62 @@
+#include "pipeline/tree_stage.h"
+
+#include "formats/model_file.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace slim::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TreeStage : public FitStages {};
+
+TEST_F(TreeStage, MissingFitsAreExit6AndNamed) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 2);
+    normals();
+    EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::incomplete);
+    fit();
+    fs::remove(fs::path(fit_path(file("work"), 1).string() + ".done.json"));
+    EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find(fit_path(file("work"), 1).string()), std::string::npos) << message_;
+    EXPECT_FALSE(fs::exists(file("m.slim")));
+}
+
+TEST_F(TreeStage, FitsOfDifferentSettingsAreNotMixed) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 2);
+    normals();
+    fit();
+    FitConfig other;
+    other.t_mdl = 0.05;
+    other.slice = 1;
+    fit(other);
+    EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find("other settings"), std::string::npos) << message_;
+    other.slice = -1;
+    fit(other);
+    EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::ok) << message_;
+    EXPECT_EQ(ModelFile::open(file("m.slim")).header().mdl_threshold, 0.05);
+}
+
+TEST_F(TreeStage, TheModelSaysWhatItWasMadeOf) {
+    slice(write(sampled("sphere", 5000), "c.ply"), 1);
+    normals();
+    const auto fitted = fit();
+    const auto r = tree("m.slim");
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    EXPECT_EQ(r["leaves"], fitted["leaves"]);
+    EXPECT_EQ(model.header().n_leaves, fitted["leaves"]);
+    EXPECT_EQ(r["nodes"], model.tree().n_nodes());
+    EXPECT_EQ(model.header().noise_variance, fitted["noise_variance"]);
+    const auto provenance = nlohmann::json::parse(model.provenance_json());
+    EXPECT_EQ(provenance["inputs"][0]["points"], 5000);
+    EXPECT_EQ(provenance["rules"]["t_mdl"], 0.01);
+    EXPECT_EQ(provenance.dump().find("work"), std::string::npos);  // no paths in the model
+    EXPECT_TRUE(tree("m.slim").value("up_to_date", false));
+}
+
+}  // namespace
+}  // namespace slim::test

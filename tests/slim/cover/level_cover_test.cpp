@@ -1,0 +1,350 @@
+#include "slim/cover/level_cover.h"
+
+#include "slim/base/parallel.h"
+#include "slim/fit/noise_variance.h"
+#include "slim/model/surfel_tree.h"
+#include "tests/slim/fit/fit_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+CoverRules rules_for(const PointBlock& block, double mdl_threshold = 0.02, int degree = 2) {
+    CoverRules rules;
+    rules.degree = degree;
+    rules.mdl_threshold = mdl_threshold;
+    rules.diagonal = box_of(block).diagonal();
+    rules.least_radius = rules.diagonal * 1e-15;
+    const std::span<const Vec3d> samples(block.position);
+    const double measured =
+        estimate_noise_variance(KnnIndex(block.position), block.position,
+                                samples.first(std::min<std::size_t>(samples.size(), 10000)), true)
+            .value;
+    const double quantum = rules.diagonal * 2.2e-16;
+    rules.noise_variance = std::max(measured, 16 * quantum * quantum);
+    return rules;
+}
+
+Cover cover(const PointBlock& block, const CoverRules& rules) {
+    Reporter silent;
+    return cover_points(block, rules, silent);
+}
+
+std::vector<FittedSurfel> leaves_of(const Cover& c) {
+    std::vector<FittedSurfel> out;
+    std::copy_if(c.surfels.begin(), c.surfels.end(), std::back_inserter(out),
+                 [](const FittedSurfel& s) { return (s.flags & kLeaf) != 0; });
+    return out;
+}
+
+bool same(const FittedSurfel& a, const FittedSurfel& b) {
+    return a.surfel.center == b.surfel.center && a.surfel.support_radius == b.surfel.support_radius &&
+           a.surfel.frame.normal == b.surfel.frame.normal &&
+           a.surfel.frame.u_axis == b.surfel.frame.u_axis &&
+           a.surfel.polynomial.a == b.surfel.polynomial.a && a.surfel.degree == b.surfel.degree &&
+           a.fit_error == b.fit_error && a.n_points == b.n_points && a.level == b.level &&
+           a.flags == b.flags && a.point_id == b.point_id;
+}
+
+void expect_same(const Cover& a, const Cover& b) {
+    ASSERT_EQ(a.surfels.size(), b.surfels.size());
+    for (std::size_t i = 0; i < a.surfels.size(); ++i) ASSERT_TRUE(same(a.surfels[i], b.surfels[i])) << i;
+    EXPECT_EQ(a.counts.leaves, b.counts.leaves);
+    EXPECT_EQ(a.counts.evaluated, b.counts.evaluated);
+    EXPECT_EQ(a.counts.point_visits, b.counts.point_visits);
+}
+
+/// Points that are neither covered by the leaves nor the centre of one.
+std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_variance) {
+    const PointTree tree = tree_of(block);
+    std::vector<double> weight(block.size(), 0);
+    std::vector<bool> core(block.size(), false);
+    std::set<std::uint64_t> centers;
+    BallPoints<double> work;
+    for (const FittedSurfel& s : leaves_of(c)) {
+        centers.insert(s.point_id);
+        for (const Covered& p : covered_points(tree, s, noise_variance, work)) {
+            weight[p.point] += p.weight;
+            if (p.in_core) core[p.point] = true;
+        }
+    }
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < block.size(); ++i)
+        n += !(core[i] && weight[i] >= kCoverage - 1e-6) && !centers.contains(block.id[i]);
+    return n;
+}
+
+double median_radius(const std::vector<FittedSurfel>& leaves) {
+    std::vector<double> radii;
+    for (const FittedSurfel& s : leaves) radii.push_back(s.surfel.support_radius);
+    std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2),
+                     radii.end());
+    return radii[radii.size() / 2];
+}
+
+TEST(LevelCover, LeavesOfASphereHaveTheOptimalRadius) {
+    const PointBlock block = block_of(sampled("sphere", 100000));
+    const CoverRules rules = rules_for(block, 0.02);
+    const Cover c = cover(block, rules);
+    const auto leaves = leaves_of(c);
+    const double e = rules.noise_variance * 0.02 * 0.02 * rules.diagonal * rules.diagonal;
+    const double optimum = std::pow(16 * e / 4.1003e-4, 0.1);  // NUMERICS 3.2, R = 1
+    EXPECT_NEAR(median_radius(leaves) / optimum, 1, 0.03);
+    // NUMERICS 3.4: a sphere filled with equal balls takes 177 of radius L / 10 = 0.3464.
+    const double expected = 177 * 0.12 / (optimum * optimum);
+    EXPECT_NEAR(static_cast<double>(leaves.size()) / expected, 1, 0.15);
+    EXPECT_EQ(c.counts.leaves, leaves.size());
+    EXPECT_EQ(c.counts.unexplained + c.counts.isolated + c.counts.forced, 0u);
+    for (const FittedSurfel& s : leaves) {
+        ASSERT_EQ(s.surfel.degree, 2);
+        ASSERT_GT(dot(s.surfel.frame.normal, normalized(s.surfel.center)), 0.99);
+        // w = -rho (u^2 + v^2) / 2 to the order of the fit.
+        ASSERT_NEAR(s.surfel.polynomial.a[3], -s.surfel.support_radius / 2, 0.02);
+    }
+}
+
+TEST(LevelCover, APlaneIsSaturatedLeavesAtTheRoot) {
+    const PointBlock block = graph_points(20000, 1, 1, [](double, double) { return 0.0; });
+    const Cover c = cover(block, rules_for(block));
+    ASSERT_GT(c.counts.leaves, 0u);
+    EXPECT_EQ(c.counts.saturated, c.counts.leaves);
+    EXPECT_EQ(c.counts.internals, 0u);
+    // Centres are drawn from a thinning; what it left open waits a level or two for its large leaf.
+    EXPECT_LE(c.counts.levels, 3u);
+    const double root = box_of(block).diagonal() / 10;
+    for (const FittedSurfel& s : c.surfels) {
+        EXPECT_NEAR(s.surfel.support_radius, root, 1e-7);  // radii are kept as floats
+        EXPECT_LT(s.fit_error, 1e-12 * box_of(block).diagonal());
+    }
+    // About C_ov area / (pi rho^2), C_ov 5.4 to 6.3, more at the border.
+    EXPECT_GT(c.counts.leaves, 60u);
+    EXPECT_LT(c.counts.leaves, 210u);
+}
+
+TEST(LevelCover, IsTheSameForAnyNumberOfThreads) {
+    const PointBlock block = block_of(sampled("bumpy", 20000, 1, 1e-3));
+    const CoverRules rules = rules_for(block, 0.005);
+    std::vector<Cover> covers;
+    for (const int n : {1, 2, 7}) {
+        const ThreadLimit limit(n);
+        covers.push_back(cover(block, rules));
+    }
+    ASSERT_GT(covers[0].surfels.size(), 200u);
+    expect_same(covers[0], covers[1]);
+    expect_same(covers[0], covers[2]);
+}
+
+TEST(LevelCover, ScalingByAPowerOfTwoScalesEveryBit) {
+    PointBlock block = block_of(sampled("bumpy", 10000, 1, 1e-3));
+    const CoverRules rules = rules_for(block);
+    const Cover small = cover(block, rules);
+    constexpr double s = 1024;
+    for (Vec3d& p : block.position) p *= s;
+    CoverRules scaled = rules;
+    scaled.diagonal *= s, scaled.least_radius *= s, scaled.noise_variance *= s * s;
+    Cover large = cover(block, scaled);
+    for (FittedSurfel& f : large.surfels) {
+        f.surfel.center *= 1 / s;
+        f.surfel.support_radius /= s;
+        f.fit_error /= s;
+    }
+    expect_same(small, large);
+}
+
+TEST(LevelCover, TheOrderOfThePointsDoesNotMatter) {
+    const PointBlock block = block_of(sampled("bumpy", 10000, 1, 1e-3));
+    const CoverRules rules = rules_for(block);
+    const Cover a = cover(block, rules), b = cover(permuted(block, 5), rules);
+    expect_same(a, b);
+    CoverRules other = rules;
+    other.seed = 1;
+    const Cover c = cover(block, other);
+    EXPECT_NE(a.surfels[0].point_id, c.surfels[0].point_id);
+    EXPECT_NEAR(static_cast<double>(c.counts.leaves) / static_cast<double>(a.counts.leaves), 1, 0.15);
+}
+
+TEST(LevelCover, EveryPointIsCoveredOrCountedAsDropped) {
+    for (const char* shape : {"torus", "cone", "bumpy", "sculpture"})
+        for (const double noise : {0.0, 2e-3}) {
+            SCOPED_TRACE(testing::Message() << shape << " noise " << noise);
+            const PointBlock block = block_of(sampled(shape, 10000, 3, noise));
+            const CoverRules rules = rules_for(block, 0.01);
+            const Cover c = cover(block, rules);
+            EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
+            EXPECT_LT(c.counts.unexplained + c.counts.isolated, 50u);
+            std::uint64_t degrees = 0, fallbacks = 0;
+            for (const std::uint64_t n : c.counts.degrees) degrees += n;
+            for (const std::uint64_t n : c.counts.fallbacks) fallbacks += n;
+            EXPECT_EQ(degrees, c.counts.leaves);
+            EXPECT_EQ(fallbacks, c.counts.leaves);
+            EXPECT_EQ(c.counts.leaves + c.counts.internals, c.surfels.size());
+        }
+}
+
+TEST(LevelCover, LevelsHoldTheRadiiOfTheirOrder) {
+    const PointBlock block = block_of(sampled("sculpture", 20000));
+    const CoverRules rules = rules_for(block, 0.003);
+    const Cover c = cover(block, rules);
+    int before = 1;
+    for (const FittedSurfel& s : c.surfels) {
+        EXPECT_GE(s.level, before);
+        before = s.level;
+        const double top = level_radius(rules.diagonal, s.level);
+        if (s.flags & kLeaf)
+            EXPECT_GE(s.surfel.support_radius, top * kGoldenRatio * kGoldenRatio * (1 - 1e-6));
+        else
+            EXPECT_EQ(s.surfel.support_radius, top);
+    }
+    EXPECT_GT(c.counts.internals, 0u);
+    EXPECT_GT(before, 3);
+}
+
+TEST(LevelCover, LinearLeavesAreManyMoreAndCubicFewer) {
+    const PointBlock block = block_of(sampled("bumpy", 20000));
+    std::uint64_t leaves[4] = {};
+    for (int degree = 1; degree <= 3; ++degree) {
+        const Cover c = cover(block, rules_for(block, 0.01, degree));
+        leaves[degree] = c.counts.leaves;
+        EXPECT_EQ(c.counts.degrees[static_cast<std::size_t>(degree)], c.counts.leaves);
+    }
+    EXPECT_GT(leaves[1], 2 * leaves[2]);
+    EXPECT_GT(leaves[2], leaves[3]);
+}
+
+TEST(LevelCover, AThinSheetsLeavesStayOnTheirSide) {
+    // Two planes 0.004 apart, points 0.014 apart.
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    for (std::size_t i = 0; i < 20000; ++i) {
+        const bool top = i % 2 == 0;
+        positions.push_back({random_at(1, 2 * i), random_at(1, 2 * i + 1), top ? 0.002 : -0.002});
+        normals.push_back({0, 0, top ? 1.0f : -1.0f});
+    }
+    const PointBlock block = block_of(positions, normals);
+    CoverRules rules = rules_for(block);
+    rules.noise_variance = 1e-10;
+    const Cover c = cover(block, rules);
+    ASSERT_GT(c.counts.leaves, 0u);
+    for (const FittedSurfel& s : leaves_of(c)) {
+        const double side = positions[s.point_id].z > 0 ? 1 : -1;
+        ASSERT_NEAR(s.surfel.frame.normal.z, side, 1e-9);
+        ASSERT_NEAR(s.surfel.polynomial.a[0], 0, 1e-9);  // through its own sheet, not between the two
+        ASSERT_LT(s.fit_error, 1e-9);
+    }
+    EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
+}
+
+TEST(LevelCover, AStrayPointMakesNoLeaf) {
+    PointBlock block = graph_points(10000, 1, 2, [](double, double) { return 0.0; });
+    for (const double height : {0.05, 0.1, 0.2, 0.3, 0.5, 2.0, 100.0}) {
+        SCOPED_TRACE(height);
+        block.position[17] = {0.1, 0.1, height};
+        CoverRules rules = rules_for(block);
+        rules.diagonal = std::sqrt(8.0);
+        rules.noise_variance = 1e-10;
+        const Cover c = cover(block, rules);
+        EXPECT_EQ(c.counts.isolated + c.counts.unexplained, 1u);
+        for (const FittedSurfel& s : leaves_of(c)) EXPECT_NE(s.point_id, 17u);
+    }
+}
+
+TEST(LevelCover, NothingIsCoveredFarFromTheDataOfAHole) {
+    const Cloud plane = sampled("plane", 40000);
+    const PointBlock block = block_of(filtered(plane, [](const Vec3d& p) {
+        return p.x * p.x + p.y * p.y > 0.16;
+    }));
+    const Cover c = cover(block, rules_for(block));
+    // Cores reach at most alpha rho_0 = 0.19 into the hole of radius 0.4: its middle stays open.
+    double least = 1;
+    for (const FittedSurfel& s : leaves_of(c))
+        least = std::min(least, std::hypot(s.surfel.center.x, s.surfel.center.y) -
+                                    kTrim * s.surfel.support_radius);
+    EXPECT_GT(least, 0.4 - kTrim * box_of(block).diagonal() / 10 - 1e-6);
+    for (const FittedSurfel& s : leaves_of(c))
+        EXPECT_GT(std::hypot(s.surfel.center.x, s.surfel.center.y), 0.4);
+}
+
+TEST(LevelCover, TwelvefoldDuplicatesGiveAboutTheUniqueSet) {
+    const PointBlock unique = block_of(sampled("sphere", 4000));
+    PointBlock all;
+    for (std::uint64_t copy = 0; copy < 12; ++copy)
+        for (std::size_t i = 0; i < unique.size(); ++i) {
+            all.position.push_back(unique.position[i]);
+            all.normal.push_back(unique.normal[i]);
+            all.id.push_back(all.id.size());
+        }
+    const CoverRules rules = rules_for(unique);
+    const Cover a = cover(unique, rules), b = cover(all, rules);
+    EXPECT_NEAR(static_cast<double>(b.counts.leaves) / static_cast<double>(a.counts.leaves), 1, 0.1);
+    EXPECT_LE(uncovered(all, b, rules.noise_variance), b.counts.unexplained + b.counts.isolated);
+}
+
+TEST(LevelCover, OwnsLimitsCentresAndWhatMustBeCovered) {
+    const PointBlock block = block_of(sampled("sphere", 10000));
+    CoverRules rules = rules_for(block);
+    rules.owns = [](const Vec3d& p) { return p.x < 0; };
+    const Cover c = cover(block, rules);
+    for (const FittedSurfel& s : c.surfels) EXPECT_LT(s.surfel.center.x, 0);
+    EXPECT_GT(c.counts.leaves, 10u);
+    const PointBlock owned = block_of(filtered(sampled("sphere", 10000), [](const Vec3d& p) {
+        return p.x < -0.3;
+    }));
+    EXPECT_EQ(uncovered(owned, c, rules.noise_variance), 0u);
+}
+
+TEST(LevelCover, CoarseThenFineLevelsCoverWhatAllWouldCover) {
+    const PointBlock block = block_of(sampled("sculpture", 20000));
+    const CoverRules rules = rules_for(block, 0.005);
+    const Cover whole = cover(block, rules);
+    CoverRules coarse = rules, fine = rules;
+    coarse.last_level = 3;
+    const Cover first = cover(block, coarse);
+    fine.first_level = 4;
+    fine.done = first.surfels;
+    const Cover second = cover(block, fine);
+    for (const FittedSurfel& s : first.surfels) EXPECT_LE(s.level, 3);
+    for (const FittedSurfel& s : second.surfels) EXPECT_GE(s.level, 4);
+    const double split = static_cast<double>(first.counts.leaves + second.counts.leaves);
+    EXPECT_NEAR(split / static_cast<double>(whole.counts.leaves), 1, 0.1);
+    Cover both = first;
+    both.surfels.insert(both.surfels.end(), second.surfels.begin(), second.surfels.end());
+    EXPECT_LE(uncovered(block, both, rules.noise_variance),
+              second.counts.unexplained + second.counts.isolated);
+}
+
+TEST(LevelCover, AFewPointsMakeAFewDiscs) {
+    for (const std::size_t n : {3u, 5u, 9u, 30u}) {
+        SCOPED_TRACE(n);
+        const PointBlock block = graph_points(n, 1, 7, [](double u, double v) { return 0.1 * u * v; });
+        const Cover c = cover(block, rules_for(block));
+        EXPECT_GE(c.counts.leaves + c.counts.isolated + c.counts.unexplained, 1u);
+        EXPECT_LE(c.counts.leaves, n);
+        for (const FittedSurfel& s : c.surfels) {
+            EXPECT_TRUE(std::isfinite(s.fit_error));
+            for (const double a : s.surfel.polynomial.a) EXPECT_TRUE(std::isfinite(a));
+        }
+    }
+}
+
+TEST(LevelCover, BothExtremesOfTheThresholdEnd) {
+    const PointBlock block = block_of(sampled("bumpy", 20000));
+    CoverRules rules = rules_for(block, 1e-9);
+    const Cover finest = cover(block, rules);
+    rules.mdl_threshold = 10;
+    const Cover coarsest = cover(block, rules);
+    EXPECT_EQ(coarsest.counts.saturated, coarsest.counts.leaves);
+    EXPECT_NEAR(median_radius(leaves_of(coarsest)), rules.diagonal / 10, 1e-6);
+    EXPECT_LT(median_radius(leaves_of(finest)), rules.diagonal / 40);
+    EXPECT_EQ(finest.counts.saturated, 0u);
+    EXPECT_GT(finest.counts.leaves, 5 * coarsest.counts.leaves);
+}
+
+}  // namespace
+}  // namespace slim::test

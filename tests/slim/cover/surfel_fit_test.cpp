@@ -1,0 +1,90 @@
+#include "slim/cover/surfel_fit.h"
+
+#include "slim/model/surfel_tree.h"
+#include "slim/model/weight_kernel.h"
+#include "tests/slim/fit/fit_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace slim::test {
+namespace {
+
+TEST(SurfelFit, StandsInTheFrameThatTheFileKeeps) {
+    const PointBlock block = block_of(sampled("torus", 20000));
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    for (std::size_t i = 0; i < block.size(); i += 1000) {
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.15, 2,
+                                            1e-10, work);
+        const Surfel& surfel = s.fitted.surfel;
+        EXPECT_EQ(surfel.center, block.position[i]);
+        EXPECT_EQ(surfel.frame.normal, round_normal(surfel.frame.normal));
+        EXPECT_EQ(surfel.degree, 2);
+        EXPECT_TRUE(s.explains_center);
+        // The surface passes its centre at a distance of the order of the error.
+        EXPECT_LT(std::abs(surfel.polynomial.a[0]) * 0.15, 4 * s.fitted.fit_error + 1e-6);
+        EXPECT_GT(dot(surfel.frame.normal, to_double(block.normal[i])), 0.995);
+    }
+}
+
+TEST(SurfelFit, CoversWhatItExplainsOnItsSide) {
+    // A plane, a point above it, and a point on it that faces down.
+    PointBlock block = graph_points(2000, 1, 3, [](double, double) { return 0.0; });
+    block.position[0] = {0, 0, 0};
+    block.position[1] = {0.1, 0, 0.05};
+    block.position[2] = {0, 0.1, 0};
+    block.normal[2] = {0, 0, -1};
+    block.position[3] = {0.05, 0.05, 0.001};
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    // lambda: residuals up to 0.004 are explained whatever the error, which one point off lifts.
+    const CoveringSurfel s = fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 2, 1e-6, work);
+    std::set<std::uint32_t> covered;
+    for (const Covered& c : s.covered) {
+        covered.insert(c.point);
+        const double r = length(block.position[c.point]) / 0.3;
+        EXPECT_LT(r, 1);
+        EXPECT_NEAR(c.weight, weight_kernel(r * r), 1e-6);
+        EXPECT_EQ(c.in_core, r < kTrim);
+    }
+    EXPECT_TRUE(covered.contains(0));
+    EXPECT_FALSE(covered.contains(1));
+    EXPECT_FALSE(covered.contains(2));
+    EXPECT_TRUE(covered.contains(3));
+    EXPECT_GT(covered.size(), 100u);
+}
+
+TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
+    const PointBlock block = block_of(sampled("bumpy", 5000, 1, 2e-3));
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    for (std::size_t i = 0; i < block.size(); i += 500) {
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
+                                            1e-6, work);
+        const std::vector<Covered> again = covered_points(tree, s.fitted, 1e-6, work);
+        ASSERT_EQ(again.size(), s.covered.size());
+        for (std::size_t k = 0; k < again.size(); ++k) {
+            EXPECT_EQ(again[k].point, s.covered[k].point);
+            EXPECT_EQ(again[k].weight, s.covered[k].weight);
+            EXPECT_EQ(again[k].in_core, s.covered[k].in_core);
+        }
+    }
+}
+
+TEST(SurfelFit, ReportsNormalsThatDisagree) {
+    PointBlock block = graph_points(500, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        const double angle = 2.399963 * static_cast<double>(i);
+        block.normal[i] = to_float(normalized(Vec3d{std::cos(angle), std::sin(angle), 0.05}));
+    }
+    BallPoints<double> work;
+    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, 1e-10, work);
+    EXPECT_TRUE(s.normals_disagree);
+    EXPECT_NEAR(s.fitted.surfel.frame.normal.z, 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace slim::test

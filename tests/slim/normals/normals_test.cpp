@@ -1,0 +1,237 @@
+#include "slim/normals/estimate.h"
+#include "slim/normals/orient.h"
+#include "slim/normals/repair.h"
+
+#include "slim/base/frame.h"
+#include "slim/base/parallel.h"
+#include "tests/slim/fit/fit_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+std::vector<std::uint32_t> all_of(const PointBlock& block) {
+    std::vector<std::uint32_t> ids(block.size());
+    std::iota(ids.begin(), ids.end(), 0u);
+    return ids;
+}
+
+/// The block with normals estimated anew, and oriented by its neighbours alone.
+OrientReport estimate_and_orient(PointBlock& block, std::size_t k = 16) {
+    const NeighborGraph graph = neighbor_graph(block, k);
+    std::size_t degenerate = 0;
+    estimate_normals(block, graph, all_of(block), degenerate);
+    EXPECT_EQ(degenerate, 0u);
+    std::vector<bool> known(block.size(), false);
+    return orient_by_neighbors(block, graph, known);
+}
+
+double share_agreeing(const PointBlock& block, const std::vector<Vec3f>& truth) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) n += dot(block.normal[i], truth[i]) > 0;
+    return static_cast<double>(n) / static_cast<double>(block.size());
+}
+
+TEST(EstimateNormals, IsWithinADegreeOnASphere) {
+    const Cloud cloud = sampled("sphere", 20000);
+    PointBlock block = block_of(cloud);
+    const NeighborGraph graph = neighbor_graph(block, 16);
+    std::size_t degenerate = 7;
+    estimate_normals(block, graph, all_of(block), degenerate);
+    EXPECT_EQ(degenerate, 0u);
+    double sq_sum = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        ASSERT_NEAR(length(block.normal[i]), 1, 1e-6);
+        const double sine = length(cross(to_double(block.normal[i]), cloud.truth[i].normal));
+        sq_sum += sine * sine;
+    }
+    const double rms_deg = std::sqrt(sq_sum / 20000) * 180 / std::numbers::pi;
+    EXPECT_LT(rms_deg, 1);
+}
+
+TEST(EstimateNormals, CountsNeighboursThatSpanNoPlane) {
+    std::vector<Vec3d> line;
+    for (int i = 0; i < 100; ++i) line.push_back({0.01 * i, 0, 0});
+    PointBlock block = block_of(line, std::vector<Vec3f>(line.size()));
+    const NeighborGraph graph = neighbor_graph(block, 8);
+    std::size_t degenerate = 0;
+    estimate_normals(block, graph, all_of(block), degenerate);
+    EXPECT_EQ(degenerate, 100u);
+    for (const Vec3f& n : block.normal) {
+        EXPECT_NEAR(length(n), 1, 1e-6);
+        EXPECT_NEAR(n.x, 0, 1e-3);  // any direction, but across the line
+    }
+}
+
+TEST(EstimateNormals, TouchesTheWantedOnly) {
+    PointBlock block = block_of(sampled("sphere", 2000));
+    const std::vector<Vec3f> before = block.normal;
+    const std::vector<std::uint32_t> wanted{3, 500, 1999};
+    block.normal[3] = block.normal[500] = block.normal[1999] = {};
+    std::size_t degenerate = 0;
+    estimate_normals(block, neighbor_graph(block, 16), wanted, degenerate);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        const bool is_wanted = i == 3 || i == 500 || i == 1999;
+        if (is_wanted) {
+            EXPECT_GT(std::abs(dot(block.normal[i], before[i])), 0.99f);
+        } else {
+            ASSERT_EQ(block.normal[i], before[i]);
+        }
+    }
+}
+
+TEST(NeighborGraph, IsCutToTheCloud) {
+    const PointBlock block = block_of(sampled("sphere", 5));
+    EXPECT_EQ(neighbor_graph(block, 16).k, 5u);
+}
+
+TEST(Orient, ClosedShapesFaceOutwards) {
+    for (const char* shape : {"sphere", "torus", "ellipsoid", "bumpy"}) {
+        SCOPED_TRACE(shape);
+        PointBlock block = block_of(sampled(shape, 20000));
+        const std::vector<Vec3f> truth = block.normal;
+        const OrientReport report = estimate_and_orient(block);
+        EXPECT_EQ(share_agreeing(block, truth), 1);
+        EXPECT_EQ(report.components, 1u);
+        EXPECT_EQ(report.by_rule, block.size());
+    }
+}
+
+TEST(Orient, ATerrainFacesUp) {
+    PointBlock block = graph_points(10000, 1, 5, [](double u, double v) {
+        return 0.1 * std::sin(4 * u) * std::cos(3 * v);
+    });
+    estimate_and_orient(block);
+    for (const Vec3f& n : block.normal) ASSERT_GT(n.z, 0);
+}
+
+TEST(Orient, SeparateShapesEachFaceOutwards) {
+    PointBlock block = block_of(sampled("sphere", 5000));
+    const PointBlock other = block_of(sampled("sphere", 5000, 2));
+    for (std::size_t i = 0; i < other.size(); ++i) {
+        block.position.push_back(other.position[i] + Vec3d{10, 0, 0});
+        block.normal.push_back(other.normal[i]);
+        block.id.push_back(block.id.size());
+    }
+    const std::vector<Vec3f> truth = block.normal;
+    const OrientReport report = estimate_and_orient(block);
+    EXPECT_EQ(report.components, 2u);
+    EXPECT_EQ(share_agreeing(block, truth), 1);
+}
+
+TEST(Orient, KnownSignsSpreadOverTheirComponent) {
+    PointBlock block = block_of(sampled("torus", 10000));
+    const std::vector<Vec3f> truth = block.normal;
+    const NeighborGraph graph = neighbor_graph(block, 16);
+    std::size_t degenerate = 0;
+    estimate_normals(block, graph, all_of(block), degenerate);
+    std::vector<bool> known(block.size(), false);
+    for (std::size_t i = 0; i < 3; ++i) known[i] = true, block.normal[i] = -truth[i];
+    const OrientReport report = orient_by_neighbors(block, graph, known);
+    EXPECT_EQ(share_agreeing(block, truth), 0);  // all inwards, as the three say
+    EXPECT_EQ(report.by_neighbors, block.size() - 3);
+    EXPECT_EQ(report.by_rule, 0u);
+    EXPECT_EQ(report.components, 0u);
+}
+
+TEST(Orient, TowardsTheSensorOfTheScan) {
+    PointBlock block = block_of(sampled("sphere", 4000));
+    const std::vector<Vec3f> truth = block.normal;
+    // Two scanners, one within the sphere: its points shall face inwards. A third scan has no sensor.
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        block.scan.push_back(i % 5 == 0 ? 2 : block.position[i].x > 0 ? 0 : 1);
+        if (i % 2) block.normal[i] = -block.normal[i];
+    }
+    const std::vector<Vec3f> mixed = block.normal;
+    const std::vector<Vec3d> sensors{{100, 0, 0}, {0, 0, 0}};
+    EXPECT_EQ(orient_to_sensors(block, all_of(block), sensors), 3200u);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (block.scan[i] == 2) {
+            ASSERT_EQ(block.normal[i], mixed[i]);
+            continue;
+        }
+        const Vec3d view = sensors[block.scan[i]] - block.position[i];
+        ASSERT_GE(dot(to_double(block.normal[i]), view), 0);
+    }
+    const std::vector<Vec3d> unknown{{NAN, NAN, NAN}};
+    EXPECT_EQ(orient_to_sensors(block, all_of(block), unknown), 0u);
+}
+
+TEST(Orient, GivesTheSameForAnyNumberOfThreads) {
+    std::vector<std::vector<Vec3f>> normals;
+    for (const int n : {1, 2, 7}) {
+        const ThreadLimit limit(n);
+        PointBlock block = block_of(sampled("sculpture", 10000, 1, 1e-3));
+        estimate_and_orient(block);
+        normals.push_back(block.normal);
+    }
+    EXPECT_EQ(normals[0], normals[1]);
+    EXPECT_EQ(normals[0], normals[2]);
+}
+
+TEST(Repair, TurnsSparseFlippedNormalsBack) {
+    PointBlock block = block_of(sampled("sphere", 20000));
+    const std::vector<Vec3f> truth = block.normal;
+    std::size_t flipped = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (unit_interval(keyed_hash(5, i)) >= 0.05) continue;
+        block.normal[i] = -block.normal[i];
+        ++flipped;
+    }
+    const NormalAudit audit = repair_contrary_normals(block);
+    EXPECT_EQ(audit.n, block.size());
+    EXPECT_EQ(audit.missing, 0u);
+    // A few have too few neighbours or a neighbourhood full of flips.
+    EXPECT_GT(static_cast<double>(audit.contrary), 0.97 * static_cast<double>(flipped));
+    EXPECT_LE(audit.contrary, flipped);
+    EXPECT_GT(share_agreeing(block, truth), 0.998);
+    for (std::size_t i = 0; i < block.size(); ++i)  // what was right is not touched
+        if (unit_interval(keyed_hash(5, i)) >= 0.05) {
+            ASSERT_EQ(block.normal[i], truth[i]);
+        }
+}
+
+TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
+    PointBlock clean = block_of(sampled("sculpture", 20000));
+    const std::vector<Vec3f> before = clean.normal;
+    EXPECT_LT(repair_contrary_normals(clean).contrary, 10u);
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    for (std::size_t i = 0; i < 20000; ++i) {
+        const bool top = unit_interval(keyed_hash(9, i)) < 0.5;
+        positions.push_back({random_at(1, 2 * i), random_at(1, 2 * i + 1), top ? 0.001 : -0.001});
+        normals.push_back({0, 0, top ? 1.0f : -1.0f});
+    }
+    PointBlock sheet = block_of(positions, normals);
+    const NormalAudit audit = repair_contrary_normals(sheet);
+    // By chance one side is a clear majority of some 16 neighbours now and then.
+    EXPECT_LT(audit.contrary, 600u);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < sheet.size(); ++i) kept += sheet.normal[i] == normals[i];
+    EXPECT_EQ(kept + audit.contrary, sheet.size());
+}
+
+TEST(Repair, CountsMissingAndNoisyNormals) {
+    PointBlock block = block_of(sampled("sphere", 20000));
+    for (std::size_t i = 0; i < 50; ++i) block.normal[i] = {};
+    std::size_t tilted = 0;
+    for (std::size_t i = 100; i < block.size(); i += 100, ++tilted) {
+        // 90 degrees off: neither with nor against its neighbours.
+        const Vec3d n = to_double(block.normal[i]);
+        block.normal[i] = to_float(frame_from_normal(n).u_axis);
+    }
+    const NormalAudit audit = repair_contrary_normals(block);
+    EXPECT_EQ(audit.missing, 50u);
+    EXPECT_EQ(audit.contrary, 0u);
+    EXPECT_NEAR(static_cast<double>(audit.noisy), static_cast<double>(tilted), 0.1 * static_cast<double>(tilted));
+    for (std::size_t i = 0; i < 50; ++i) EXPECT_EQ(block.normal[i], (Vec3f{}));
+}
+
+}  // namespace
+}  // namespace slim::test
