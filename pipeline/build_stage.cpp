@@ -3,6 +3,7 @@
 #include "pipeline/fit_stage.h"
 #include "pipeline/manifest.h"
 #include "pipeline/normals_stage.h"
+#include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/tree_stage.h"
@@ -46,17 +47,20 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     return f;
 }
 
-/// Runs one stage with a context of its own; its result, with its seconds, goes under its name.
+/// Runs one stage with a context of its own; its result, with its seconds and peak memory, goes under
+/// its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
                        nlohmann::json& stages) {
     StageContext context = for_stage(parent, name, config);
+    const PeakMeter peak;
     const auto start = std::chrono::steady_clock::now();
     nlohmann::json result = run(config, context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     parent.reporter.info(fmt::format("{}: {:.2f} s", name, seconds.count()));
     stages[name] = result;
     stages[name]["seconds"] = seconds.count();
+    stages[name]["peak_memory_bytes"] = peak.bytes();
     parent.check_stop();
     return result;
 }

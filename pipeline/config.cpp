@@ -223,8 +223,11 @@ std::string print_config(const FieldList& fields) {
     std::string out;
     for (const Field& field : fields.fields()) {
         const std::string range = field.range_text();
-        out += fmt::format("# {}{}\n{} = {}\n", field.help, range.empty() ? "" : " (" + range + ")",
-                           field.key, field.toml());
+        // A required field that is still empty has no value that could be read back.
+        const bool open = field.required && field.empty();
+        out += fmt::format("# {}{}{}\n{}{} = {}\n", field.help, open ? ", required" : "",
+                           range.empty() ? "" : " (" + range + ")", open ? "# " : "", field.key,
+                           field.toml());
     }
     return out;
 }

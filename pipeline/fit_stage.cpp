@@ -8,6 +8,7 @@
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
 #include "slim/cover/level_cover.h"
+#include "slim/fit/noise_variance.h"
 
 #include <fmt/format.h>
 
@@ -35,6 +36,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"saturated", c.saturated},
             {"forced", c.forced},
             {"normals_disagree", c.normals_disagree},
+            {"recentred", c.recentred},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
             {"searches", c.evaluated},
@@ -175,15 +177,39 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     return stamp.commit({output}, counts_json(cover.counts));
 }
 
+/// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.
+void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
+    if (sums.size() < slice.size()) sums.resize(slice.size());
+    for (std::size_t i = 0; i < slice.size(); ++i) {
+        NoiseVariance& s = sums[i];
+        const std::size_t n = slice[i].at("samples");
+        if (n == 0) continue;
+        const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
+        s.value += share * (slice[i].at("variance").get<double>() - s.value);
+        s.flatness += share * (slice[i].at("flatness").get<double>() - s.flatness);
+        s.n_sampled += n;
+    }
+}
+
+/// lambda at the fewest neighbours that are flat, over the whole job (NUMERICS 3.2).
+double choose_noise(const std::vector<NoiseVariance>& noise) {
+    for (const NoiseVariance& n : noise)
+        if (n.flatness <= kFlat) return n.value;
+    return noise.empty() ? 0 : noise.back().value;
+}
+
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     if (sum.is_null()) sum = nlohmann::json::object();
     for (const auto& [key, value] : one.items()) {
-        if (value.is_object() && key != "recorded")
+        if (key == "recorded") continue;
+        if (value.is_object()) {
+            if (!sum.contains(key)) sum[key] = nlohmann::json::object();
             add_counts(value, sum[key]);
-        else if (key == "levels")
+        } else if (key == "levels") {
             sum[key] = std::max(sum.value(key, std::uint64_t{0}), value.get<std::uint64_t>());
-        else if (value.is_number_unsigned())
+        } else if (value.is_number_unsigned()) {
             sum[key] = sum.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
+        }
     }
 }
 
@@ -199,7 +225,8 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
 
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     std::string missing;
-    double sum = 0, samples = 0, noisy = 0, points = 0;
+    double noisy = 0, points = 0;
+    std::vector<NoiseVariance> noise;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
         const auto manifest = nlohmann::json::parse(file, nullptr, false);
@@ -208,9 +235,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
             continue;
         }
         const auto& r = manifest.at("result");
-        const double n = r.at("noise_samples").get<double>();
-        sum += r.at("noise_variance").get<double>() * n;
-        samples += n;
+        add_noise(r.at("noise"), noise);
         noisy += r.at("noisy").get<double>();
         points += r.at("points").get<double>();
     }
@@ -219,7 +244,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
             "{}: normals are missing for slices{}: run `slim normals {}`", config.work, missing,
             config.work));
     GlobalNoise out;
-    const double measured = samples > 0 ? sum / samples : 0;
+    const double measured = choose_noise(noise);
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;

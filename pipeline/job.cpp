@@ -258,14 +258,14 @@ private:
         check_tables(table, {});
         ViewTable view;
         const std::vector<std::string> own = read_options<RenderConfig>(table, file_, view, kOwnedByView);
-        std::vector<std::string> options = defaults;
+        if (view.aovs.empty()) view.aovs = output_.aovs;
+        check_aovs(view.aovs, table);
+        std::vector<std::string> options = defaults_for(view.aovs, defaults);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         if (!names_.insert(view.name).second)
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
                                           view.name));
-        if (view.aovs.empty()) view.aovs = output_.aovs;
-        check_aovs(view.aovs, table);
         aovs_.insert(view.aovs.begin(), view.aovs.end());
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}};
         append(step, options);
@@ -275,6 +275,16 @@ private:
         step.output = job_.folder / (view.name + aov + ".png");
         add_output(step);
         job_.steps.push_back(std::move(step));
+    }
+
+    /// [render] may name a truth for those views that show it; slim-render refuses it elsewhere.
+    static std::vector<std::string> defaults_for(const std::vector<std::string>& aovs,
+                                                 std::vector<std::string> defaults) {
+        if (std::find(aovs.begin(), aovs.end(), "truth_distance") == aovs.end())
+            std::erase_if(defaults, [](const std::string& option) {
+                return option.starts_with("--truth-shape=") || option.starts_with("--offset=");
+            });
+        return defaults;
     }
 
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {

@@ -86,9 +86,10 @@ NormalsReport give_normals(PointBlock& points, const NormalsConfig& config,
     return report;
 }
 
-/// This slice's share of lambda: points sampled by id at the rate of the whole job.
-NoiseVariance noise_of(const PointBlock& points, std::uint64_t n_total) {
-    const double rate = kSamples / static_cast<double>(n_total);
+/// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which number of
+/// neighbours counts is decided for all slices together: a job of several measures each.
+std::vector<NoiseVariance> noise_of(const PointBlock& points, const SlicePlan& plan) {
+    const double rate = kSamples / static_cast<double>(plan.n_points);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
@@ -97,10 +98,23 @@ NoiseVariance noise_of(const PointBlock& points, std::uint64_t n_total) {
     std::sort(chosen.begin(), chosen.end());
     std::vector<Vec3d> samples;
     for (const auto& [hash, i] : chosen) samples.push_back(points.position[i]);
-    return estimate_noise_variance(KnnIndex(points.position), points.position, samples, true);
+    const KnnIndex index(points.position);
+    if (plan.slices.size() == 1)
+        return {estimate_noise_variance(index, points.position, samples, 0)};
+    std::vector<NoiseVariance> noise;
+    for (const std::size_t k : kNoiseNeighbors)
+        noise.push_back(estimate_noise_variance(index, points.position, samples, k));
+    return noise;
 }
 
-nlohmann::json report_json(const NormalsReport& r, const NoiseVariance& noise, std::size_t n) {
+nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVariance>& noise,
+                           std::size_t n) {
+    nlohmann::json measured = nlohmann::json::array();
+    for (const NoiseVariance& v : noise)
+        measured.push_back({{"variance", v.value},
+                            {"flatness", v.flatness},
+                            {"neighbors", v.neighbors},
+                            {"samples", v.n_sampled}});
     return {{"points", n},
             {"kept", r.kept},
             {"turned", r.turned},
@@ -111,10 +125,7 @@ nlohmann::json report_json(const NormalsReport& r, const NoiseVariance& noise, s
             {"oriented_by_neighbors", r.orientation.by_neighbors},
             {"oriented_by_rule", r.orientation.by_rule},
             {"unanchored_components", r.orientation.components},
-            {"noise_variance", noise.value},
-            {"noise_neighbors", noise.neighbors},
-            {"noise_samples", noise.n_sampled},
-            {"flatness", noise.flatness}};
+            {"noise", measured}};
 }
 
 nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& plan,
@@ -130,7 +141,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     if (auto done = stamp.up_to_date()) return *done;
     PointBlock points = read_slice(input.string());
     const NormalsReport report = give_normals(points, config, sensors, context.reporter);
-    const NoiseVariance noise = noise_of(points, plan.n_points);
+    const std::vector<NoiseVariance> noise = noise_of(points, plan);
     context.check_stop();
     write_slice(output.string(), points);
     return stamp.commit({output}, report_json(report, noise, points.size()));

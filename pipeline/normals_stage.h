@@ -41,7 +41,7 @@ std::filesystem::path oriented_points_path(const std::filesystem::path& work, st
 std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan);
 
 /// Writes oriented.slice of each slice. The result counts, per cause, what was kept, turned and estimated,
-/// and holds the slice's share of lambda (noise_variance).
+/// and holds the slice's share of lambda (noise).
 /// Cost: auto on oriented clouds 1 us a point and core; estimation 4 us.
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context);
 

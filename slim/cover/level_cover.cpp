@@ -7,18 +7,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
+constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
+constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
 constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
 constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
 
 /// One centre of a batch and what its search found.
 struct Candidate {
     std::uint32_t point;
+    std::uint32_t center = 0;  // the point that the leaf is centred at: `point`, or one further inwards
     bool leaf = false;
     RadiusChoice choice;
     CoveringSurfel surfel;               // of the leaf
@@ -103,6 +107,8 @@ private:
     bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
+    void move_inwards(Candidate& c, double lower, Workspace& work) const;
+    std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
     void mark(const std::vector<Covered>& covered);
     void count(const CoveringSurfel& leaf);
@@ -186,6 +192,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     Workspace& work = work_.local();
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    c.center = c.point;
     if (radius_[c.point] > 0) {
         c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0};
@@ -201,9 +208,56 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (c.choice.isolated) return;
     if (c.leaf)
         c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
-                              rules_.noise_variance, work.exact);
+                              c.choice.forced, rules_.noise_variance, work.exact);
     else
         make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
+    if (c.leaf && !c.choice.forced && length(c.surfel.lean) > kBorder) move_inwards(c, lower, work);
+}
+
+/// Index in the full tree of the point nearest to p within a radius.
+std::optional<std::uint32_t> LevelCover::nearest_point(const Vec3d& p, double radius) const {
+    std::optional<std::uint32_t> best;
+    double best_sq = radius * radius;
+    const PointTree& tree = pyramid_.all();
+    tree.for_buckets_in_ball(p, radius, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const double sq = sq_length(tree.position(i) - p);
+            if (sq >= best_sq) continue;
+            best_sq = sq;
+            best = static_cast<std::uint32_t>(i);
+        }
+    });
+    return best;
+}
+
+/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that covers the
+/// border point as well reaches beyond it by a quarter of that only; it takes the leaf's place if its
+/// own radius allows it.
+/// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
+void LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const {
+    const Vec3d from = block_.position[c.point];
+    const double rho = c.surfel.fitted.surfel.support_radius;
+    const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
+    const auto place = nearest_point(target, 0.5 * kInwards * rho);
+    if (!place) return;
+    const PointTree& tree = pyramid_.all();
+    const Vec3d center = tree.position(*place);
+    const Vec3d normal = normalized(to_double(tree.normal(*place)));
+    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return;
+    const RadiusChoice choice =
+        ladder_.choose(center, normal, tree.bucket_diagonal(*place), work.ladder);
+    ++work.searches;
+    const double radius = static_cast<float>(choice.radius);
+    if (choice.forced || radius < lower || length(center - from) > 0.5 * radius) return;
+    if (rules_.owns && !rules_.owns(center)) return;
+    CoveringSurfel moved = fit_surfel(tree, center, normal, radius, rules_.degree, false,
+                                      rules_.noise_variance, work.exact);
+    const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
+    if (!moved.explains_center ||
+        std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
+        return;
+    c.surfel = std::move(moved);
+    c.center = tree.source(*place);
 }
 
 void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
@@ -211,7 +265,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree,
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
                                   rules_.noise_variance, work.exact);
     c.internal = s.fitted;
     gather_ball(tree, center, radius, work.exact);
@@ -246,7 +300,8 @@ void LevelCover::accept(Candidate& c, int level) {
     f.level = static_cast<std::uint8_t>(level);
     f.flags = static_cast<std::uint8_t>(kLeaf | (c.choice.saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
-    f.point_id = block_.id[c.point];
+    f.point_id = block_.id[c.center];
+    out_.counts.recentred += c.center != c.point;
     mark(c.surfel.covered);
     count(c.surfel);
     out_.surfels.push_back(f);
@@ -279,6 +334,7 @@ CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
     saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
     unexplained += b.unexplained, isolated += b.isolated;
+    recentred += b.recentred;
     evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
     refinements += b.refinements, point_visits += b.point_visits;
     for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];

@@ -35,6 +35,7 @@ struct CoverCounts {
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
+    std::uint64_t recentred = 0;    ///< leaves of border points, moved inwards
     std::uint64_t evaluated = 0, discarded = 0, rungs = 0, refinements = 0, point_visits = 0;
     std::array<std::uint64_t, kFallbacks> fallbacks{};
     std::array<std::uint64_t, kMaxDegree + 1> degrees{};

@@ -10,7 +10,20 @@ namespace slim {
 namespace {
 
 constexpr float kAtCenter = 0.9999999f;
+constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
+
+/// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
+/// right; left open they would become centres of their own and speckle a curvature map.
+void take_back(BallPoints<double>& ball, const Vec3d& normal,
+               const std::vector<SetAside<double>>& aside) {
+    const Vec3f n = to_float(normal);
+    for (const SetAside<double>& a : aside) {
+        const std::size_t i = a.index;
+        if (ball.nx[i] * n.x + ball.ny[i] * n.y + ball.nz[i] * n.z >= kOtherSideCos)
+            ball.sq[i] = a.sq;
+    }
+}
 
 /// The ball's points that the surfel explains. Other sheets' points have sq = 2 and are passed over.
 std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double>& ball,
@@ -30,16 +43,35 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
     return covered;
 }
 
+/// Weighted mean of the points that take part, along the tangent plane; 0.2 at a straight border.
+Vec3d lean_of(const BallPoints<double>& ball, const Vec3d& normal) {
+    Vec3d sum;
+    double weight = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double g = weight_kernel(ball.sq[i]);
+        sum += Vec3d{ball.x[i], ball.y[i], ball.z[i]} * g;
+        weight += g;
+    }
+    if (!(weight > 0)) return {};
+    const Vec3d mean = sum / weight;
+    return mean - normal * dot(mean, normal);
+}
+
 }  // namespace
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
-                          double radius, int degree, double noise_variance,
+                          double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball) {
     gather_ball(points, center, radius, ball);
     const BallNormal average = average_normal(ball, 1, normal);
     const Frame<double> frame = frame_from_normal(round_normal(average.normal));
-    drop_other_side(ball, frame.normal);
-    const LocalFit fit = fit_ball(ball, 1, frame, degree);
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, frame.normal, aside);
+    LocalFit fit = fit_ball(ball, 1, frame, forced ? 1 : degree);
+    for (int d = 2; forced && d <= degree && fit.sq_error > kWithinNoise * noise_variance; ++d)
+        fit = fit_ball(ball, 1, frame, d);
+    const Vec3d lean = lean_of(ball, frame.normal);
+    take_back(ball, frame.normal, aside);
 
     CoveringSurfel out;
     out.fitted.surfel = {center, radius, frame, fit.polynomial, fit.degree};
@@ -47,6 +79,7 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = average.disagree;
+    out.lean = lean;
     out.covered = list_covered(points, ball, out.fitted, noise_variance);
     // The heaviest weight is G(0) = 1, which only points at the centre have.
     for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
@@ -56,7 +89,9 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,
                                     double noise_variance, BallPoints<double>& ball) {
     gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
-    drop_other_side(ball, fitted.surfel.frame.normal);
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
+    take_back(ball, fitted.surfel.frame.normal, aside);
     return list_covered(points, ball, fitted, noise_variance);
 }
 

@@ -23,13 +23,17 @@ struct CoveringSurfel {
     FittedSurfel fitted;
     std::vector<Covered> covered;
     bool explains_center = false;
+    Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     Fallback fallback = Fallback::none;
     bool normals_disagree = false;
 };
 
 /// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
+/// With `forced` (the radius was not chosen by E, the points are few) the surfel takes the lowest degree
+/// that explains them within the noise, eps <= 2 sqrt(lambda): a higher one would fit the noise and
+/// speckle a curvature map.
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
-                          double radius, int degree, double noise_variance,
+                          double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& work);
 
 /// The tree's points that a surfel made elsewhere covers, by the same rule.

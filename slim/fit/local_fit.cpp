@@ -144,24 +144,28 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
 }
 
 template <class T>
-std::size_t count_contrary(const BallPoints<T>& p, double shrink, const Vec3d& normal,
-                           float least_cos) {
+void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
     const Vec3f n = to_float(normal);
-    const T limit = static_cast<T>(shrink * shrink);
-    std::size_t count = 0;
+    out.clear();
     for (std::size_t i = 0; i < p.n; ++i) {
         const float cosine = p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z;
         const bool measured = p.nx[i] != 0 || p.ny[i] != 0 || p.nz[i] != 0;
-        count += measured && cosine < least_cos && p.sq[i] < limit ? 1u : 0u;
+        if (!measured || cosine >= kLeastCos) continue;
+        out.push_back({i, p.sq[i]});
+        p.sq[i] = T(2);
     }
-    return count;
 }
 
 template <class T>
-void drop_other_side(BallPoints<T>& p, const Vec3d& normal) {
-    const Vec3f n = to_float(normal);
-    for (std::size_t i = 0; i < p.n; ++i)
-        if (p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z < 0) p.sq[i] = T(2);
+std::size_t count_off_sheet(const BallPoints<T>& p, std::span<const SetAside<T>> aside,
+                            const Frame<double>& frame, const LocalFit& fit, double tolerance) {
+    tolerance /= p.radius;
+    std::size_t count = 0;
+    for (const SetAside<T>& a : aside) {
+        const Vec3d x = frame.local_from_world(Vec3d{p.x[a.index], p.y[a.index], p.z[a.index]});
+        count += std::abs(x.z - fit.polynomial.value(x.x, x.y)) > tolerance;
+    }
+    return count;
 }
 
 template <class T>
@@ -174,10 +178,12 @@ LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double
 
 template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
 template BallNormal average_normal(const BallPoints<double>&, double, const Vec3d&);
-template std::size_t count_contrary(const BallPoints<float>&, double, const Vec3d&, float);
-template std::size_t count_contrary(const BallPoints<double>&, double, const Vec3d&, float);
-template void drop_other_side(BallPoints<float>&, const Vec3d&);
-template void drop_other_side(BallPoints<double>&, const Vec3d&);
+template void set_contrary_aside(BallPoints<float>&, const Vec3d&, std::vector<SetAside<float>>&);
+template void set_contrary_aside(BallPoints<double>&, const Vec3d&, std::vector<SetAside<double>>&);
+template std::size_t count_off_sheet(const BallPoints<float>&, std::span<const SetAside<float>>,
+                                     const Frame<double>&, const LocalFit&, double);
+template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const SetAside<double>>,
+                                     const Frame<double>&, const LocalFit&, double);
 template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
 

@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 namespace slim {
 
@@ -34,15 +36,28 @@ struct BallNormal {
 template <class T>
 BallNormal average_normal(const BallPoints<T>& points, double shrink, const Vec3d& side);
 
-/// Points within `shrink` of the centre whose normal leaves the height field: n_i . n < least_cos. Points
-/// without a normal do not count.
-template <class T>
-std::size_t count_contrary(const BallPoints<T>& points, double shrink, const Vec3d& normal,
-                           float least_cos);
+/// Cosine to the ball's normal below which a point's normal leaves the height field (DESIGN 4, lesson 2).
+inline constexpr float kLeastCos = 0.3f;
+/// Cosine below which a point faces the other way: another sheet's, whatever its place.
+inline constexpr float kOtherSideCos = -0.3f;
 
-/// Gives points that face away from `normal` zero weight in what follows (they are another sheet's).
+/// A point taken out of a fit because of its normal.
 template <class T>
-void drop_other_side(BallPoints<T>& points, const Vec3d& normal);
+struct SetAside {
+    std::size_t index;  ///< in the ball's arrays
+    T sq;               ///< its squared distance, which the ball holds no more
+};
+
+/// Takes the points whose normal is below kLeastCos out of what follows (weight zero) and lists them.
+/// Points without a normal stay.
+template <class T>
+void set_contrary_aside(BallPoints<T>& points, const Vec3d& normal, std::vector<SetAside<T>>& out);
+
+/// How many of the points set aside lie off the fit, farther than `tolerance` (length): a fold or another
+/// sheet. The rest have a bad normal only, as scans hold many at depth edges.
+template <class T>
+std::size_t count_off_sheet(const BallPoints<T>& points, std::span<const SetAside<T>> aside,
+                            const Frame<double>& frame, const LocalFit& fit, double tolerance);
 
 /// Weighted least squares w = P(u, v) of Ohtake 2005 sec. 2 in `frame`, radius = shrink * points.radius,
 /// of the asked degree (1..3) or what NUMERICS 2.4 leaves of it. Never fails: the last resort is the plane

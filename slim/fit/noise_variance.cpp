@@ -10,8 +10,6 @@
 namespace slim {
 namespace {
 
-constexpr double kFlat = 0.1;
-constexpr std::size_t kMostNeighbors = 160;
 constexpr std::size_t kGrain = 1024;
 
 /// Sums over one block of samples; blocks are added in order, so threads do not matter.
@@ -53,11 +51,12 @@ struct Measured {
 };
 
 Measured with_neighbors(const KnnIndex& index, std::span<const Vec3d> points,
-                             std::span<const Vec3d> samples, std::size_t k) {
+                        std::span<const Vec3d> samples, std::size_t k) {
     std::vector<std::uint32_t> found;
     std::vector<double> sq_distances;
     // Duplicates eat neighbours: ask for more, so that k distinct ones are left in all but odd data.
-    const std::size_t asked = index.search(samples, 2 * k + 1, found, sq_distances);
+    const std::size_t asked = index.search(samples, k + std::max<std::size_t>(k / 4, 10), found,
+                                           sq_distances);
     std::vector<Partial> partial((samples.size() + kGrain - 1) / kGrain);
     parallel_blocks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         Partial& sum = partial[begin / kGrain];
@@ -96,29 +95,38 @@ std::vector<Vec3d> distinct_places(std::span<const Vec3d> points) {
     return places;
 }
 
-/// k = 10, doubled while the neighbourhoods are not flat. False if duplicates left more than 1 % of the
-/// samples short of neighbours.
-bool estimate(const KnnIndex& index, std::span<const Vec3d> points, std::span<const Vec3d> samples,
-              bool automatic, NoiseVariance& out) {
-    for (std::size_t k = 10;; k *= 2) {
-        // A mean over more neighbours each needs fewer samples: the cost stays what it was.
-        const std::size_t n = std::min(samples.size(), std::max<std::size_t>(samples.size() * 10 / k, 1));
-        const Measured measured = with_neighbors(index, points, samples.first(n), k);
-        if (measured.n_short * 100 > n && 2 * k + 1 < points.size()) return false;
-        out = measured.noise;
-        if (!automatic || out.flatness <= kFlat || k >= kMostNeighbors || k >= points.size())
-            return true;
+/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples.
+std::size_t flat_neighbors(const KnnIndex& index, std::span<const Vec3d> points,
+                           std::span<const Vec3d> samples) {
+    for (const std::size_t k : kNoiseNeighbors) {
+        const std::size_t n = std::max<std::size_t>(samples.size() / k, 1000);
+        const auto some = samples.first(std::min(samples.size(), n));
+        if (k >= points.size() || with_neighbors(index, points, some, k).noise.flatness <= kFlat)
+            return k;
     }
+    return std::end(kNoiseNeighbors)[-1];
+}
+
+/// A mean over fewer samples the more neighbours each has: the cost does not grow with k.
+/// False if duplicates left more than 1 % of the samples short of neighbours.
+bool estimate(const KnnIndex& index, std::span<const Vec3d> points, std::span<const Vec3d> samples,
+              std::size_t k, NoiseVariance& out) {
+    if (k == 0) k = flat_neighbors(index, points, samples);
+    const std::size_t n =
+        std::min(samples.size(), std::max<std::size_t>(samples.size() * 10 / k, 1000));
+    const Measured measured = with_neighbors(index, points, samples.first(n), k);
+    out = measured.noise;
+    return measured.n_short * 100 <= n || 2 * k + 1 >= points.size();
 }
 
 }  // namespace
 
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
-                                      std::span<const Vec3d> samples, bool automatic) {
+                                      std::span<const Vec3d> samples, std::size_t neighbors) {
     NoiseVariance out;
-    if (estimate(index, points, samples, automatic, out)) return out;
+    if (estimate(index, points, samples, neighbors, out)) return out;
     const std::vector<Vec3d> places = distinct_places(points);
-    estimate(KnnIndex(places), places, samples, automatic, out);
+    estimate(KnnIndex(places), places, samples, neighbors, out);
     return out;
 }
 

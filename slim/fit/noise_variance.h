@@ -17,11 +17,15 @@ struct NoiseVariance {
     std::size_t n_sampled = 0;
 };
 
-/// With `automatic`, k = 10 is doubled up to 160 while flatness > 0.1 (NUMERICS 3.2).
+/// The numbers of neighbours tried, and the flatness at which the search among them ends.
+inline constexpr std::size_t kNoiseNeighbors[] = {10, 20, 40, 80, 160};
+inline constexpr double kFlat = 0.1;
+
+/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS 3.2).
 /// Points with fewer than three distinct neighbours are left out; none left gives value 0.
 /// Duplicates do not count: where they crowd out neighbours, distinct points are indexed anew.
 /// Cost: one k-NN query a sample; with many duplicates also a sort and an index of the points.
 NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
-                                      std::span<const Vec3d> samples, bool automatic);
+                                      std::span<const Vec3d> samples, std::size_t neighbors);
 
 }  // namespace slim

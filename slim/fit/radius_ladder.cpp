@@ -10,6 +10,7 @@
 namespace slim {
 namespace {
 
+constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -77,9 +78,13 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     ++work.rungs;
     work.point_visits += work.ball.n;
     const Vec3d n = average_normal(work.ball, 1, normal).normal;
-    const std::size_t contrary = count_contrary(work.ball, 1, n, rules_.least_cos);
-    if (!is_height_field(contrary, work.ball.n)) return std::nullopt;
-    const LocalFit fit = fit_ball(work.ball, 1, frame_from_normal(n), degree_);
+    const Frame<double> frame = frame_from_normal(n);
+    set_contrary_aside(work.ball, n, work.aside);
+    const LocalFit fit = fit_ball(work.ball, 1, frame, degree_);
+    const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
+    const std::size_t off =
+        count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
+    if (!is_height_field(off, work.ball.n)) return std::nullopt;
     return Rung{rung, level, energy_(fit.sq_error, radius), energy_.upper_bound(fit, radius)};
 }
 
@@ -88,6 +93,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
     gather_ball(points_.level(chosen.level), center, hi, work.ball);
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
+    set_contrary_aside(work.ball, frame.normal, work.aside);
     const auto energy_at = [&](double log_radius) {
         const double radius = std::exp(log_radius) * hi;
         ++work.refinements;

@@ -13,7 +13,6 @@ namespace slim {
 struct LadderRules {
     double points_per_coefficient = 4;  ///< of the finest admissible rung
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
-    float least_cos = 0.3f;               ///< a point below it ends the height field
     double contrary_share = 0;            ///< of such points among the cloud's normals: noise of the normals
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
@@ -31,6 +30,7 @@ struct RadiusChoice {
 /// Workspace of one thread and the counts it keeps.
 struct LadderWork {
     BallPoints<float> ball;
+    std::vector<SetAside<float>> aside;
     std::size_t rungs = 0, point_visits = 0, refinements = 0;
 };
 

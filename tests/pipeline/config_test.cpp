@@ -143,6 +143,15 @@ TEST(TomlFile, ReadsBackWhatPrintConfigWrites) {
     EXPECT_EQ(back.t_mdl, config.t_mdl);
 }
 
+TEST(TomlFile, ReadsTheDefaultsThatPrintConfigWrites) {
+    SampleConfig config;
+    const std::string text = print_config(fields_of(config));
+    EXPECT_NE(text.find("# output = "), std::string::npos);  // required: no value to read back
+    SampleConfig back;
+    apply_config_file(write_file("defaults.toml", text), fields_of(back));
+    EXPECT_EQ(print_config(fields_of(back)), text);
+}
+
 TEST(TomlFile, ResolvesPathsAgainstTheFile) {
     const fs::path file = write_file("paths.toml", "inputs = ['sub/a.ply']\nwork = '../w'\n");
     SampleConfig config;

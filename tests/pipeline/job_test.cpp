@@ -88,6 +88,14 @@ TEST(Job, PassesOptionsOnToTheVerbs) {
               std::find(words.begin(), words.end(), "--size=320x240"));
 }
 
+TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\ntruth_shape = 'torus'\n"
+        "[[view]]\nname = 'a'\naovs = ['truth_distance']\n[[view]]\nname = 'b'\naovs = ['mean']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--truth-shape=torus"));
+    EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
+}
+
 TEST(Job, ReadsFilesFromBesideItself) {
     const Job job = read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n[measure]\n"));
     ASSERT_EQ(job.steps.size(), 3u);

@@ -275,13 +275,28 @@ TEST(LocalFit, NoPointAtAllIsThePlaneThroughTheCentre) {
     for (const double a : fit.polynomial.a) EXPECT_EQ(a, 0);
 }
 
-TEST(LocalFit, PointsOfWeightZeroDoNotCount) {
+TEST(LocalFit, PointsSetAsideDoNotCount) {
     auto ball = ball_of<double>(300, 1, 8, [](double u, double v) { return 0.1 * u * v; }, 0.5);
     for (std::size_t i = 0; i < ball.n; i += 2) ball.z[i] = 0.7, ball.nz[i] = -1;
-    drop_other_side(ball, {0, 0, 1});
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, {0, 0, 1}, aside);
     const LocalFit fit = fit_ball(ball, 1, kUpright, 2);
     EXPECT_NEAR(fit.polynomial.a[4], 0.1, 1e-12);
     EXPECT_EQ(fit.n_points, ball.n / 2);
+    EXPECT_EQ(aside.size(), (ball.n + 1) / 2);
+}
+
+TEST(LocalFit, APointOffTheSheetIsToldFromABadNormal) {
+    auto ball = ball_of<double>(300, 1, 8, [](double u, double v) { return 0.1 * u * v; }, 0.5);
+    for (std::size_t i = 0; i < 20; ++i) ball.nz[i] = -1;   // in place, the normal is wrong
+    for (std::size_t i = 0; i < 7; ++i) ball.z[i] += 0.3;   // and these lie on another sheet
+    std::vector<SetAside<double>> aside;
+    set_contrary_aside(ball, {0, 0, 1}, aside);
+    const LocalFit fit = fit_ball(ball, 1, kUpright, 2);
+    const std::span<const SetAside<double>> all = aside;
+    EXPECT_EQ(aside.size(), 20u);
+    EXPECT_EQ(count_off_sheet(ball, all, kUpright, fit, 0.2), 7u);
+    EXPECT_EQ(count_off_sheet(ball, all, kUpright, fit, 0.4), 0u);
 }
 
 TEST(AverageNormal, TakesTheSideOfTheCentre) {
@@ -290,11 +305,15 @@ TEST(AverageNormal, TakesTheSideOfTheCentre) {
     EXPECT_NEAR(average_normal(ball, 1, {0, 0, 1}).normal.z, 1, 1e-12);
     EXPECT_NEAR(average_normal(ball, 1, {0.5, 0, -1}).normal.z, -1, 1e-12);
     EXPECT_FALSE(average_normal(ball, 1, {0, 0, 1}).disagree);
-    const std::size_t contrary = (ball.n + 2) / 3;
-    EXPECT_EQ(count_contrary(ball, 1, {0, 0, 1}, 0.3f), contrary);
-    EXPECT_EQ(count_contrary(ball, 1, {0, 0, -1}, 0.3f), ball.n - contrary);
-    for (std::size_t i = 0; i < ball.n; ++i) ball.nz[i] = 0;  // none measured
-    EXPECT_EQ(count_contrary(ball, 1, {0, 0, 1}, 0.3f), 0u);
+    std::vector<SetAside<float>> aside;
+    auto down = ball, unmeasured = ball;
+    set_contrary_aside(ball, {0, 0, 1}, aside);
+    EXPECT_EQ(aside.size(), (ball.n + 2) / 3);
+    set_contrary_aside(down, {0, 0, -1}, aside);
+    EXPECT_EQ(aside.size(), ball.n - (ball.n + 2) / 3);
+    for (std::size_t i = 0; i < ball.n; ++i) unmeasured.nz[i] = 0;
+    set_contrary_aside(unmeasured, {0, 0, 1}, aside);
+    EXPECT_TRUE(aside.empty());
 }
 
 TEST(AverageNormal, FallsBackOnTheLeastSpreadWhereNormalsDisagree) {
