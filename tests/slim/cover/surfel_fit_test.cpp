@@ -17,8 +17,7 @@ TEST(SurfelFit, StandsInTheFrameThatTheFileKeeps) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 1000) {
-        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.15, 2,
-                                            1e-10, work);
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.15, 2, false, 1e-10, work);
         const Surfel& surfel = s.fitted.surfel;
         EXPECT_EQ(surfel.center, block.position[i]);
         EXPECT_EQ(surfel.frame.normal, round_normal(surfel.frame.normal));
@@ -41,7 +40,7 @@ TEST(SurfelFit, CoversWhatItExplainsOnItsSide) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     // lambda: residuals up to 0.004 are explained whatever the error, which one point off lifts.
-    const CoveringSurfel s = fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 2, 1e-6, work);
+    const CoveringSurfel s = fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 2, false, 1e-6, work);
     std::set<std::uint32_t> covered;
     for (const Covered& c : s.covered) {
         covered.insert(c.point);
@@ -62,8 +61,7 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 500) {
-        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
-                                            1e-6, work);
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2, false, 1e-6, work);
         const std::vector<Covered> again = covered_points(tree, s.fitted, 1e-6, work);
         ASSERT_EQ(again.size(), s.covered.size());
         for (std::size_t k = 0; k < again.size(); ++k) {
@@ -74,6 +72,30 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     }
 }
 
+TEST(SurfelFit, AForcedLeafTakesTheLowestDegreeThatTheNoiseAsksFor) {
+    const auto degree = [](double bend, double noise_variance) {
+        const PointBlock block = graph_points(200, 1, 3, [=](double u, double) { return bend * u * u; });
+        BallPoints<double> work;
+        return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, true, noise_variance, work)
+            .fitted.surfel.degree;
+    };
+    EXPECT_EQ(degree(0.3, 1e-2), 1);  // the bend drowns in a noise of 0.1
+    EXPECT_EQ(degree(0.3, 1e-6), 2);
+}
+
+TEST(SurfelFit, LeansOverAtABorder) {
+    const PointBlock whole = graph_points(4000, 1, 3, [](double, double) { return 0.0; });
+    PointBlock half = whole;
+    for (Vec3d& p : half.position) p.x = std::abs(p.x);
+    BallPoints<double> work;
+    const auto lean = [&](const PointBlock& block) {
+        return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, false, 1e-10, work).lean;
+    };
+    EXPECT_LT(length(lean(whole)), 0.05);
+    EXPECT_NEAR(lean(half).x, 0.2, 0.03);  // half the plane under exp(-8 x^2): 1 / sqrt(8 pi)
+    EXPECT_LT(std::abs(lean(half).y), 0.05);
+}
+
 TEST(SurfelFit, ReportsNormalsThatDisagree) {
     PointBlock block = graph_points(500, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -81,7 +103,7 @@ TEST(SurfelFit, ReportsNormalsThatDisagree) {
         block.normal[i] = to_float(normalized(Vec3d{std::cos(angle), std::sin(angle), 0.05}));
     }
     BallPoints<double> work;
-    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, 1e-10, work);
+    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, false, 1e-10, work);
     EXPECT_TRUE(s.normals_disagree);
     EXPECT_NEAR(s.fitted.surfel.frame.normal.z, 1, 1e-6);
 }
