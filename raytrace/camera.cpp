@@ -55,8 +55,10 @@ Basis basis_of(const Camera& camera) {
 /// picture's width or height.
 struct FreePart {
     double left, right, vertical;
+    bool centred;  ///< the box stays in the middle of the picture
     explicit FreePart(const Framing& f)
-        : left(1 - f.margin), right(1 - f.margin - 2 * f.free_right), vertical(1 - f.margin) {}
+        : left(1 - f.margin), right(1 - f.margin - 2 * f.free_right), vertical(1 - f.margin),
+          centred(f.free_right <= 0) {}
 };
 
 struct Fit {
@@ -76,8 +78,8 @@ std::array<Vec3d, 8> corners_of(const Bbox& box, const Basis& b) {
     return corners;
 }
 
-/// A corner at x stays inside if -left <= (x - step) / (tan_x (distance + z)) <= right: the sum of the
-/// two bounds gives the distance, then the right one gives the step.
+/// A corner at x stays inside if -left <= (x - step) / (tan_x (distance + z)) <= right. The left bound
+/// at step 0 and the sum of both give the distance, then the right one gives the step.
 Fit fit_perspective(const std::array<Vec3d, 8>& corners, double tan_x, double tan_y,
                     const FreePart& part) {
     const double infinity = std::numeric_limits<double>::infinity();
@@ -86,11 +88,12 @@ Fit fit_perspective(const std::array<Vec3d, 8>& corners, double tan_x, double ta
     for (const Vec3d& c : corners) {
         past_right = std::max(past_right, c.x - part.right * tan_x * c.z);
         past_left = std::max(past_left, -c.x - part.left * tan_x * c.z);
-        fit.distance = std::max(fit.distance, c.y / (tan_y * part.vertical) - c.z);
+        fit.distance = std::max(fit.distance, std::abs(c.y) / (tan_y * part.vertical) - c.z);
     }
-    fit.distance =
-        std::max(fit.distance, (past_right + past_left) / (tan_x * (part.left + part.right)));
-    fit.step_right = past_right - part.right * tan_x * fit.distance;
+    const double either_side = (past_right + past_left) / (part.left + part.right);
+    fit.distance = std::max({fit.distance, past_left / (tan_x * part.left), either_side / tan_x});
+    if (part.centred) fit.distance = std::max(fit.distance, past_right / (tan_x * part.right));
+    else fit.step_right = std::max(0.0, past_right - part.right * tan_x * fit.distance);
     return fit;
 }
 
@@ -100,7 +103,7 @@ Fit fit_orthographic(const std::array<Vec3d, 8>& corners, double aspect, const F
         x = std::max(x, c.x), y = std::max(y, c.y), z = std::max(z, c.z);
     Fit fit;
     fit.half_width = std::max(2 * x / (part.left + part.right), y * aspect / part.vertical);
-    fit.step_right = x - part.right * fit.half_width;
+    if (!part.centred) fit.step_right = std::max(0.0, x - part.right * fit.half_width);
     fit.distance = z;
     return fit;
 }
@@ -154,9 +157,7 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
     const double size = box.diagonal() > 0 ? box.diagonal() : 1.0;
     camera.width = fit.half_width > 0 ? 2 * fit.half_width : size;
     const double distance = framing.orthographic ? fit.distance + size : fit.distance;
-    // A centred box stays exactly where it is, whatever the rounding.
-    const Vec3d step = basis.right * (framing.free_right > 0 ? std::max(0.0, fit.step_right) : 0.0);
-    camera.target = camera.target + step;
+    camera.target = camera.target + basis.right * fit.step_right;
     camera.eye = camera.target + towards * (distance > 0 ? distance : size);
     return camera;
 }

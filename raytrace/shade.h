@@ -45,15 +45,18 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// A normal as shading takes it, facing the eye (n . e >= 0). One that clearly faces away is turned
-/// round, so both sides of a sheet look alike. One that only just does is a silhouette whose polynomial
-/// overshoots the edge: turned round it would be a dark rim, so it is mirrored at the plane across the
-/// view instead, which is continuous at the edge; between n . e = -0.3 and -0.5 one becomes the other.
+/// The normal of a silhouette whose polynomial overshoots the edge, so that it just turns away from the
+/// eye: turned round it would be a dark rim, so it is mirrored at the plane across the view instead,
+/// which is continuous at the edge. From n . e = -0.3 to -0.5 the mirror image becomes the normal turned
+/// round, which it is beyond; one that faces the eye is left as it is.
 ///
 /// normal, toward_eye  unit, any frame they share
-Vec3f facing_normal(const Vec3f& normal, const Vec3f& toward_eye);
+/// returns             unit, n . e >= 0
+Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
 
-/// Shades every hit pixel over transparent black, with facing_normal.
+/// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
+/// sides of a sheet look alike; but within 1/200 of the picture's longer side (at least 2 pixels) of a
+/// surface that faces the eye it is taken for an overshoot of that surface: silhouette_normal.
 ///
 /// normals, hit  width * height each, row-major from the top left; hit != 0 where there is a surface
 /// returns       premultiplied linear Rec.709, alpha 1 at hits and 0 elsewhere
