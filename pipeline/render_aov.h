@@ -30,7 +30,7 @@ struct RenderedFrame {
     ShadeView view;
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
-    Picture shaded;                     ///< of the picture's size, over transparent; empty unless asked for
+    Picture shaded;                     ///< at the picture's size; empty unless asked for
 };
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in the

@@ -100,7 +100,8 @@ TEST(Shade, SilhouetteNormalIsUnitFacesTheEyeAndIsContinuous) {
 
 TEST(Shade, SilhouetteNormalMirrorsASilhouetteAndTurnsABackRound) {
     const Vec3f eye{0, 0, 1};
-    const Vec3f rim = silhouette_normal(leaning(-0.2f), eye), back = silhouette_normal(leaning(-0.6f), eye);
+    const Vec3f rim = silhouette_normal(leaning(-0.2f), eye);
+    const Vec3f back = silhouette_normal(leaning(-0.6f), eye);
     EXPECT_NEAR(length(rim - leaning(0.2f)), 0, 1e-6f);
     EXPECT_EQ(back.y, -leaning(-0.6f).y);
     EXPECT_EQ(back.z, 0.6f);
