@@ -12,6 +12,7 @@ namespace slim {
 namespace {
 
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
+constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kSteepest = 3;          // sum |a_k|, degree >= 1: beyond it the patch leaves its ball
 
 /// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
@@ -93,8 +94,12 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
     LocalFit fit;
     Fallback cause = Fallback::none;
     int degree = Degree;
-    while (degree > 1 && n < 2 * static_cast<std::size_t>(n_coefficients(degree)))
-        --degree, cause = Fallback::few_points;
+    const double n_eff = m.n_effective();
+    const auto has_points_for = [&](int d) {
+        const int k = n_coefficients(d);
+        return n >= 2 * static_cast<std::size_t>(k) && n_eff >= k + kLeastFreedom;
+    };
+    while (degree > 1 && !has_points_for(degree)) --degree, cause = Fallback::few_points;
     if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
     for (; degree >= 1; --degree, cause = Fallback::steep) {
         const auto a = solver.coefficients(degree);
@@ -103,7 +108,6 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
         double rss = solver.sq_residual(degree);
         if (rss < kCancelled<T> * m.sq_height)
             rss = residual_pass(points, shrink, frame, Polynomial<double>{a});
-        const double n_eff = m.n_effective();
         const double freedom = 1 - n_coefficients(degree) / n_eff;
         fit.degree = degree;
         fit.sq_error =
