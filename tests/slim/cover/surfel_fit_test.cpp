@@ -18,7 +18,7 @@ TEST(SurfelFit, StandsInTheFrameThatTheFileKeeps) {
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 1000) {
         const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.15, 2,
-                                            1e-10, work);
+                                            false, 1e-10, work);
         const Surfel& surfel = s.fitted.surfel;
         EXPECT_EQ(surfel.center, block.position[i]);
         EXPECT_EQ(surfel.frame.normal, round_normal(surfel.frame.normal));
@@ -41,7 +41,7 @@ TEST(SurfelFit, CoversWhatItExplainsOnItsSide) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     // lambda: residuals up to 0.004 are explained whatever the error, which one point off lifts.
-    const CoveringSurfel s = fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 2, 1e-6, work);
+    const CoveringSurfel s = fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 2, false, 1e-6, work);
     std::set<std::uint32_t> covered;
     for (const Covered& c : s.covered) {
         covered.insert(c.point);
@@ -63,7 +63,7 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 500) {
         const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
-                                            1e-6, work);
+                                            false, 1e-6, work);
         const std::vector<Covered> again = covered_points(tree, s.fitted, 1e-6, work);
         ASSERT_EQ(again.size(), s.covered.size());
         for (std::size_t k = 0; k < again.size(); ++k) {
@@ -74,6 +74,35 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     }
 }
 
+TEST(SurfelFit, ForcedLeavesTakeTheLowestDegreeThatExplainsThem) {
+    // Height 0.1 (u^2 - v^2): a plane leaves about 0.002 in a ball of radius 0.3.
+    const PointBlock block = graph_points(5000, 1, 3, [](double u, double v) {
+        return 0.1 * (u * u - v * v);
+    });
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    const auto degree_with = [&](bool forced, double noise_variance) {
+        return fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 3, forced, noise_variance, work)
+            .fitted.surfel.degree;
+    };
+    EXPECT_EQ(degree_with(false, 1e-4), 3);
+    EXPECT_EQ(degree_with(true, 1e-4), 1);
+    EXPECT_EQ(degree_with(true, 1e-9), 2);
+}
+
+TEST(SurfelFit, LeansInwardsAtABorderOnly) {
+    const PointBlock block = graph_points(40000, 1, 3, [](double, double) { return 0.0; });
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    const auto lean_at = [&](const Vec3d& c) {
+        return fit_surfel(tree, c, {0, 0, 1}, 0.3, 2, false, 1e-10, work).lean;
+    };
+    EXPECT_LT(length(lean_at({0, 0, 0})), 0.02);
+    const Vec3d border = lean_at({1, 0, 0});
+    EXPECT_NEAR(border.x, -0.2, 0.02);
+    EXPECT_NEAR(border.y, 0, 0.02);
+}
+
 TEST(SurfelFit, ReportsNormalsThatDisagree) {
     PointBlock block = graph_points(500, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -81,7 +110,7 @@ TEST(SurfelFit, ReportsNormalsThatDisagree) {
         block.normal[i] = to_float(normalized(Vec3d{std::cos(angle), std::sin(angle), 0.05}));
     }
     BallPoints<double> work;
-    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, 1e-10, work);
+    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, false, 1e-10, work);
     EXPECT_TRUE(s.normals_disagree);
     EXPECT_NEAR(s.fitted.surfel.frame.normal.z, 1, 1e-6);
 }
