@@ -31,6 +31,7 @@ SliceConfig slice_config(const BuildConfig& c, const std::string& work) {
 NormalsConfig normals_config(const BuildConfig& c, const std::string& work) {
     NormalsConfig n;
     n.work = work;
+    n.slice = kAllSlices;
     n.normals = c.normals;
     n.sensors = c.sensors;
     return n;
@@ -39,6 +40,7 @@ NormalsConfig normals_config(const BuildConfig& c, const std::string& work) {
 FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     FitConfig f;
     f.work = work;
+    f.slice = kAllSlices;
     f.degree = c.degree;
     f.t_mdl = c.t_mdl;
     f.lambda = c.lambda;

@@ -98,6 +98,11 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"seed", rules.seed}};
 }
 
+/// What a fit takes from the normals of all slices, for its manifest.
+std::string shared_values(const CoverRules& rules) {
+    return fmt::format("lambda {} contrary {}", rules.noise_variance, rules.ladder.contrary_share);
+}
+
 void write_cover(const std::filesystem::path& path, const CoverRules& rules, const Cover& cover) {
     write_fit(path.string(), cover.surfels,
               nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}
@@ -111,6 +116,8 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     Stamp stamp(context, manifest_path(output));
     for (std::size_t i = 0; i < plan.slices.size(); ++i)
         stamp.input(oriented_points_path(config.work, i));
+    stamp.input(plan_path(config.work));
+    stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
     const double budget =
         static_cast<double>(parse_memory_size(config.memory) / 2 / kBytesPerPoint);
@@ -157,8 +164,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     for (std::size_t i = slice > 0 ? slice - 1 : 0; i < std::min(slice + 2, plan.slices.size()); ++i)
         stamp.input(oriented_points_path(config.work, i));
     if (sliced) stamp.input(coarse_fit_path(config.work));
-    stamp.depends(fmt::format("lambda {} contrary {}", rules.noise_variance,
-                              rules.ladder.contrary_share));
+    stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
     FitFile coarse;
     if (sliced) coarse = read_fit(coarse_fit_path(config.work).string());

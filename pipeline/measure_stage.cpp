@@ -123,8 +123,9 @@ Sums measure_cloud(const MeasureConfig& config, const BallIndex& index, const Ve
     return sums;
 }
 
-double rms(double sum, std::uint64_t n) {
-    return n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0;
+/// Null where there is nothing to take a mean of: 0 would be the best score.
+nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
+    return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit) : nlohmann::json();
 }
 
 }  // namespace
@@ -140,12 +141,16 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
 
     const std::uint64_t hits = s.points - s.missed;
     const double diagonal = model.header().diagonal;
+    if (hits == 0)
+        context.reporter.warn(fmt::format(
+            "{}: no surfel of {} supports any of its {} points: are they in the same frame?",
+            config.cloud, config.model, s.points));
     nlohmann::json out = {{"points", s.points},
                           {"missed", s.missed},
                           {"opposed", s.opposed},
                           {"without_normal", s.no_normal},
-                          {"l2", rms(s.sq_distance, hits) / diagonal},
-                          {"max", s.max / diagonal},
+                          {"l2", rms(s.sq_distance, hits, diagonal)},
+                          {"max", hits > 0 ? nlohmann::json(s.max / diagonal) : nlohmann::json()},
                           {"normal_rms_deg", rms(s.sq_angle, s.n_angles)},
                           {"leaves", model.header().n_leaves},
                           {"bytes", model.file_size()},
@@ -154,7 +159,7 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
         for (const auto& [key, sum] : {std::pair{"k1_rms", s.sq_k1}, std::pair{"k2_rms", s.sq_k2},
                                        std::pair{"mean_curvature_rms", s.sq_mean}}) {
             out[key] = rms(sum, hits);
-            out[std::string(key) + "_x_diagonal"] = rms(sum, hits) * diagonal;
+            out[std::string(key) + "_x_diagonal"] = rms(sum, hits, 1 / diagonal);
         }
     }
     return out;

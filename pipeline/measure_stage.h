@@ -27,7 +27,7 @@ struct MeasureConfig {
 /// mean_curvature_rms (1 / length) and the same with _x_diagonal.
 /// A point is missed if no surfel supports it on its normal's side, nor on the other: the latter ones are
 /// counted as `opposed`, their normals compared without sign (scans hold some flipped normals).
-/// throws DataError if the cloud has no finite point
+/// A mean over nothing is null. throws DataError if the cloud has no finite point
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context);
 
 }  // namespace slim

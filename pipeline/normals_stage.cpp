@@ -65,9 +65,12 @@ NormalsReport give_normals(PointBlock& points, const NormalsConfig& config,
             "{} points have no normal and none is estimated (--normals keep): they are estimated "
             "with --normals auto",
             wanted.size()));
-    if (config.normals == "keep") wanted.clear();
     const std::size_t n_own = points.size() - wanted.size();
-    if (config.normals == "auto" && n_own > 0) {
+    if (config.normals == "keep") {
+        report.kept = n_own;
+        return report;
+    }
+    if (n_own > 0) {
         const NormalAudit audit = repair_contrary_normals(points);
         report.turned = audit.contrary;
         report.noisy = audit.noisy;
@@ -169,6 +172,9 @@ std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
         return std::vector<std::size_t>{static_cast<std::size_t>(i)};
     };
     if (slice >= 0) return check(slice);
+    std::vector<std::size_t> all(plan.slices.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    if (slice == kAllSlices) return all;
     // CONVENTIONS 2.1; SGE counts from 1.
     for (const auto& [variable, first] : {std::pair{"SLURM_ARRAY_TASK_ID", 0},
                                           std::pair{"SGE_TASK_ID", 1},
@@ -179,8 +185,6 @@ std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
             continue;
         return check(index - first);
     }
-    std::vector<std::size_t> all(plan.slices.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
     return all;
 }
 

@@ -36,7 +36,10 @@ struct NormalsConfig {
 /// WORK/slice_0007/oriented.slice: the points with a normal each.
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice);
 
-/// Slices to work on: `slice` if >= 0, else the index an array job was given (SLURM_ARRAY_TASK_ID, ...),
+/// --slice of a stage called inside another: all, whatever array job the whole build is part of.
+inline constexpr int kAllSlices = -2;
+
+/// Slices to work on: `slice` if >= 0; -1: the index an array job was given (SLURM_ARRAY_TASK_ID, ...),
 /// else all. ConfigError if there is no such slice.
 std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan);
 

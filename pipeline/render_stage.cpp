@@ -248,7 +248,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
 
     Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
     stamp.input(config.model);
-    stamp.depends("drawn as " + plan.stem.string());
+    stamp.depends("drawn as " + plan.stem.filename().string());
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;

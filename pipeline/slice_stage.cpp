@@ -18,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Radii, curvatures and their squares are floats in models and pictures.
+constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
+
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
 }
@@ -31,6 +34,11 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
         throw DataError(fmt::format(
             "{}: the extent overflows: from ({}, {}, {}) to ({}, {}, {})", names_of(config.inputs),
             b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z));
+    const double diagonal = b.diagonal();
+    if (diagonal > 0 && (diagonal < kLeastDiagonal || diagonal > kMostDiagonal))
+        throw DataError(fmt::format(
+            "{}: the cloud's diagonal is {:.3g}: expected {:.0e} to {:.0e}, change its unit",
+            names_of(config.inputs), diagonal, kLeastDiagonal, kMostDiagonal));
 }
 
 Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }

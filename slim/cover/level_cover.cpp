@@ -257,6 +257,7 @@ void LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
         return;
     c.surfel = std::move(moved);
+    c.choice.saturated = choice.saturated;
     c.center = tree.source(*place);
 }
 
@@ -298,7 +299,9 @@ void LevelCover::accept(Candidate& c, int level) {
     }
     FittedSurfel& f = c.surfel.fitted;
     f.level = static_cast<std::uint8_t>(level);
-    f.flags = static_cast<std::uint8_t>(kLeaf | (c.choice.saturated ? kSaturated : 0) |
+    // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
+    const bool saturated = c.choice.saturated && rules_.first_level == 1;
+    f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
     out_.counts.recentred += c.center != c.point;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
 constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
+constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
 constexpr double kSteepest = 3;          // sum |a_k|, degree >= 1: beyond it the patch leaves its ball
 
 /// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
@@ -111,7 +112,7 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
         const double freedom = 1 - n_coefficients(degree) / n_eff;
         fit.degree = degree;
         fit.sq_error =
-            points.radius * points.radius * rss / m.weight() / std::max(freedom, 1e-3);
+            points.radius * points.radius * rss / m.weight() / std::max(freedom, kLeastShare);
         break;
     }
     if (degree < 1) fit = mean_plane(m, shrink, points.radius), cause = Fallback::plane;
@@ -142,7 +143,8 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
     }
     const double len = length(sum);
     if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
-    if (p.n < 3) return {side, true};
+    const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
+    if (p.n < 3) return {known, true};
     const Vec3d n = least_spread_direction(p, shrink);
     return {dot(n, side) < 0 ? -n : n, true};
 }

@@ -28,7 +28,8 @@ struct LocalFit {
 
 /// Average normal of a ball: sum G n_i over the points on the side of `side` (the centre's own normal),
 /// weights at |x| / shrink. Where the normals disagree (|sum| < 0.3 sum G), the direction of least
-/// spread of the points, signed by `side` (NUMERICS 2.1). Unit; `side` itself if the ball is empty.
+/// spread of the points, signed by `side` (NUMERICS 2.1). Unit; `side` itself if the ball is empty
+/// (+z if that is zero).
 struct BallNormal {
     Vec3d normal;
     bool disagree = false;

@@ -25,7 +25,7 @@ CoverRules rules_for(const PointBlock& block, double mdl_threshold = 0.02, int d
     const std::span<const Vec3d> samples(block.position);
     const double measured =
         estimate_noise_variance(KnnIndex(block.position), block.position,
-                                samples.first(std::min<std::size_t>(samples.size(), 10000)), true)
+                                samples.first(std::min<std::size_t>(samples.size(), 10000)), 0)
             .value;
     const double quantum = rules.diagonal * 2.2e-16;
     rules.noise_variance = std::max(measured, 16 * quantum * quantum);
