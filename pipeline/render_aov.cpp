@@ -1,5 +1,6 @@
 #include "pipeline/render_aov.h"
 
+#include "pipeline/render_bands.h"
 #include "pipeline/render_maps.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
@@ -18,9 +19,9 @@ constexpr float kMapLightFloor = 0.5f;
 
 const std::map<std::string, Channels>& channel_table() {
     static const std::map<std::string, Channels> table{
-        {"shaded", kNormalChannel},      {"mean", kCurvatureChannel},
-        {"gauss", kCurvatureChannel},    {"k1", kCurvatureChannel},
-        {"k2", kCurvatureChannel},       {"normal", kNormalChannel},
+        {"shaded", kNormalChannel},      {"mean", kMeanChannel},
+        {"gauss", kGaussChannel},        {"k1", kK1Channel},
+        {"k2", kK2Channel},              {"normal", kNormalChannel},
         {"depth", kDepthChannel},        {"position", kPositionChannel},
         {"id", kSurfelIdChannel},        {"error", kFitErrorChannel},
         {"level", kLevelChannel},        {"coverage", kCoverageChannel},
@@ -30,6 +31,14 @@ const std::map<std::string, Channels>& channel_table() {
 }
 
 NormalPlanes normal_planes(const GBuffer& b) { return {b.normal[0], b.normal[1], b.normal[2]}; }
+
+bool is_curvature(const std::string& aov) {
+    return (channel_table().at(aov) & kCurvatureChannel) != 0;
+}
+
+Legend level_legend(const ColorMap& map, const ValueRange& range) {
+    return {"level", "1: coarsest", &map, range, "", ""};
+}
 
 std::span<const float> plane_of(const std::string& aov, const RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
@@ -43,14 +52,15 @@ std::span<const float> plane_of(const std::string& aov, const RenderedFrame& fra
                                : frame.truth_distance;
 }
 
-/// Calls color(i) -> display-referred sRGB at every hit.
+/// Calls color(i) -> display-referred sRGB at every hit of some rows.
 template <class Color>
-Picture paint_hits(const GBuffer& b, const Color& color) {
-    Picture out(b.width, b.height);
-    parallel_blocks(b.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
+Picture paint_hits(const GBuffer& b, const RowRange& rows, const Color& color) {
+    Picture out(b.width, rows.end - rows.begin);
+    const std::size_t first = b.index(0, rows.begin);
+    parallel_blocks(out.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!b.hit[i]) continue;
-            const Vec3f c = color(i);
+            if (!b.hit[first + i]) continue;
+            const Vec3f c = color(first + i);
             float* p = &out.rgba[4 * i];
             p[0] = linear_from_srgb(c.x), p[1] = linear_from_srgb(c.y);
             p[2] = linear_from_srgb(c.z), p[3] = 1;
@@ -59,16 +69,25 @@ Picture paint_hits(const GBuffer& b, const Color& color) {
     return out;
 }
 
-Picture draw_normals(const GBuffer& b) {
-    return paint_hits(b, [&](std::size_t i) {
+/// The rows of a plane that is painted as a map.
+Picture paint_map(const GBuffer& b, const RowRange& rows, const Legend& legend,
+                  std::span<const float> values) {
+    const int n_rows = rows.end - rows.begin;
+    const std::size_t first = b.index(0, rows.begin), n = b.index(0, n_rows);
+    return paint(b.width, n_rows, *legend.map, legend.range, values.subspan(first, n),
+                 std::span(b.hit).subspan(first, n));
+}
+
+Picture paint_normals(const GBuffer& b, const RowRange& rows) {
+    return paint_hits(b, rows, [&](std::size_t i) {
         return Vec3f{b.normal[0][i], b.normal[1][i], b.normal[2][i]} * 0.5f + Vec3f{0.5f, 0.5f, 0.5f};
     });
 }
 
 /// Position over the model's bounds, each axis its own colour.
-Picture draw_positions(const GBuffer& b, const Bbox& bounds) {
+Picture paint_positions(const GBuffer& b, const Bbox& bounds, const RowRange& rows) {
     const Vec3f lo = to_float(bounds.lo), extent = to_float(bounds.extent());
-    return paint_hits(b, [&](std::size_t i) {
+    return paint_hits(b, rows, [&](std::size_t i) {
         Vec3f c;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const float from_lo = b.position[axis][i] - lo[axis];
@@ -89,11 +108,12 @@ Vec3f color_of_id(std::uint32_t id) {
     return {channel(0), channel(4), channel(2)};
 }
 
-Picture draw_ids(const GBuffer& b) {
-    return paint_hits(b, [&](std::size_t i) { return color_of_id(b.surfel_id[i]); });
+Picture paint_ids(const GBuffer& b, const RowRange& rows) {
+    return paint_hits(b, rows, [&](std::size_t i) { return color_of_id(b.surfel_id[i]); });
 }
 
-AovPicture draw_levels(const GBuffer& b) {
+AovPicture draw_levels(const RenderedFrame& frame, const PictureSize& size) {
+    const GBuffer& b = frame.buffer;
     const ValueRange levels = full_range(b.level, b.hit);
     const double lo = std::round(levels.lo);
     // At least five steps, so that the legend's ticks are whole numbers.
@@ -101,22 +121,38 @@ AovPicture draw_levels(const GBuffer& b) {
     AovPicture out;
     out.own_map = std::make_shared<const ColorMap>(stepped_viridis(n));
     const ValueRange range{lo - 0.5, lo + n - 0.5};
-    out.picture = paint(b.width, b.height, *out.own_map, range, b.level, b.hit);
-    out.legend = Legend{"level", "1: coarsest", out.own_map.get(), range, "", ""};
+    out.legend = level_legend(*out.own_map, range);
+    out.picture = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+        return paint_map(b, rows, *out.legend, b.level);
+    });
     return out;
 }
 
 AovPicture draw_map(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    double diagonal) {
+                    double diagonal, const PictureSize& size) {
     const GBuffer& b = frame.buffer;
     const std::span<const float> values = plane_of(aov, frame);
     const ValueRange range = map_range(config, aov, values, b.hit, diagonal);
+    const bool lit = config.light_maps && is_curvature(aov);
     AovPicture out;
     out.legend = make_legend(config, aov, range, values, b.hit);
-    out.picture = paint(b.width, b.height, *out.legend->map, range, values, b.hit);
-    if (config.light_maps && channel_table().at(aov) == kCurvatureChannel)
-        light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, out.picture);
+    out.picture = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+        Picture band = paint_map(b, rows, *out.legend, values);
+        if (lit)
+            light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, rows.begin);
+        return band;
+    });
     return out;
+}
+
+/// A legend before anything is drawn: its words are known, its numbers are of a usual length.
+std::optional<Legend> expected_legend(const RenderConfig& config, const std::string& aov) {
+    constexpr ValueRange kUsual{-2500, 2500};
+    if (aov == "level") return level_legend(viridis(), kUsual);
+    if (!map_spec(aov)) return std::nullopt;
+    Legend legend = make_legend(config, aov, kUsual, {}, {});
+    legend.clipped_high = legend.clipped_low = true;
+    return legend;
 }
 
 Vec3d shape_offset(const RenderConfig& config) {
@@ -157,7 +193,7 @@ Channels channels_of(const std::vector<std::string>& aovs, bool light_maps) {
     for (const std::string& aov : aovs) {
         const Channels own = channel_table().at(aov);
         channels |= own;
-        if (light_maps && own == kCurvatureChannel) channels |= kNormalChannel;
+        if (light_maps && is_curvature(aov)) channels |= kNormalChannel;
     }
     return channels;
 }
@@ -182,15 +218,28 @@ std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& mode
 }
 
 AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    const Bbox& bounds) {
-    AovPicture out;
-    if (aov == "shaded") out.picture = frame.shaded;
-    else if (aov == "normal") out.picture = draw_normals(frame.buffer);
-    else if (aov == "position") out.picture = draw_positions(frame.buffer, bounds);
-    else if (aov == "id") out.picture = draw_ids(frame.buffer);
-    else if (aov == "level") out = draw_levels(frame.buffer);
-    else out = draw_map(config, aov, frame, bounds.diagonal());
-    return out;
+                    const Bbox& bounds, const PictureSize& size) {
+    const GBuffer& b = frame.buffer;
+    const auto painted = [&](const auto& paint_rows) {
+        return AovPicture{paint_in_bands(frame.size, size, paint_rows), {}, {}};
+    };
+    if (aov == "shaded") return {frame.shaded, {}, {}};
+    if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
+    if (aov == "position")
+        return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });
+    if (aov == "id") return painted([&](const RowRange& r) { return paint_ids(b, r); });
+    if (aov == "level") return draw_levels(frame, size);
+    return draw_map(config, aov, frame, bounds.diagonal(), size);
+}
+
+double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
+                   const PictureSize& size) {
+    double share = 0;
+    if (!config.legend) return share;
+    for (const std::string& aov : aovs)
+        if (const auto legend = expected_legend(config, aov))
+            share = std::max(share, legend_share(*legend, size.width, size.height));
+    return share;
 }
 
 }  // namespace slim

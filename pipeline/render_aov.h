@@ -30,7 +30,7 @@ struct RenderedFrame {
     ShadeView view;
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
-    Picture shaded;                     ///< over transparent; empty unless asked for
+    Picture shaded;                     ///< at the picture's size; empty unless asked for
 };
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in the
@@ -39,13 +39,20 @@ struct RenderedFrame {
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& buffer);
 
-/// A finished picture of one AOV at the frame's size, over transparent.
+/// A picture of one AOV, over transparent.
 struct AovPicture {
     Picture picture;
     std::optional<Legend> legend;           ///< of a map
     std::shared_ptr<const ColorMap> own_map;  ///< what the legend points to, if made for this picture
 };
+
+/// Draws an AOV; a frame larger than `size` is averaged.
 AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    const Bbox& bounds);
+                    const Bbox& bounds, const PictureSize& size);
+
+/// Share of the picture's width that the widest legend burned into these AOVs will take at the right;
+/// 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
+double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
+                   const PictureSize& size);
 
 }  // namespace slim

@@ -55,7 +55,8 @@ struct RenderConfig {
         field("range", range,
               "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI");
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
-        field("legend", legend, "legend bar in the maps, and beside them as SVG");
+        field("legend", legend,
+              "legend bar in the maps (named cameras leave room) and beside them as SVG");
         field("light_maps", light_maps, "light the curvature maps (colours are then not exact)");
         field("background", background,
               "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom");

@@ -5,6 +5,7 @@
 #include "formats/model_file.h"
 #include "pipeline/manifest.h"
 #include "pipeline/render_aov.h"
+#include "pipeline/render_bands.h"
 #include "pipeline/render_files.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_view.h"
@@ -47,8 +48,17 @@ double median(std::vector<double> values) {
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
+Picture shaded_picture(const RenderedFrame& frame, const PictureSize& size) {
+    const GBuffer& b = frame.buffer;
+    return paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+        return shade_rows(b.width, b.height, frame.view, {b.normal[0], b.normal[1], b.normal[2]},
+                          b.hit, rows);
+    });
+}
+
 /// Projection and shading: what a frame time means.
-RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, RenderedFrame& frame) {
+RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
+                       RenderedFrame& frame) {
     frame.size = {job.size.width * factor, job.size.height * factor};
     frame.view = shade_view(job.camera, frame.size);
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
@@ -57,10 +67,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, Render
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
-    const GBuffer& b = frame.buffer;
-    if (job.wants("shaded"))
-        frame.shaded = shade(frame.size.width, frame.size.height, frame.view,
-                             {b.normal[0], b.normal[1], b.normal[2]}, b.hit);
+    if (with_shading) frame.shaded = shaded_picture(frame, job.size);
     return stats;
 }
 
@@ -88,39 +95,57 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
         lo.z, hi.x, hi.y, hi.z));
 }
 
-/// Whether a frame at the picture's own size is needed: for data, and for what is never averaged.
-bool needs_plain(const RenderJob& job) {
-    return job.config.supersample == 1 || !job.plan.exr.empty() ||
-           !std::all_of(job.aovs.begin(), job.aovs.end(), is_filterable);
-}
-
-Frames draw_frames(const RenderJob& job, StageContext& context) {
-    const Channels wanted = channels_of(job.aovs, job.config.light_maps);
-    Frames frames;
-    frames.has_fine = job.config.supersample > 1;
+/// Renders the frame of a factor as often as the job says; returns the median time.
+double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, StageContext& context,
+                       RenderedFrame& frame, RenderStats& stats) {
     std::vector<double> times;
     const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
     for (std::uint64_t k = 0; k < repeats; ++k) {
         context.reporter.progress("frames", k, repeats);
         const auto start = std::chrono::steady_clock::now();
-        if (frames.has_fine)
-            frames.stats = draw_frame(job, job.config.supersample, wanted, frames.fine);
-        else
-            frames.stats = draw_frame(job, 1, wanted, frames.plain);
+        stats = draw_frame(job, factor, wanted, job.wants("shaded"), frame);
         times.push_back(milliseconds_since(start));
     }
-    frames.median_ms = median(times);
-    if (frames.has_fine && needs_plain(job)) draw_frame(job, 1, wanted, frames.plain);
+    return median(times);
+}
+
+/// What the plain frame is for: data files take all, pictures only what is never averaged.
+std::vector<std::string> plain_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs = job.aovs;
+    if (job.config.supersample > 1 && job.plan.exr.empty()) std::erase_if(aovs, is_filterable);
+    return aovs;
+}
+
+/// What the fine frame is for: pictures, and the colour in a data file.
+std::vector<std::string> fine_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    if (job.config.supersample == 1) return aovs;
+    for (const std::string& aov : job.aovs) {
+        const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
+                           job.plan.drawn.end();
+        if (is_filterable(aov) && (drawn || aov == "shaded")) aovs.push_back(aov);
+    }
+    return aovs;
+}
+
+Frames draw_frames(const RenderJob& job, StageContext& context) {
+    const auto plain = plain_aovs(job), fine = fine_aovs(job);
+    const bool lit = job.config.light_maps;
+    Frames frames;
+    frames.has_fine = !fine.empty();
+    if (frames.has_fine) {
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit),
+                                           context, frames.fine, frames.stats);
+        if (!plain.empty()) draw_frame(job, 1, channels_of(plain, lit), false, frames.plain);
+    } else {
+        frames.median_ms = draw_repeatedly(job, 1, channels_of(plain, lit), context, frames.plain,
+                                           frames.stats);
+    }
     require_hits(job, frames.stats);
     if (job.wants("truth_distance"))
         frames.plain.truth_distance =
             truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
     return frames;
-}
-
-Picture at_picture_size(Picture picture, const PictureSize& size) {
-    return picture.width == size.width ? picture
-                                       : box_downsample(picture, picture.width / size.width);
 }
 
 Json range_json(const ValueRange& range) { return Json::array({range.lo, range.hi}); }
@@ -139,8 +164,11 @@ struct Written {
 void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageMetadata metadata,
                StageContext& context, Written& written) {
     const std::string& aov = job.plan.drawn[k];
-    AovPicture drawn = draw_aov(job.config, aov, frames.for_aov(aov), job.tree.header().bounds);
-    Picture picture = at_picture_size(std::move(drawn.picture), job.size);
+    AovPicture drawn =
+        draw_aov(job.config, aov, frames.for_aov(aov), job.tree.header().bounds, job.size);
+    Picture& picture = drawn.picture;
+    const LegendPlace place =
+        drawn.legend ? best_legend_place(*drawn.legend, picture) : LegendPlace::right;
     composite_over(parse_background(job.config.background, drawn.legend.has_value()), picture);
     if (drawn.legend) {
         const ValueRange& range = drawn.legend->range;
@@ -148,7 +176,7 @@ void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageM
         metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", range.lo, range.hi);
     }
     if (drawn.legend && job.config.legend) {
-        if (!burn_legend(*drawn.legend, picture))
+        if (!burn_legend(*drawn.legend, picture, place))
             context.reporter.warn(job.plan.pngs[k].string() +
                                   ": too small for a legend; see the SVG beside it");
         const std::string svg = job.plan.legend(aov).string();
@@ -162,10 +190,9 @@ void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageM
 void write_data(const RenderJob& job, const Frames& frames, const ImageMetadata& metadata,
                 Written& written) {
     // Colour may be averaged, data never: they come from the frame at the picture's own size.
-    const Picture shaded =
-        job.wants("shaded") ? at_picture_size(frames.for_aov("shaded").shaded, job.size) : Picture();
     std::vector<std::vector<float>> planes;
-    const std::vector<ExrChannel> channels = exr_channels(job.aovs, frames.plain, shaded, planes);
+    const std::vector<ExrChannel> channels =
+        exr_channels(job.aovs, frames.plain, frames.for_aov("shaded").shaded, planes);
     write_exr(job.plan.exr.string(), job.size.width, job.size.height, channels, metadata,
               make_matrices(job.camera, job.size));
     written.files.push_back(job.plan.exr);
@@ -229,7 +256,9 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    const RenderJob job{config, tree, aovs, plan, size, make_camera(config, tree.header(), size)};
+    const double room = legend_room(config, plan.drawn, size);
+    const RenderJob job{config, tree, aovs, plan, size,
+                        make_camera(config, tree.header(), size, room)};
     const Frames frames = draw_frames(job, context);
     const Written written = write_files(job, frames, context);
     return stamp.commit(written.files, make_result(job, frames, written));

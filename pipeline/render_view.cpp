@@ -81,13 +81,17 @@ PictureSize parse_size(const std::string& text) {
                                   kLargestSide, text));
 }
 
-Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size) {
+Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                   double free_right) {
     const double aspect = static_cast<double>(size.width) / size.height;
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
     if (is_camera_name(config.camera)) {
         camera = named_camera(config.camera, model.bounds, aspect,
-                              {config.up == "z", orthographic, config.fov});
+                              {.z_up = config.up == "z",
+                               .orthographic = orthographic,
+                               .fov_y_deg = config.fov,
+                               .free_right = config.ortho_width > 0 ? 0 : free_right});
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)

@@ -18,8 +18,10 @@ struct PictureSize {
 PictureSize parse_size(const std::string& text);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame the
-/// model's bounds; numbers are world coordinates (origin + local). Throws ConfigError.
-Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size);
+/// model's bounds, clear of the `free_right` share of the picture's width unless --ortho-width fixes the
+/// scale; numbers are world coordinates (origin + local). Throws ConfigError.
+Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                   double free_right);
 
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -50,24 +51,60 @@ Basis basis_of(const Camera& camera) {
     return {right, cross(forward, right), forward};
 }
 
-/// Half extents of the box about its centre as the camera sees them: the largest of each bound.
-struct Fit {
-    double distance = 0;    ///< eye to centre so that all corners are inside the frustum
-    double half_width = 0;  ///< orthographic
-    double depth = 0;       ///< largest |z| of a corner
+/// The part of the picture that a box may fill: how far from the axis to each side, 1 being half the
+/// picture's width or height.
+struct FreePart {
+    double left, right, vertical;
+    bool centred;  ///< the box stays in the middle of the picture
+    explicit FreePart(const Framing& f)
+        : left(1 - f.margin), right(1 - f.margin - 2 * f.free_right), vertical(1 - f.margin),
+          centred(f.free_right <= 0) {}
 };
 
-Fit fit_box(const Bbox& box, const Basis& b, double tan_x, double tan_y, double aspect) {
-    Fit fit;
+struct Fit {
+    double distance = 0;    ///< eye to centre so that all corners are inside the frustum
+    double half_width = 0;  ///< orthographic: half the picture
+    double step_right = 0;  ///< of the camera, model units
+};
+
+/// The corners of a box about its centre, in camera axes.
+std::array<Vec3d, 8> corners_of(const Bbox& box, const Basis& b) {
+    std::array<Vec3d, 8> corners;
     const Vec3d h = box.extent() * 0.5;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d p{corner & 1 ? h.x : -h.x, corner & 2 ? h.y : -h.y, corner & 4 ? h.z : -h.z};
-        const double x = std::abs(dot(b.right, p)), y = std::abs(dot(b.down, p));
-        const double z = dot(b.forward, p);
-        fit.distance = std::max({fit.distance, x / tan_x - z, y / tan_y - z});
-        fit.half_width = std::max({fit.half_width, x, y * aspect});
-        fit.depth = std::max(fit.depth, std::abs(z));
+    for (unsigned i = 0; i < 8; ++i) {
+        const Vec3d p{i & 1u ? h.x : -h.x, i & 2u ? h.y : -h.y, i & 4u ? h.z : -h.z};
+        corners[i] = {dot(b.right, p), dot(b.down, p), dot(b.forward, p)};
     }
+    return corners;
+}
+
+/// A corner at x stays inside if -left <= (x - step) / (tan_x (distance + z)) <= right. The left bound
+/// at step 0 and the sum of both give the distance, then the right one gives the step.
+Fit fit_perspective(const std::array<Vec3d, 8>& corners, double tan_x, double tan_y,
+                    const FreePart& part) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    double past_right = -infinity, past_left = -infinity;
+    Fit fit;
+    for (const Vec3d& c : corners) {
+        past_right = std::max(past_right, c.x - part.right * tan_x * c.z);
+        past_left = std::max(past_left, -c.x - part.left * tan_x * c.z);
+        fit.distance = std::max(fit.distance, std::abs(c.y) / (tan_y * part.vertical) - c.z);
+    }
+    const double either_side = (past_right + past_left) / (part.left + part.right);
+    fit.distance = std::max({fit.distance, past_left / (tan_x * part.left), either_side / tan_x});
+    if (part.centred) fit.distance = std::max(fit.distance, past_right / (tan_x * part.right));
+    else fit.step_right = std::max(0.0, past_right - part.right * tan_x * fit.distance);
+    return fit;
+}
+
+Fit fit_orthographic(const std::array<Vec3d, 8>& corners, double aspect, const FreePart& part) {
+    double x = 0, y = 0, z = 0;
+    for (const Vec3d& c : corners)
+        x = std::max(x, c.x), y = std::max(y, c.y), z = std::max(z, c.z);
+    Fit fit;
+    fit.half_width = std::max(2 * x / (part.left + part.right), y * aspect / part.vertical);
+    if (!part.centred) fit.step_right = std::max(0.0, x - part.right * fit.half_width);
+    fit.distance = z;
     return fit;
 }
 
@@ -109,12 +146,18 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
     camera.eye = camera.target + towards;
     camera.orthographic = framing.orthographic;
     camera.fov_y_deg = framing.fov_y_deg;
-    const double tan_y = std::tan(radians(framing.fov_y_deg) / 2) * (1 - framing.margin);
-    const Fit fit = fit_box(box, basis_of(camera), tan_y * aspect, tan_y, aspect);
+    const double tan_y = std::tan(radians(framing.fov_y_deg) / 2);
+    const Basis basis = basis_of(camera);
+    const auto corners = corners_of(box, basis);
+    const FreePart part(framing);
+    const Fit fit = framing.orthographic
+                        ? fit_orthographic(corners, aspect, part)
+                        : fit_perspective(corners, tan_y * aspect, tan_y, part);
     // A box without extent is framed as if it were of size 1.
     const double size = box.diagonal() > 0 ? box.diagonal() : 1.0;
-    camera.width = fit.half_width > 0 ? 2 * fit.half_width / (1 - framing.margin) : size;
-    const double distance = framing.orthographic ? fit.depth + size : fit.distance;
+    camera.width = fit.half_width > 0 ? 2 * fit.half_width : size;
+    const double distance = framing.orthographic ? fit.distance + size : fit.distance;
+    camera.target = camera.target + basis.right * fit.step_right;
     camera.eye = camera.target + towards * (distance > 0 ? distance : size);
     return camera;
 }

@@ -30,10 +30,13 @@ struct Framing {
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
+    double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
 };
 
 /// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the box in a
-/// picture of the given aspect (width / height). `front` looks along -Z (with z_up: along +Y).
+/// picture of the given aspect (width / height). `front` looks along -Z (with z_up: along +Y). With
+/// free_right the camera steps back and to the right, no more than the box needs to stay out of that
+/// part; the direction of view stays.
 /// Throws ConfigError on another name, listing these.
 Camera named_camera(std::string_view name, const Bbox& box, double aspect,
                     const Framing& framing = {});

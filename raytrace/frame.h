@@ -12,15 +12,19 @@ enum Channel : std::uint32_t {
     kDepthChannel = 1,      ///< camera z
     kPositionChannel = 2,   ///< P, frame of the job
     kNormalChannel = 4,     ///< N, unit, outwards, world axes
-    kCurvatureChannel = 8,  ///< k1, k2, mean, gauss
+    kMeanChannel = 8,
     kSurfelIdChannel = 16,  ///< node of the surfel that set the first hit
     kFitErrorChannel = 32,  ///< its eps, model units
     kLevelChannel = 64,     ///< its level
     kCoverageChannel = 128, ///< sum of the weights G
     kCountChannel = 256,    ///< number of surfels blended
+    kGaussChannel = 512,
+    kK1Channel = 1024,
+    kK2Channel = 2048,
+    kCurvatureChannel = kMeanChannel | kGaussChannel | kK1Channel | kK2Channel,
 };
 using Channels = std::uint32_t;
-inline constexpr Channels kAllChannels = 511;
+inline constexpr Channels kAllChannels = 4095;
 
 /// The G-buffer: flat planes, row by row from the top left; pixel (x, y) is entry y * width + x. Only
 /// the planes asked for are allocated, the others are empty. Pixels without a hit hold 0 everywhere.
@@ -44,6 +48,7 @@ struct GBuffer {
                static_cast<std::size_t>(x);
     }
     bool has(Channels wanted) const { return (channels & wanted) == wanted; }
+    bool has_any(Channels wanted) const { return (channels & wanted) != 0; }
 
     /// All pixels without a hit; keeps the memory of a buffer of the same size and channels.
     void reset(int new_width, int new_height, Channels wanted) {
@@ -52,7 +57,8 @@ struct GBuffer {
         clear(depth, kDepthChannel);
         for (auto& plane : position) clear(plane, kPositionChannel);
         for (auto& plane : normal) clear(plane, kNormalChannel);
-        for (auto* plane : {&k1, &k2, &mean, &gauss}) clear(*plane, kCurvatureChannel);
+        clear(mean, kMeanChannel), clear(gauss, kGaussChannel);
+        clear(k1, kK1Channel), clear(k2, kK2Channel);
         clear(surfel_id, kSurfelIdChannel);
         clear(fit_error, kFitErrorChannel);
         clear(level, kLevelChannel);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slim {
 namespace {
@@ -102,9 +103,21 @@ float note_height(const std::string& text, const TextStyle& style) {
     return text.empty() ? 0 : 2.25f * style.cap_height;
 }
 
-Layout layout_of(const Legend& legend, const Labels& labels, const Picture& picture) {
+bool is_left(LegendPlace place) { return place >= LegendPlace::left; }
+
+/// The panel's upper edge.
+float panel_top(LegendPlace place, float margin, float panel_height, int height) {
+    const float rest = static_cast<float>(height) - panel_height;
+    if (place == LegendPlace::right_top || place == LegendPlace::left_top) return margin;
+    if (place == LegendPlace::right_bottom || place == LegendPlace::left_bottom)
+        return rest - margin;
+    return std::round(rest / 2);
+}
+
+Layout layout_of(const Legend& legend, const Labels& labels, LegendPlace place, int width,
+                 int height) {
     Layout l{};
-    const auto side = static_cast<float>(std::min(picture.width, picture.height));
+    const auto side = static_cast<float>(std::min(width, height));
     const float u = l.unit = std::max(side / 1000, 0.5f);
     // Whole pixels for bar and panel keep their edges crisp.
     l.margin = std::round(24 * u), l.padding = std::round(18 * u);
@@ -121,12 +134,27 @@ Layout layout_of(const Legend& legend, const Labels& labels, const Picture& pict
     const float words = std::max(text_width(legend.title, l.title),
                                  widest({legend.unit, legend.high_note, legend.low_note}, l.label));
     l.width = std::round(2 * l.padding + std::max(ticks, words));
-    l.x = static_cast<float>(picture.width) - l.margin - l.width;
-    l.y = std::round((static_cast<float>(picture.height) - l.height) / 2);
+    l.x = is_left(place) ? l.margin : static_cast<float>(width) - l.margin - l.width;
+    l.y = panel_top(place, l.margin, l.height, height);
     l.bar_x = l.x + l.padding;
     l.bar_y = std::round(l.y + l.padding + heading + 12 * u + note_height(legend.high_note, l.label) +
                          (legend.clipped_high ? l.tip : 0));
     return l;
+}
+
+bool has_room(const Layout& l, int width, int height) {
+    return l.width + l.margin <= 0.6f * static_cast<float>(width) &&
+           l.height + l.margin <= 0.75f * static_cast<float>(height);
+}
+
+double covered_alpha(const Layout& l, const Picture& object) {
+    const int from_x = std::max(0, static_cast<int>(l.x)), from_y = std::max(0, static_cast<int>(l.y));
+    const int to_x = std::min(object.width, static_cast<int>(l.x + l.width));
+    const int to_y = std::min(object.height, static_cast<int>(l.y + l.height));
+    double sum = 0;
+    for (int y = from_y; y < to_y; ++y)
+        for (int x = from_x; x < to_x; ++x) sum += static_cast<double>(object.pixel(x, y)[3]);
+    return sum;
 }
 
 void draw_words(Picture& picture, const Legend& legend, const Layout& l) {
@@ -153,14 +181,30 @@ void draw_ticks(Picture& picture, const Legend& legend, const Labels& labels, co
 
 }  // namespace
 
-bool burn_legend(const Legend& legend, Picture& picture) {
+LegendPlace best_legend_place(const Legend& legend, const Picture& object) {
+    const Labels labels = labels_of(legend);
+    LegendPlace best = LegendPlace::right;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i <= static_cast<int>(LegendPlace::left_bottom); ++i) {
+        const auto place = static_cast<LegendPlace>(i);
+        const Layout l = layout_of(legend, labels, place, object.width, object.height);
+        const double covered = covered_alpha(l, object);
+        if (covered < least) best = place, least = covered;
+    }
+    return best;
+}
+
+double legend_share(const Legend& legend, int width, int height) {
+    const Layout l = layout_of(legend, labels_of(legend), LegendPlace::right, width, height);
+    return has_room(l, width, height) ? static_cast<double>(l.width + l.margin) / width : 0;
+}
+
+bool burn_legend(const Legend& legend, Picture& picture, LegendPlace place) {
     SLIM_CHECK(legend.map != nullptr, ==, true);
     SLIM_CHECK(legend.range.lo, <, legend.range.hi);
     const Labels labels = labels_of(legend);
-    const Layout l = layout_of(legend, labels, picture);
-    if (l.width + l.margin > 0.6f * static_cast<float>(picture.width) ||
-        l.height + l.margin > 0.75f * static_cast<float>(picture.height))
-        return false;
+    const Layout l = layout_of(legend, labels, place, picture.width, picture.height);
+    if (!has_room(l, picture.width, picture.height)) return false;
     fill_rounded(picture, l, std::round(10 * l.unit));
     fill_bar(picture, l, *legend.map);
     if (legend.clipped_high) fill_tip(picture, l, l.bar_y, -l.tip, legend.map->linear(1));

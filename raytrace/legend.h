@@ -27,10 +27,21 @@ std::vector<double> legend_ticks(const ValueRange& range);
 /// A tick's text with as many digits as its neighbours need; U+2212 for minus.
 std::string tick_label(double value, const std::vector<double>& ticks);
 
-/// Burns the legend into the right edge of a picture on a translucent panel, scaled with the smaller
-/// side (1000 pixels: digits 14 high). Returns false and leaves the picture alone if it would take more
-/// than 60 % of the width or 75 % of the height.
-bool burn_legend(const Legend& legend, Picture& picture);
+/// Where a panel may stand, in the order of preference.
+enum class LegendPlace { right, right_top, right_bottom, left, left_top, left_bottom };
+
+/// The place where the panel covers the least of an object that stands over transparent (sum of
+/// alpha); the first of those that are equal.
+LegendPlace best_legend_place(const Legend& legend, const Picture& object);
+
+/// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000 pixels:
+/// digits 14 high). Returns false and leaves the picture alone if it would take more than 60 % of the
+/// width or 75 % of the height.
+bool burn_legend(const Legend& legend, Picture& picture, LegendPlace place = LegendPlace::right);
+
+/// Share of the width of a width x height picture that the panel and its margin take; 0 where
+/// burn_legend would refuse.
+double legend_share(const Legend& legend, int width, int height);
 
 /// The same bar as a file of its own: SVG 1.1, millimetres, for print.
 std::string legend_svg(const Legend& legend);

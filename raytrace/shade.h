@@ -40,8 +40,23 @@ struct Lighting {
     float shininess = 36;
 };
 
-/// Shades every hit pixel over transparent black; a normal that faces away is turned round first, so
-/// both sides of a sheet look alike.
+/// Rows [begin, end) of a picture.
+struct RowRange {
+    int begin = 0, end = 0;
+};
+
+/// The normal of a silhouette whose polynomial overshoots the edge, so that it just turns away from the
+/// eye: turned round it would be a dark rim, so it is mirrored at the plane across the view instead,
+/// which is continuous at the edge. From n . e = -0.3 to -0.5 the mirror image becomes the normal turned
+/// round, which it is beyond; one that faces the eye is left as it is.
+///
+/// normal, toward_eye  unit, any frame they share
+/// returns             unit, n . e >= 0
+Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
+
+/// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
+/// sides of a sheet look alike; but within 1/200 of the picture's longer side (at least 2 pixels) of a
+/// surface that faces the eye it is taken for an overshoot of that surface: silhouette_normal.
 ///
 /// normals, hit  width * height each, row-major from the top left; hit != 0 where there is a surface
 /// returns       premultiplied linear Rec.709, alpha 1 at hits and 0 elsewhere
@@ -49,10 +64,17 @@ struct Lighting {
 Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& normals,
               std::span<const std::uint8_t> hit, const Lighting& lighting = {});
 
+/// The same for some rows only; the planes are those of the whole picture.
+Picture shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                   std::span<const std::uint8_t> hit, const RowRange& rows,
+                   const Lighting& lighting = {});
+
 /// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away), for
-/// curvature maps that are asked to show form as well.
+/// curvature maps that are asked to show form as well. `picture` holds the rows from `first_row` on of
+/// the whole picture that the planes belong to.
 void light_picture(const ShadeView& view, const NormalPlanes& normals,
-                   std::span<const std::uint8_t> hit, float floor, Picture& picture);
+                   std::span<const std::uint8_t> hit, float floor, Picture& picture,
+                   int first_row = 0);
 
 /// Vertical gradient behind a picture, linear Rec.709; alpha 0 leaves the picture as it is.
 struct Background {

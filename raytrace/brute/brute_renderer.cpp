@@ -64,12 +64,12 @@ void write_pixel(const PixelView& view, const SurfelTree& tree, const Ray& ray, 
         if (out.has(kPositionChannel)) out.position[axis][pixel] = position[axis];
         if (out.has(kNormalChannel)) out.normal[axis][pixel] = normal[axis];
     }
-    if (out.has(kCurvatureChannel) && blended) {
+    if (out.has_any(kCurvatureChannel) && blended) {
         const Curvature k = curvature_from(sums.gradient, sums.hessian);
-        out.k1[pixel] = static_cast<float>(k.k1);
-        out.k2[pixel] = static_cast<float>(k.k2);
-        out.mean[pixel] = static_cast<float>(k.mean);
-        out.gauss[pixel] = static_cast<float>(k.gauss);
+        if (out.has(kK1Channel)) out.k1[pixel] = static_cast<float>(k.k1);
+        if (out.has(kK2Channel)) out.k2[pixel] = static_cast<float>(k.k2);
+        if (out.has(kMeanChannel)) out.mean[pixel] = static_cast<float>(k.mean);
+        if (out.has(kGaussChannel)) out.gauss[pixel] = static_cast<float>(k.gauss);
     }
     const TreeNode& node = tree.node(hit.leaf->node);
     if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = hit.leaf->node;
@@ -103,7 +103,7 @@ void render_row(const PixelView& view, const PixelWindow& window, const SurfelTr
         const double t_near = view.near_plane / dot(ray.direction, view.forward);
         const FirstHit hit = nearest_hit(ray, t_near, row, stats);
         if (!hit.leaf) continue;
-        const BlendSums sums = blend_around(ray, hit, row, out.has(kCurvatureChannel), stats);
+        const BlendSums sums = blend_around(ray, hit, row, out.has_any(kCurvatureChannel), stats);
         write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
         ++stats.covered_pixels;
         if (!(sums.weight > 0)) ++stats.unblended_pixels;

@@ -127,10 +127,10 @@ void write_curvature(const Target& target, TileBuffers& t, GBuffer& out) {
         t.hessian[2].store(i, select<FloatV>(known, k.mean, zero));
         t.hessian[3].store(i, select<FloatV>(known, k.gauss, zero));
     }
-    target.copy(t.hessian[0], out.k1);
-    target.copy(t.hessian[1], out.k2);
-    target.copy(t.hessian[2], out.mean);
-    target.copy(t.hessian[3], out.gauss);
+    if (out.has(kK1Channel)) target.copy(t.hessian[0], out.k1);
+    if (out.has(kK2Channel)) target.copy(t.hessian[1], out.k2);
+    if (out.has(kMeanChannel)) target.copy(t.hessian[2], out.mean);
+    if (out.has(kGaussChannel)) target.copy(t.hessian[3], out.gauss);
 }
 
 /// What the winner's node says of itself.
@@ -156,7 +156,7 @@ void resolve_tile(const PixelView& view, const PixelWindow& window, const Surfel
     if (t.counts.covered == 0) return;
     write_depth(target, t, out);
     if (out.has(kNormalChannel)) write_normals(view, target, t, out);
-    if (out.has(kCurvatureChannel)) write_curvature(target, t, out);
+    if (out.has_any(kCurvatureChannel)) write_curvature(target, t, out);
     if (out.has(kPositionChannel)) write_positions(view, target, t, out);
     if (out.has(kCoverageChannel)) target.copy(t.weight, out.coverage);
     constexpr Channels kOfNode = kSurfelIdChannel | kFitErrorChannel | kLevelChannel | kCountChannel;

@@ -7,8 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sstream>
+#include <string>
 
 namespace slim {
 namespace {
@@ -220,10 +223,78 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
     }
 }
 
+/// Pixels that a white-backed map and the same map without its legend do not share, where the latter
+/// shows the object.
+int n_hidden(const PngImage& with, const PngImage& without) {
+    int n = 0;
+    for (std::size_t i = 0; i < with.rgba.size(); i += 4) {
+        const bool object = without.rgba[i] + without.rgba[i + 1] + without.rgba[i + 2] < 765;
+        n += object && !std::equal(&with.rgba[i], &with.rgba[i] + 4, &without.rgba[i]);
+    }
+    return n;
+}
+
+/// "eye 1,2,3 target 4,5,6 up 7,8,9 (...)" as --camera takes it.
+std::string camera_numbers(const std::string& described) {
+    std::istringstream words(described);
+    std::string word, numbers;
+    for (int i = 0; i < 6 && words >> word; ++i)
+        if (i % 2) numbers += (numbers.empty() ? "" : ",") + word;
+    return numbers;
+}
+
+TEST_F(RenderStage, ALegendHidesNothingOfANamedView) {
+    RenderConfig c = config("x.png");
+    c.aov = {"shaded", "mean"}, c.size = "500x500";
+    const auto beside = run(c);
+    const PngImage with = read_png(file("x.mean.png"));
+    const std::string numbers = camera_numbers(with.metadata.at("slim:camera"));
+    EXPECT_EQ(camera_numbers(read_png(file("x.shaded.png")).metadata.at("slim:camera")), numbers);
+    // The same view without the legend.
+    c.aov = {"mean"}, c.legend = false, c.output = file("bare.png"), c.camera = numbers;
+    EXPECT_EQ(n_hidden(with, draw(c)), 0);
+    // A view that has no legend at all is centred, and larger.
+    c.aov = {"shaded"}, c.legend = true, c.output = file("alone.png"), c.camera = "front";
+    EXPECT_GT(run(c)["covered_pixels"].get<int>(), beside["covered_pixels"].get<int>());
+}
+
+TEST_F(RenderStage, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {
+    RenderConfig c = config("x.png");
+    c.aov = {"mean"}, c.size = "500x500", c.background = "white";
+    c.camera = "-1,0,7,-1,0,0,0,1,0";  // the sphere right of the middle
+    const PngImage with = draw(c);
+    c.legend = false, c.output = file("y.png");
+    EXPECT_EQ(n_hidden(with, draw(c)), 0);
+}
+
+TEST_F(RenderStage, FineFramesAreAveragedAlikeInBandsAndAtOnce) {
+    RenderConfig c = config("x.png");
+    c.size = "90x300", c.aov = {"normal", "mean", "shaded"}, c.legend = false;
+    c.background = "transparent", c.range = {"3"}, c.light_maps = true;
+    run(c);
+    const auto once = [&](const char* aov) { return read_png(file(std::string("x.") + aov + ".png")); };
+    const PngImage plain[] = {once("normal"), once("mean"), once("shaded")};
+    c.supersample = 2, c.output = file("y.png");
+    run(c);
+    int k = 0;
+    for (const char* aov : {"normal", "mean", "shaded"}) {
+        const PngImage fine = read_png(file(std::string("y.") + aov + ".png"));
+        int n_far = 0;
+        for (std::size_t i = 0; i < fine.rgba.size(); i += 4) {
+            const auto& p = plain[k].rgba;
+            if (p[i + 3] == 0 || fine.rgba[i + 3] < 255) continue;  // the silhouette is averaged
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                n_far += std::abs(p[i + channel] - fine.rgba[i + channel]) > 12;
+        }
+        EXPECT_LE(n_far, 60) << aov;
+        ++k;
+    }
+}
+
 TEST_F(RenderStage, OnlyWhatTheAovsNeedIsRendered) {
     EXPECT_EQ(channels_of({"shaded"}, false), kNormalChannel);
-    EXPECT_EQ(channels_of({"mean", "k1"}, false), kCurvatureChannel);
-    EXPECT_EQ(channels_of({"mean"}, true), kCurvatureChannel | kNormalChannel);
+    EXPECT_EQ(channels_of({"mean", "k1"}, false), kMeanChannel | kK1Channel);
+    EXPECT_EQ(channels_of({"gauss"}, true), kGaussChannel | kNormalChannel);
     EXPECT_EQ(channels_of({"id", "depth"}, true), kSurfelIdChannel | kDepthChannel);
 }
 

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
 
 namespace slim {
 namespace {
@@ -57,6 +59,58 @@ TEST(Camera, NamedViewsFrameTheBox) {
                     EXPECT_GT(border, 0.019 * std::min(width, height)) << name;
                     EXPECT_LT(border, 0.021 * std::max(width, height)) << name;
                 }
+}
+
+/// The largest and the least pixel coordinate of the unit box's corners, across or down the picture.
+struct Span {
+    double least = 1e9, most = -1e9;
+};
+
+Span span_of_box(const Camera& camera, int width, int height, bool across) {
+    const PixelView v = pixel_view(camera, width, height);
+    Span span;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p{corner & 1 ? 1. : -1., corner & 2 ? 2. : -2., corner & 4 ? .5 : -.5};
+        const Vec3d c = v.camera_from_local(p);
+        EXPECT_GT(c.z, v.near_plane);
+        const double scale = v.orthographic ? v.px_per_unit : v.focal_px / c.z;
+        const double at = across ? v.center_x + scale * c.x : v.center_y + scale * c.y;
+        span.least = std::min(span.least, at), span.most = std::max(span.most, at);
+    }
+    return span;
+}
+
+TEST(Camera, AFreeRightSideStaysFree) {
+    for (const char* name : {"front", "back", "left", "right", "top", "bottom", "iso"})
+        for (const bool orthographic : {false, true})
+            for (const double aspect : {0.5, 1.0, 2.0})
+                for (const double free_right : {0.2, 0.6}) {
+                    SCOPED_TRACE(std::string(name) + " " + std::to_string(aspect));
+                    const Camera c = named_camera(
+                        name, unit_box(), aspect,
+                        {.orthographic = orthographic, .free_right = free_right});
+                    const int height = 100, width = static_cast<int>(height * aspect);
+                    const Span x = span_of_box(c, width, height, true);
+                    const Span y = span_of_box(c, width, height, false);
+                    EXPECT_LE(x.most, (0.98 - free_right) * width + 1e-6);
+                    EXPECT_GE(x.least, 0.02 * width - 1e-6);
+                    EXPECT_GE(y.least, 0.02 * height - 1e-6);
+                    EXPECT_LE(y.most, 0.98 * height + 1e-6);
+                    // It fills what is left: from side to side, or from top to bottom.
+                    EXPECT_TRUE(x.least < 0.021 * width || y.most > 0.979 * height ||
+                                y.least < 0.021 * height);
+                }
+}
+
+TEST(Camera, AFreeRightSideIsNoReasonToMoveWhereThereIsRoom) {
+    for (const bool orthographic : {false, true}) {
+        const Camera centred = named_camera("front", unit_box(), 3, {.orthographic = orthographic});
+        const Camera beside = named_camera(
+            "front", unit_box(), 3, {.orthographic = orthographic, .free_right = 0.2});
+        EXPECT_EQ(centred.eye, beside.eye);
+        EXPECT_EQ(centred.target, beside.target);
+        EXPECT_EQ(centred.width, beside.width);
+    }
 }
 
 TEST(Camera, FrontLooksAlongMinusZOrInATerrainAlongY) {

@@ -108,6 +108,48 @@ TEST(Legend, IsLeftOutWhereItWouldHideThePicture) {
     EXPECT_EQ(n_inked(p), 0);
 }
 
+/// A full picture but for one rectangle that is clear.
+Picture covered_but(int x0, int y0, int x1, int y1) {
+    Picture p = white(1000, 1000);
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) p.pixel(x, y)[3] = 0;
+    return p;
+}
+
+TEST(Legend, StandsWhereItCoversLeast) {
+    const auto place = [](const Picture& p) { return best_legend_place(mean_legend(), p); };
+    EXPECT_EQ(place(Picture(1000, 1000)), LegendPlace::right);
+    EXPECT_EQ(place(white(1000, 1000)), LegendPlace::right);  // no better elsewhere
+    EXPECT_EQ(place(covered_but(700, 0, 1000, 550)), LegendPlace::right_top);
+    EXPECT_EQ(place(covered_but(700, 450, 1000, 1000)), LegendPlace::right_bottom);
+    EXPECT_EQ(place(covered_but(0, 200, 300, 800)), LegendPlace::left);
+    EXPECT_EQ(place(covered_but(0, 0, 300, 550)), LegendPlace::left_top);
+    EXPECT_EQ(place(covered_but(0, 450, 300, 1000)), LegendPlace::left_bottom);
+}
+
+TEST(Legend, IsBurntWhereItWasSaidToStand) {
+    for (const LegendPlace place : {LegendPlace::left_top, LegendPlace::right_bottom}) {
+        Picture p(1000, 1000);
+        ASSERT_TRUE(burn_legend(mean_legend(), p, place));
+        double x_sum = 0, y_sum = 0, n = 0;
+        for (int y = 0; y < 1000; ++y)
+            for (int x = 0; x < 1000; ++x)
+                if (p.pixel(x, y)[3] > 0) x_sum += x, y_sum += y, ++n;
+        EXPECT_EQ(x_sum / n < 500, place == LegendPlace::left_top);
+        EXPECT_EQ(y_sum / n < 500, place == LegendPlace::left_top);
+    }
+}
+
+TEST(Legend, ShareIsWhatThePanelTakes) {
+    Picture p(1000, 1000);
+    ASSERT_TRUE(burn_legend(mean_legend(), p));
+    int first = 1000;
+    for (int x = 999; x >= 0; --x)
+        if (p.pixel(x, 500)[3] > 0) first = x;
+    EXPECT_NEAR(legend_share(mean_legend(), 1000, 1000), (1000 - first) / 1000.0, 0.002);
+    EXPECT_EQ(legend_share(mean_legend(), 160, 120), 0);
+}
+
 TEST(Legend, SvgNamesAllAndEscapes) {
     Legend legend = mean_legend();
     legend.unit = "1/<b>&";

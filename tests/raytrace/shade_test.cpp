@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -79,6 +80,72 @@ TEST(Shade, BothSidesLookAlike) {
     EXPECT_EQ(out.rgba, in.rgba);
 }
 
+/// Unit normal at an angle cosine to the eye (0, 0, 1), leaning up.
+Vec3f leaning(float cosine) {
+    return {0, std::sqrt(std::max(0.0f, 1 - cosine * cosine)), cosine};
+}
+
+TEST(Shade, SilhouetteNormalIsUnitFacesTheEyeAndIsContinuous) {
+    const Vec3f eye{0, 0, 1};
+    Vec3f before = leaning(1);
+    for (int i = 0; i <= 2000; ++i) {
+        const Vec3f n = silhouette_normal(leaning(1 - 0.001f * static_cast<float>(i)), eye);
+        EXPECT_GE(n.z, 0) << i;
+        EXPECT_NEAR(length(n), 1, 1e-5f) << i;
+        // The steepest part turns by about 140 degrees over a cosine of 0.2.
+        EXPECT_LT(length(n - before), 0.06f) << i;
+        before = n;
+    }
+}
+
+TEST(Shade, SilhouetteNormalMirrorsASilhouetteAndTurnsABackRound) {
+    const Vec3f eye{0, 0, 1};
+    const Vec3f rim = silhouette_normal(leaning(-0.2f), eye);
+    const Vec3f back = silhouette_normal(leaning(-0.6f), eye);
+    EXPECT_NEAR(length(rim - leaning(0.2f)), 0, 1e-6f);
+    EXPECT_EQ(back.y, -leaning(-0.6f).y);
+    EXPECT_EQ(back.z, 0.6f);
+}
+
+TEST(Shade, AnOvershootAtTheTopEdgeIsNoDarkRim) {
+    // The top of an object under a light from above: the last pixel's normal leans over the edge.
+    const std::vector<float> x(2, 0), y{0.995f, 0.995f}, z{0.1f, -0.1f};
+    const std::vector<std::uint8_t> hit(2, 1);
+    const Picture p = shade(1, 2, orthographic_view(), {x, y, z}, hit);
+    EXPECT_NEAR(brightness(p, 0, 1), brightness(p, 0, 0), 1e-3f);
+    // Far from any front it is the back of a sheet, and turned round.
+    const std::vector<float> back_z{-0.1f, -0.1f};
+    const Picture q = shade(1, 2, orthographic_view(), {x, y, back_z}, hit);
+    EXPECT_LT(brightness(q, 0, 1), 0.5f * brightness(p, 0, 1));
+}
+
+TEST(Shade, OnlyANearbyFrontMakesASilhouette) {
+    // A row of just reversed normals with a front at its left end.
+    constexpr int kWidth = 9;
+    const std::vector<float> x(kWidth, 0), y(kWidth, 0.995f);
+    std::vector<float> z(kWidth, -0.1f);
+    z[0] = 0.1f;
+    const std::vector<std::uint8_t> hit(kWidth, 1);
+    const Picture p = shade(kWidth, 1, orthographic_view(), {x, y, z}, hit);
+    EXPECT_FLOAT_EQ(brightness(p, 2, 0), brightness(p, 1, 0));
+    EXPECT_LT(brightness(p, 3, 0), 0.5f * brightness(p, 2, 0));
+}
+
+TEST(Shade, RowsAreThoseOfTheWholePicture) {
+    const SphereBuffers sphere(40);
+    ShadeView view;
+    view.half_width = view.half_height = 0.5;
+    const Picture whole = sphere.shaded(view);
+    const Picture part = shade_rows(40, 40, view, sphere.normals(), sphere.hit, {11, 30});
+    ASSERT_EQ(part.height, 19);
+    EXPECT_TRUE(std::equal(part.rgba.begin(), part.rgba.end(), whole.pixel(0, 11)));
+    Picture lit(40, 40), lit_part(40, 19);
+    for (Picture* p : {&lit, &lit_part}) std::fill(p->rgba.begin(), p->rgba.end(), 1.0f);
+    light_picture(view, sphere.normals(), sphere.hit, 0.4f, lit);
+    light_picture(view, sphere.normals(), sphere.hit, 0.4f, lit_part, 11);
+    EXPECT_TRUE(std::equal(lit_part.rgba.begin(), lit_part.rgba.end(), lit.pixel(0, 11)));
+}
+
 TEST(Shade, LightsTurnWithTheCamera) {
     ShadeView turned = orthographic_view();  // from the left: right = +z, back = -x
     turned.right = {0, 0, 1}, turned.back = {-1, 0, 0};
@@ -95,8 +162,7 @@ TEST(Shade, PerspectiveFlipsByTheRayOfThePixel) {
     // A normal that leans away from the axis but towards the eye at the picture's left edge.
     ShadeView view;
     view.half_width = view.half_height = 2;
-    const std::vector<float> x{0.9539392f}, y{0}, z{-0.3f};
-    const std::vector<std::uint8_t> hit{1};
+    const std::vector<float> x{0.9539392f}, z{-0.3f};
     std::vector<float> wide_x(3, x[0]), wide_y(3, 0), wide_z(3, z[0]);
     const std::vector<std::uint8_t> hits(3, 1);
     const Picture p = shade(3, 1, view, {wide_x, wide_y, wide_z}, hits);
