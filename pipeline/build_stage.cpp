@@ -2,11 +2,13 @@
 
 #include "pipeline/fit_stage.h"
 #include "pipeline/manifest.h"
+#include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/tree_stage.h"
+#include "slim/base/error.h"
 
 #include <fmt/format.h>
 
@@ -17,6 +19,8 @@ namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uint64_t kLeastMemory = 64 << 20;
 
 SliceConfig slice_config(const BuildConfig& c, const std::string& work) {
     SliceConfig s;
@@ -67,11 +71,22 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
     return result;
 }
 
-}  // namespace
+/// The output must be a file's name of its own: neither a folder nor one of the clouds.
+void check_output(const BuildConfig& config) {
+    std::error_code ignored;
+    if (fs::is_directory(config.output, ignored))
+        throw ConfigError(config.output + ": is a folder; --output expects a file to write, as " +
+                          (fs::path(config.output) / "model.slim").string());
+    for (const std::string& input : config.inputs)
+        if (fs::equivalent(input, config.output, ignored))
+            throw ConfigError(config.output + ": is an input cloud; --output would overwrite it");
+    if (parse_memory_size(config.memory) < kLeastMemory)
+        throw ConfigError("--memory " + config.memory + ": expected at least " +
+                          memory_size_text(kLeastMemory) + ", which the coarse levels take");
+}
 
-nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
+nlohmann::json build_in(const BuildConfig& config, const std::string& work, StageContext& context) {
     const bool keep_work = !config.work.empty();
-    const std::string work = keep_work ? config.work : config.output + ".work";
     Stamp stamp(context, manifest_path(config.output));
     for (const std::string& input : config.inputs) {
         stamp.input(input);
@@ -100,6 +115,22 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     result = stamp.commit({config.output}, result);
     if (!keep_work) fs::remove_all(work);
     return result;
+}
+
+}  // namespace
+
+nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
+    check_output(config);
+    const bool keep_work = !config.work.empty();
+    const std::string work = keep_work ? config.work : config.output + ".work";
+    try {
+        return build_in(config, work, context);
+    } catch (const Error& e) {
+        // A bad input leaves nothing to resume from.
+        if (!keep_work && (e.code() == ExitCode::bad_data || e.code() == ExitCode::usage))
+            fs::remove_all(work);
+        throw;
+    }
 }
 
 }  // namespace slim

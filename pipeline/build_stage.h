@@ -39,7 +39,7 @@ struct BuildConfig {
                      {"auto", "keep", "estimate"});
         field.path("sensors", sensors,
                    "JSON with sensor positions per scan; default: <input>.scans.json, if there");
-        field("memory", memory, "bound on the memory used");
+        field("memory", memory, "memory for one slice, at least 64MiB: a larger cloud is cut into slices");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
         field.path("work", work,

@@ -74,7 +74,7 @@ void Console::line(const std::string& text) {
     std::string prefix = program_;
     if (level_ == Level::verbose)
         prefix += fmt::format(" [{:.2f} s]", Seconds(Clock::now() - start_).count());
-    fmt::print(stderr, "{}: {}\n", prefix, text);
+    std::fputs(fmt::format("{}: {}\n", prefix, text).c_str(), stderr);
 }
 
 void Console::clear_progress() {
@@ -104,7 +104,7 @@ void Console::progress(std::string_view what, std::uint64_t done, std::uint64_t 
         line(text);
         return;
     }
-    fmt::print(stderr, "\r{}: {}\033[K", program_, text);
+    std::fputs(fmt::format("\r{}: {}\033[K", program_, text).c_str(), stderr);
     std::fflush(stderr);
     drawn_ = true;
 }

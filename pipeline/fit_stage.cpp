@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::uint64_t kCoarseSample = 0x636f6172;  // purpose of the hash
 constexpr std::uint64_t kBytesPerPoint = 256;        // of a block under fit: points, trees, cover
+constexpr std::uint64_t kLeastSample = 200000;       // fewer would blur the coarse levels (50 MiB)
 constexpr double kHaloShare = 0.25;                  // of the thinnest slab
 
 nlohmann::json counts_json(const CoverCounts& c) {
@@ -119,9 +120,9 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     stamp.input(plan_path(config.work));
     stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
-    const double budget =
-        static_cast<double>(parse_memory_size(config.memory) / 2 / kBytesPerPoint);
-    const double share = budget / static_cast<double>(plan.n_points);
+    const std::uint64_t budget = parse_memory_size(config.memory) / 2 / kBytesPerPoint;
+    const double share = static_cast<double>(std::max(budget, kLeastSample)) /
+                         static_cast<double>(plan.n_points);
     PointBlock sample;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         const PointBlock slice = read_slice(oriented_points_path(config.work, i).string());

@@ -3,7 +3,8 @@
 int main(int argc, char** argv) {
     return slim::run_stage<slim::MeasureConfig>(
         {"measure",
-         "distance, normals and curvature of a cloud against a model",
+         "distance, normals and curvature of a cloud against a model; l2 and max are shares of the model's "
+         "diagonal L, normal_rms_deg is in degrees, curvatures in 1 / unit",
          {"slim measure scan.slim scan.ply", "slim measure torus.slim torus.ply --truth torus.truth --json"},
          true},
         argc, argv, slim::run_measure);

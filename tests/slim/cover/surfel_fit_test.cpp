@@ -74,33 +74,15 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     }
 }
 
-TEST(SurfelFit, ForcedLeavesTakeTheLowestDegreeThatExplainsThem) {
-    // Height 0.1 (u^2 - v^2): a plane leaves about 0.002 in a ball of radius 0.3.
-    const PointBlock block = graph_points(5000, 1, 3, [](double u, double v) {
-        return 0.1 * (u * u - v * v);
-    });
-    const PointTree tree = tree_of(block);
-    BallPoints<double> work;
-    const auto degree_with = [&](bool forced, double noise_variance) {
-        return fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.3, 3, forced, noise_variance, work)
+TEST(SurfelFit, AForcedLeafTakesTheLowestDegreeThatTheNoiseAsksFor) {
+    const auto degree = [](double bend, double noise_variance) {
+        const PointBlock block = graph_points(200, 1, 3, [=](double u, double) { return bend * u * u; });
+        BallPoints<double> work;
+        return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, true, noise_variance, work)
             .fitted.surfel.degree;
     };
-    EXPECT_EQ(degree_with(false, 1e-4), 3);
-    EXPECT_EQ(degree_with(true, 1e-4), 1);
-    EXPECT_EQ(degree_with(true, 1e-9), 2);
-}
-
-TEST(SurfelFit, LeansInwardsAtABorderOnly) {
-    const PointBlock block = graph_points(40000, 1, 3, [](double, double) { return 0.0; });
-    const PointTree tree = tree_of(block);
-    BallPoints<double> work;
-    const auto lean_at = [&](const Vec3d& c) {
-        return fit_surfel(tree, c, {0, 0, 1}, 0.3, 2, false, 1e-10, work).lean;
-    };
-    EXPECT_LT(length(lean_at({0, 0, 0})), 0.02);
-    const Vec3d border = lean_at({1, 0, 0});
-    EXPECT_NEAR(border.x, -0.2, 0.02);
-    EXPECT_NEAR(border.y, 0, 0.02);
+    EXPECT_EQ(degree(0.3, 1e-2), 1);  // the bend drowns in a noise of 0.1
+    EXPECT_EQ(degree(0.3, 1e-6), 2);
 }
 
 TEST(SurfelFit, LeansOverAtABorder) {
