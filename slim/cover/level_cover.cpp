@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
+constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
+constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
+constexpr int kMostAttempts = 5;
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
 constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
 constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
@@ -107,7 +110,8 @@ private:
     bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
-    void move_inwards(Candidate& c, double lower, Workspace& work) const;
+    void make_leaf(Candidate& c, double lower, Workspace& work) const;
+    std::optional<double> move_inwards(Candidate& c, double lower, Workspace& work) const;
     std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
     void mark(const std::vector<Covered>& covered);
@@ -206,12 +210,28 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
     c.leaf = c.choice.radius >= lower && !c.choice.isolated;
     if (c.choice.isolated) return;
-    if (c.leaf)
+    if (c.leaf) make_leaf(c, lower, work);
+    if (!c.leaf) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
+}
+
+/// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
+/// that is too small for this level: the point waits.
+void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
+    const Vec3d center = block_.position[c.point];
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
                               c.choice.forced, rules_.noise_variance, work.exact);
-    else
-        make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
-    if (c.leaf && !c.choice.forced && length(c.surfel.lean) > kBorder) move_inwards(c, lower, work);
+        if (c.choice.forced || length(c.surfel.lean) <= kBorder) return;
+        const std::optional<double> smaller = move_inwards(c, lower, work);
+        const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
+        if (!smaller && !at_corner) return;
+        // A corner's leaf that cannot move inwards is tried at the next rung.
+        c.choice.radius = static_cast<float>(smaller.value_or(kGoldenRatio * c.choice.radius));
+        c.choice.saturated = false;
+        c.leaf = c.choice.radius >= lower;
+        if (!c.leaf) return;
+    }
 }
 
 /// Index in the full tree of the point nearest to p within a radius.
@@ -232,33 +252,37 @@ std::optional<std::uint32_t> LevelCover::nearest_point(const Vec3d& p, double ra
 
 /// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that covers the
 /// border point as well reaches beyond it by a quarter of that only; it takes the leaf's place if its
-/// own radius allows it.
+/// own radius allows it. If the radius there is smaller, the border must not have a larger one (a corner sees
+/// a quarter of the data only): that radius is returned.
 /// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
-void LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const {
+std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const {
     const Vec3d from = block_.position[c.point];
     const double rho = c.surfel.fitted.surfel.support_radius;
     const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
     const auto place = nearest_point(target, 0.5 * kInwards * rho);
-    if (!place) return;
+    if (!place) return {};
     const PointTree& tree = pyramid_.all();
     const Vec3d center = tree.position(*place);
     const Vec3d normal = normalized(to_double(tree.normal(*place)));
-    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return;
+    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
     const RadiusChoice choice =
         ladder_.choose(center, normal, tree.bucket_diagonal(*place), work.ladder);
     ++work.searches;
-    const double radius = static_cast<float>(choice.radius);
-    if (choice.forced || radius < lower || length(center - from) > 0.5 * radius) return;
-    if (rules_.owns && !rules_.owns(center)) return;
+    // Never larger than at the border: it still stands near it.
+    const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
+    if (choice.forced || (rules_.owns && !rules_.owns(center))) return {};
+    if (radius < kClearlySmaller * rho) return radius;
+    if (radius < lower || length(center - from) > 0.5 * radius) return {};
     CoveringSurfel moved = fit_surfel(tree, center, normal, radius, rules_.degree, false,
                                       rules_.noise_variance, work.exact);
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
     if (!moved.explains_center ||
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
-        return;
+        return {};
     c.surfel = std::move(moved);
-    c.choice.saturated = choice.saturated;
+    c.choice.saturated = choice.saturated && choice.radius <= rho;
     c.center = tree.source(*place);
+    return {};
 }
 
 void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
