@@ -201,6 +201,11 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
         context.reporter.progress("normals", i + 1, todo.size());
     }
     sum["slices"] = todo.size();
+    // Shares of points whose own normal disagrees with its neighbours': turned, or merely noisy.
+    const double n = std::max(1.0, sum.value("points", 0.0));
+    sum["turned_share"] = sum.value("turned", 0.0) / n;
+    sum["disagreeing_share"] = (sum.value("turned", 0.0) + sum.value("noisy", 0.0)) / n;
+    sum["estimated_share"] = sum.value("estimated", 0.0) / n;
     if (up_to_date) sum["up_to_date"] = true;
     return sum;
 }

@@ -28,7 +28,7 @@ struct NormalsConfig {
                      {"auto", "keep", "estimate"});
         field("neighbors", neighbors, "neighbours of a point that its normal is estimated from", 4, 200);
         field.path("sensors", sensors,
-                   "JSON with sensor positions per scan (as `slim scan` writes); default: "
+                   "JSON with the position of each scan's sensor, or the direction to it (as `slim scan` writes); default: "
                    "<input>.scans.json beside an input, if there");
     }
 };

@@ -84,6 +84,17 @@ TEST_F(NormalsStage, EstimatesMissingNormalsAndOnRequestAll) {
     EXPECT_EQ(normals(config)["estimated"], 10000);
 }
 
+TEST_F(NormalsStage, TakesDirectionsOfScannersThatAreFar) {
+    // Seen along -x, a sphere's normals all point to -x, also at the back.
+    const std::string path = write(sampled("sphere", 5000), "c.ply", false);
+    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "direction": [-2, 0, 0]}]})");
+    slice(path, 1);
+    EXPECT_EQ(normals()["oriented_by_sensor"], 5000);
+    std::size_t towards = 0;
+    for (const Vec3f& n : oriented().normal) towards += n.x <= 1e-3f;
+    EXPECT_EQ(towards, 5000u);
+}
+
 TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
     // A scanner in the middle of the sphere sees it from inside.
     Cloud cloud = sampled("sphere", 5000);

@@ -93,7 +93,7 @@ TEST(LocalFit, AgreesWithQrOnNoisyPoints) {
             for (const double shrink : {1.0, 0.6}) {
                 const LocalFit fit = fit_ball(ball, shrink, kUpright, degree);
                 // 60 points in the shrunken ball leave cubics short of effective points in some seeds.
-                if (shrink == 1) EXPECT_EQ(fit.degree, degree);
+                EXPECT_TRUE(fit.degree == degree || shrink < 1);
                 const Eigen::VectorXd reference = fit_by_qr(ball, shrink, fit.degree);
                 for (Eigen::Index k = 0; k < reference.size(); ++k)
                     EXPECT_NEAR(fit.polynomial.a[static_cast<std::size_t>(k)], reference[k], 1e-12);
@@ -127,7 +127,7 @@ double mean_error_ratio(int degree, std::size_t n, int runs) {
             return 0.1 * u - 0.1 * v + sigma * gaussian(seed + 1000, i++);
         });
         const LocalFit fit = fit_ball(ball, 1, kUpright, degree);
-        if (n >= 400 || degree < 3) EXPECT_EQ(fit.degree, degree);
+        EXPECT_TRUE(fit.degree == degree || (n < 400 && degree == 3));
         sum += fit.sq_error / (sigma * sigma * radius * radius);
     }
     return sum / runs;

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Figures that real scans must reach, and the fast renderer beside the brute-force one on them. Needs the
+shared data ($SLIM_SHARED, else ../shared beside the sources); says so and is skipped without it."""
+import sys
+
+from harness import SHARED, Harness
+
+harness = Harness("slim-build", "slim-measure", "slim-render")
+run, check = harness.run, harness.check
+data = SHARED / "data"
+if not (data / "clouds/igea.ply").exists():
+    print(f"skipped: no real scans in {data}")
+    sys.exit(77)
+
+
+def build_and_measure(cloud, *options):
+    name = cloud.stem + ".slim"
+    built = run("slim-build", cloud, "-o", name, "--json", *options, seconds=300)
+    check(built.code == 0, f"{cloud.name}: build ends with {built.code}: {built.err[-300:]}")
+    return run("slim-measure", name, cloud, "--json", seconds=120).json()
+
+
+# igea, quadratic: the figures of a plain reference, with room for another machine's roundings.
+igea = build_and_measure(data / "clouds/igea.ply", "--t-mdl", "0.02")
+check(igea["leaves"] <= 6500, f"igea: {igea['leaves']} leaves, at most 6500 expected")
+check(igea["l2"] <= 1.15e-4, f"igea: l2 {igea['l2']:.3g}, at most 1.15e-4 expected")
+check(igea["normal_rms_deg"] <= 3.0, f"igea: normals {igea['normal_rms_deg']:.3g} degrees, at most 3")
+check(igea["missed"] == 0, f"igea: {igea['missed']} points missed")
+
+# A raw scan: no more leaves than the reference's, few points without a surfel.
+bunny = build_and_measure(data / "scans/bunny_raw.ply")
+check(bunny["leaves"] <= 7000, f"bunny_raw: {bunny['leaves']} leaves, at most 7000 expected")
+check(bunny["missed"] <= 0.001 * bunny["points"], f"bunny_raw: {bunny['missed']} points missed")
+
+# Slices change little.
+sliced = build_and_measure(data / "clouds/igea.ply", "--t-mdl", "0.02", "--slices", "3")
+check(abs(sliced["leaves"] / igea["leaves"] - 1) < 0.02, f"igea in 3 slices: {sliced['leaves']} leaves")
+check(abs(sliced["l2"] / igea["l2"] - 1) < 0.03, f"igea in 3 slices: l2 {sliced['l2']:.3g}")
+
+# Both renderers see the same pixels.
+covered = {}
+for mode in ("forward", "brute"):
+    drawn = run("slim-render", "bunny_raw.slim", "-o", f"{mode}.png", "--size", "240x240", "--lod", "0",
+                "--mode", mode, "--json", seconds=300)
+    check(drawn.code == 0, f"render --mode {mode} ends with {drawn.code}: {drawn.err[-300:]}")
+    covered[mode] = drawn.json()["covered_pixels"]
+difference = abs(covered["forward"] - covered["brute"])
+check(difference <= 1e-4 * 240 * 240, f"covered pixels differ by {difference}: {covered}")
+
+harness.end()
