@@ -50,7 +50,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
 /// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own
-/// points and those of others within the radius of the first fine level (notes/0001).
+/// points and those of others within the radius of the first fine level.
 /// throws DataError if there are fewer than 3 points or all coincide
 nlohmann::json run_fit(const FitConfig& config, StageContext& context);
 

@@ -9,7 +9,8 @@
 
 namespace slim {
 
-/// How the radius of a surfel is searched; the defaults are chosen by measurement (notes/0001).
+/// How the radius of a surfel is searched; the defaults are chosen by measurement (slim/fit/notes/0001,
+/// slim/cover/notes/0001).
 struct LadderRules {
     double points_per_coefficient = 4;  ///< of the finest admissible rung
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
