@@ -16,12 +16,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <numeric>
+#include <optional>
 
 namespace slim {
 namespace {
 
 constexpr double kSamples = 200000;          // points that lambda is the mean over (NUMERICS 3.2: 1 %)
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
+constexpr double kRim = 0.01;  // of L: how much of the slice before anchors the signs of the next
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
 
 /// Counts of one slice, by what became of the normals.
@@ -37,9 +39,40 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     return out;
 }
 
-/// Estimates and orients the normals of `wanted`; the others' signs are taken as known.
+/// Whether all normals of the job are estimated: then signs are carried from slice to slice.
+bool signs_carry_over(const NormalsConfig& config, const SlicePlan& plan) {
+    return !plan.has_normals || config.normals == "estimate";
+}
+
+/// The oriented points of the slice before that lie near the cut, empty for the first slice.
+/// throws IncompleteError if that slice has no normals yet
+PointBlock rim_of_slice_before(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
+    PointBlock rim;
+    if (slice == 0 || !signs_carry_over(config, plan)) return rim;
+    const auto path = oriented_points_path(config.work, slice - 1);
+    if (!std::filesystem::exists(manifest_path(path)))
+        throw IncompleteError(fmt::format(
+            "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
+            "normals {}` for all slices",
+            config.work, slice, slice - 1, config.work));
+    const PointBlock before = read_slice(path.string());
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    const double from = plan.cuts[slice - 1] - kRim * plan.diagonal;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (before.position[i][axis] < from) continue;
+        rim.position.push_back(before.position[i]);
+        rim.normal.push_back(before.normal[i]);
+    }
+    return rim;
+}
+
+/// Estimates and orients the normals of `wanted`; the signs of the others and of `rim` are taken as known.
 void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& wanted,
+                      const PointBlock& rim, const std::optional<Vec3d>& center,
                       const std::vector<Vec3d>& sensors, std::size_t k, NormalsReport& report) {
+    const std::size_t n_own = points.size();
+    points.position.insert(points.position.end(), rim.position.begin(), rim.position.end());
+    points.normal.insert(points.normal.end(), rim.normal.begin(), rim.normal.end());
     const NeighborGraph graph = neighbor_graph(points, k);
     estimate_normals(points, graph, wanted, report.degenerate);
     report.estimated = wanted.size();
@@ -49,11 +82,15 @@ void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& want
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
     const std::size_t by_sensor = orient_to_sensors(points, wanted, sensors);
-    if (by_sensor < wanted.size()) report.orientation = orient_by_neighbors(points, graph, known);
+    if (by_sensor < wanted.size()) 
+        report.orientation = orient_by_neighbors(points, graph, known, center);
     report.orientation.by_sensor = by_sensor;
+    points.position.resize(n_own);
+    points.normal.resize(n_own);
 }
 
-NormalsReport give_normals(PointBlock& points, const NormalsConfig& config,
+NormalsReport give_normals(PointBlock& points, const PointBlock& rim,
+                           const std::optional<Vec3d>& center, const NormalsConfig& config,
                            const std::vector<Vec3d>& sensors, Reporter& reporter) {
     NormalsReport report;
     if (!points.has_normals() || config.normals == "estimate")
@@ -85,7 +122,8 @@ NormalsReport give_normals(PointBlock& points, const NormalsConfig& config,
     }
     report.kept = points.size() - wanted.size() - report.turned;
     if (!wanted.empty())
-        estimate_missing(points, wanted, sensors, static_cast<std::size_t>(config.neighbors), report);
+        estimate_missing(points, wanted, rim, center, sensors,
+                         static_cast<std::size_t>(config.neighbors), report);
     return report;
 }
 
@@ -141,9 +179,15 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     stamp.input(plan_path(config.work));
     if (!config.sensors.empty()) stamp.input(config.sensors);
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
+    if (slice > 0 && signs_carry_over(config, plan))
+        stamp.optional_input(oriented_points_path(config.work, slice - 1));
     if (auto done = stamp.up_to_date()) return *done;
     PointBlock points = read_slice(input.string());
-    const NormalsReport report = give_normals(points, config, sensors, context.reporter);
+    // A slab's own centroid says little of its outside; the centre of the whole does.
+    const std::optional<Vec3d> center =
+        plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
+    const NormalsReport report = give_normals(points, rim_of_slice_before(config, plan, slice), center,
+                                              config, sensors, context.reporter);
     const std::vector<NoiseVariance> noise = noise_of(points, plan);
     context.check_stop();
     write_slice(output.string(), points);

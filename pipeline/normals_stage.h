@@ -43,7 +43,8 @@ inline constexpr int kAllSlices = -2;
 /// else all. ConfigError if there is no such slice.
 std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan);
 
-/// Writes oriented.slice of each slice. The result counts, per cause, what was kept, turned and estimated,
+/// Writes oriented.slice of each slice. Where all normals are estimated, a slice takes their signs from the one
+/// before (IncompleteError if that one is missing), so that an object cut in slices has one outside. The result counts, per cause, what was kept, turned and estimated,
 /// and holds the slice's share of lambda (noise).
 /// Cost: auto on oriented clouds 1 us a point and core; estimation 4 us.
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context);

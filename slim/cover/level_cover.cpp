@@ -280,7 +280,8 @@ std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Works
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
         return {};
     c.surfel = std::move(moved);
-    c.choice.saturated = choice.saturated && choice.radius <= rho;
+    c.choice.saturated =
+        choice.saturated && radius == static_cast<double>(static_cast<float>(choice.radius));
     c.center = tree.source(*place);
     return {};
 }

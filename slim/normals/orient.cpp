@@ -89,7 +89,8 @@ struct Shape {
 
 double sign_of(const SignedForest::Root& root) { return root.flipped ? -1.0 : 1.0; }
 
-std::vector<Shape> shapes_of(const PointBlock& points, const std::vector<SignedForest::Root>& roots) {
+std::vector<Shape> shapes_of(const PointBlock& points, const std::vector<SignedForest::Root>& roots,
+                             const std::optional<Vec3d>& center) {
     std::vector<Shape> shapes(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         Shape& s = shapes[roots[i].index];
@@ -97,7 +98,7 @@ std::vector<Shape> shapes_of(const PointBlock& points, const std::vector<SignedF
         s.n += 1;
     }
     for (Shape& s : shapes)
-        if (s.n > 0) s.centroid *= 1 / s.n;
+        if (s.n > 0) s.centroid = center.value_or(s.centroid * (1 / s.n));
     for (std::size_t i = 0; i < points.size(); ++i) {
         Shape& s = shapes[roots[i].index];
         const Vec3d arm = points.position[i] - s.centroid;
@@ -127,7 +128,7 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 }
 
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
-                                 std::vector<bool>& known) {
+                                 std::vector<bool>& known, const std::optional<Vec3d>& center) {
     SignedForest forest(points.size());
     for (const Edge& e : edges_of(points, graph))
         forest.join(e.a, e.b, dot(points.normal[e.a], points.normal[e.b]) < 0);
@@ -142,7 +143,7 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
         votes[roots[i].index] += roots[i].flipped ? -1 : 1;
         anchored[roots[i].index] = true;
     }
-    const std::vector<Shape> shapes = shapes_of(points, roots);
+    const std::vector<Shape> shapes = shapes_of(points, roots, center);
     const auto largest = std::max_element(shapes.begin(), shapes.end(), [](auto& a, auto& b) {
         return a.n < b.n;
     });

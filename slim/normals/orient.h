@@ -4,6 +4,7 @@
 #include "slim/normals/estimate.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,10 +26,12 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// Gives the points with unknown sign (`known[i]` false) a consistent one: a minimum spanning forest of the
 /// neighbour graph, edge weight 1 - |n_i . n_j| (Hoppe et al. 1992), carries signs from points whose sign
 /// is known. A component without one is turned so that its flux about its centroid is outwards; where
-/// the flux says nothing (a terrain, a wall), upwards (+z).
+/// the flux says nothing (a terrain, a wall), upwards (+z). `center`, if given, stands for the centroids: that of
+/// the whole object where the points are a slab of it.
 /// Own code, not CGAL's mst_orient_normals: linear memory, no re-search of neighbours, deterministic, and fast
 /// enough for every point of a slice (the sort of the edges is the cost).
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
-                                 std::vector<bool>& known);
+                                 std::vector<bool>& known,
+                                 const std::optional<Vec3d>& center = std::nullopt);
 
 }  // namespace slim

@@ -84,6 +84,20 @@ TEST_F(NormalsStage, EstimatesMissingNormalsAndOnRequestAll) {
     EXPECT_EQ(normals(config)["estimated"], 10000);
 }
 
+TEST_F(NormalsStage, SlicesOfOneObjectAgreeOnItsOutside) {
+    const Cloud cloud = sampled("sphere", 20000);
+    slice(write(cloud, "c.ply", false), 8);
+    EXPECT_EQ(normals()["estimated"], 20000);
+    const SlicePlan plan = read_plan(file("work"));
+    ASSERT_GE(plan.slices.size(), 6u);
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        const PointBlock block = read_slice(oriented_points_path(file("work"), i).string());
+        EXPECT_EQ(block.size(), plan.slices[i].n_points);
+        for (std::size_t k = 0; k < block.size(); ++k)
+            ASSERT_GT(dot(block.normal[k], cloud.normals[block.id[k]]), 0.5f) << "slice " << i;
+    }
+}
+
 TEST_F(NormalsStage, TakesDirectionsOfScannersThatAreFar) {
     // Seen along -x, a sphere's normals all point to -x, also at the back.
     const std::string path = write(sampled("sphere", 5000), "c.ply", false);
