@@ -17,8 +17,8 @@ struct Covered {
     bool in_core;         ///< |p - c| < alpha rho
 };
 
-/// A surfel and the points it covers: those it explains, |residual| <= 4 max(eps, sqrt lambda), on its own
-/// side (DESIGN 4, lesson 4).
+/// A surfel and the points it covers: those it explains, |residual| <= min(4 max(eps, sqrt lambda), 0.3 rho),
+/// that do not face away (DESIGN 4, lesson 4; notes/0001).
 struct CoveringSurfel {
     FittedSurfel fitted;
     std::vector<Covered> covered;

@@ -14,7 +14,7 @@ namespace slim {
 struct LadderRules {
     double points_per_coefficient = 4;  ///< of the finest admissible rung
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
-    double contrary_share = 0;            ///< of such points among the cloud's normals: noise of the normals
+    double contrary_share = 0;            ///< of the cloud's normals that noise turns: as many off the sheet are tolerated
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
 };
