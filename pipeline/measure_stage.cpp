@@ -23,12 +23,13 @@ constexpr std::size_t kGrain = 2048;
 
 /// Sums over points; those of a block are added in order, so threads do not matter.
 struct Sums {
-    std::uint64_t points = 0, missed = 0, opposed = 0, no_normal = 0;
+    std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0;
     double sq_distance = 0, max = 0, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
     std::uint64_t n_angles = 0;
 
     void add(const Sums& b) {
-        points += b.points, missed += b.missed, opposed += b.opposed, no_normal += b.no_normal;
+        points += b.points, missed += b.missed, opposed += b.opposed, astray += b.astray;
+        no_normal += b.no_normal;
         sq_distance += b.sq_distance, max = std::max(max, b.max);
         sq_angle += b.sq_angle, n_angles += b.n_angles;
         sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
@@ -60,6 +61,11 @@ public:
             hit = project_along(p, n, found_, curved);
             opposed = !hit;
             if (opposed) hit = project_along(p, -n, found_, curved);
+            if (!hit) {
+                hit = along_models_normal(p, curved);
+                opposed = false;
+                sums.astray += hit ? 1u : 0u;
+            }
         }
         if (!hit) {
             ++sums.missed;
@@ -73,6 +79,13 @@ public:
     }
 
 private:
+    /// A supported point whose normal runs along the surface, as scans have at depth edges: its line meets
+    /// nothing near. The model's normal serves instead.
+    std::optional<Projection> along_models_normal(const Vec3d& p, bool curved) const {
+        const std::optional<Vec3d> n = normal_at(p, found_);
+        if (!n) return std::nullopt;
+        return project_along(p, *n, found_, curved);
+    }
     static void add_angle(const Projection& hit, const Vec3d& reference, bool opposed, Sums& sums) {
         double angle = angle_deg(hit.normal, reference);
         if (opposed) angle = std::min(angle, 180 - angle);
@@ -148,6 +161,7 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
     nlohmann::json out = {{"points", s.points},
                           {"missed", s.missed},
                           {"opposed", s.opposed},
+                          {"astray", s.astray},
                           {"without_normal", s.no_normal},
                           {"l2", rms(s.sq_distance, hits, diagonal)},
                           {"max", hits > 0 ? nlohmann::json(s.max / diagonal) : nlohmann::json()},

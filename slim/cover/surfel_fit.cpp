@@ -11,7 +11,6 @@ namespace {
 
 constexpr float kAtCenter = 0.9999999f;
 constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
-constexpr double kMostOff = 0.3;  // of rho: farther off, no point belongs to a surfel however poor its fit
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -33,7 +32,7 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
     const double tolerance =
         std::min(kExplained * std::max(fitted.fit_error, std::sqrt(noise_variance)) /
                      s.support_radius,
-                 kMostOff);
+                 kBelongs);
     std::vector<Covered> covered;
     for (std::size_t i = 0; i < ball.n; ++i) {
         if (ball.sq[i] >= 1) continue;

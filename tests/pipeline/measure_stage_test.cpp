@@ -1,5 +1,6 @@
 #include "pipeline/measure_stage.h"
 
+#include "slim/base/frame.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
@@ -68,6 +69,20 @@ TEST_F(MeasureStage, FlippedNormalsAreCountedAsOpposed) {
     EXPECT_EQ(m["opposed"], 5000);
     EXPECT_EQ(m["missed"], 0);
     EXPECT_LT(m["normal_rms_deg"].get<double>(), 0.5);
+}
+
+TEST_F(MeasureStage, ASupportedPointWithANormalAlongTheSurfaceIsAstrayNotMissed) {
+    // Lifted off the sphere, the lines along their tangents miss it.
+    Cloud tangent = cloud_;
+    for (std::size_t i = 0; i < tangent.size(); i += 4) {
+        const Vec3d outwards = normalized(to_double(cloud_.normals[i]));
+        tangent.positions[i] += outwards * 0.01;
+        tangent.normals[i] = to_float(frame_from_normal(outwards).u_axis);
+    }
+    const auto m = measure(file("m.slim"), write(tangent, "tangent.ply"));
+    EXPECT_EQ(m["missed"], 0);
+    EXPECT_EQ(m["astray"], 5000);
+    EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 0.01, 1e-3);
 }
 
 TEST_F(MeasureStage, WithoutNormalsItProjectsAlongTheModels) {
