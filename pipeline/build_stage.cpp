@@ -12,8 +12,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 
 namespace slim {
 namespace {
@@ -71,6 +73,34 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
     return result;
 }
 
+/// What a stage cost that was found up to date: as the manifests of its parts recorded it.
+void take_recorded_cost(const std::vector<fs::path>& manifests, nlohmann::json& stage) {
+    if (!stage.contains("up_to_date")) return;
+    double seconds = 0, bytes = 0;
+    for (const fs::path& path : manifests) {
+        std::ifstream file(path);
+        const auto manifest = nlohmann::json::parse(file, nullptr, false);
+        if (!manifest.is_object()) continue;
+        seconds += manifest.value("seconds", 0.0);
+        bytes = std::max(bytes, manifest.value("peak_memory_bytes", 0.0));
+    }
+    stage["seconds"] = seconds;
+    stage["peak_memory_bytes"] = static_cast<std::uint64_t>(bytes);
+}
+
+void take_recorded_costs(const std::string& work, nlohmann::json& stages) {
+    const SlicePlan plan = read_plan(work);
+    std::vector<fs::path> normals, fits;
+    if (plan.slices.size() > 1) fits.push_back(manifest_path(coarse_fit_path(work)));
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        normals.push_back(manifest_path(oriented_points_path(work, i)));
+        fits.push_back(manifest_path(fit_path(work, i)));
+    }
+    take_recorded_cost({manifest_path(work, "slice")}, stages["slice"]);
+    take_recorded_cost(normals, stages["normals"]);
+    take_recorded_cost(fits, stages["fit"]);
+}
+
 /// The output must be a file's name of its own: neither a folder nor one of the clouds.
 void check_output(const BuildConfig& config) {
     std::error_code ignored;
@@ -104,6 +134,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stag
     tree.work = work;
     tree.output = config.output;
     nlohmann::json result = run_one("tree", tree, run_tree, context, stages);
+    take_recorded_costs(work, stages);
     result.erase("up_to_date");
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");

@@ -39,6 +39,7 @@ public:
     double max = std::numeric_limits<double>::infinity();
     std::vector<std::string> choices;
     bool required = false;  ///< must not be empty
+    bool is_part = false;   ///< says which part of the work to do, not what comes out: not hashed
 
     Kind kind() const;
     bool is_list() const;
@@ -108,9 +109,23 @@ public:
     void input(std::string key, T& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::input));
     }
+    /// --key: which part of the work this call does; not part of the hash, as all parts together make
+    /// the same.
+    void part(std::string key, bool& member, std::string help) {
+        add(std::move(key), &member, std::move(help), FieldRole::option).is_part = true;
+    }
+    template <class T, class Min, class Max>
+    void part(std::string key, T& member, std::string help, Min min, Max max) {
+        (*this)(std::move(key), member, std::move(help), min, max);
+        fields_.back().is_part = true;
+    }
     /// -o PATH; required if empty by default.
     void output(std::string key, std::string& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::output));
+    }
+    /// -o PATH, which may be left out.
+    void optional_output(std::string key, std::string& member, std::string help) {
+        add(std::move(key), &member, std::move(help), FieldRole::output);
     }
     /// --key PATH, optional.
     template <class T>
@@ -147,7 +162,8 @@ void check_required(const FieldList& fields);
 
 /// The resolved configuration as TOML, a comment with help and range above each key.
 std::string print_config(const FieldList& fields);
-/// One `key = value` line for each field that counts (all but paths): what the config hash is of.
+/// One `key = value` line for each field that counts (all but paths and parts): what the config hash
+/// is of.
 std::string canonical_config(const FieldList& fields);
 
 /// " (did you mean 'degree'?)", or "" when no known name is near.

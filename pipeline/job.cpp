@@ -9,7 +9,6 @@
 #include "pipeline/scan_stage.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/toml_file.h"
-#include "pipeline/tree_stage.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -165,7 +164,7 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}, {}};
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}, {}, {}};
         // The shape is a word of slim-scan, not an option.
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
@@ -181,7 +180,7 @@ private:
         const TomlTable& table = found ? *found : empty;
         check_tables(table, {});
         model_ = job_.folder / "model.slim";
-        JobStep step{"build", "build", {}, clouds_, model_, {}};
+        JobStep step{"build", "build", {}, clouds_, model_, {}, {}};
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
         append(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
@@ -194,29 +193,28 @@ private:
     void read_build_stages(const TomlTable& table) {
         BuildConfig build;
         apply_table(table, fields_of(build), file_);
-        const std::string work = build.work.empty() ? model_.string() + ".work" : build.work;
-        JobStep slice{"slice", "slice", {}, clouds_, work, manifest_path(work, "slice")};
-        for (const fs::path& cloud : clouds_) slice.arguments.push_back(cloud.string());
-        slice.arguments.insert(slice.arguments.end(), {"-o", work});
-        append_shared<SliceConfig>(slice, table, build);
-        JobStep normals{"normals", "normals", {work}, {slice.target}, {}, fs::path(work) / "normals.json"};
-        append_shared<NormalsConfig>(normals, table, build);
-        JobStep fit{"fit", "fit", {work}, {normals.target}, {}, fs::path(work) / "fit.json"};
-        append_shared<FitConfig>(fit, table, build);
-        JobStep tree{"tree", "tree", {work}, {fit.target}, model_, {}};
-        add_output(tree);
-        job_.build_stages = {slice, normals, fit, tree};
+        BuildStages& stages = job_.stages;
+        stages.work = build.work.empty() ? model_.string() + ".work" : build.work;
+        stages.slice_target = manifest_path(stages.work, "slice");
+        stages.estimate_normals = build.normals == "estimate";
+        for (const fs::path& cloud : clouds_) stages.slice.push_back(cloud.string());
+        stages.slice.insert(stages.slice.end(), {"-o", stages.work.string()});
+        append_shared<SliceConfig>(stages.slice, table, build);
+        stages.normals = stages.fit = {stages.work.string()};
+        append_shared<NormalsConfig>(stages.normals, table, build);
+        append_shared<FitConfig>(stages.fit, table, build);
     }
 
     /// Those options of [fit] that the stage has too.
     template <class Config>
-    static void append_shared(JobStep& step, const TomlTable& table, BuildConfig& build) {
+    static void append_shared(std::vector<std::string>& arguments, const TomlTable& table,
+                              BuildConfig& build) {
         Config config;
         const FieldList stage = fields_of(config);
         const FieldList all = fields_of(build);
         for (const TomlValue& value : table.values)
             if (value.key != "work" && stage.find(value.key))
-                append_option(*all.find(value.key), step.arguments);
+                append_option(*all.find(value.key), arguments);
     }
 
     static void append(JobStep& step, const std::vector<std::string>& arguments) {
@@ -234,12 +232,13 @@ private:
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
         for (const fs::path& cloud : clouds_) {
-            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}, {}};
+            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}, {}, {}};
             if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
             append(step, options);
             std::string name = step.name + ".json";
             std::replace(name.begin(), name.end(), ' ', '_');
-            step.target = job_.folder / name;
+            step.output = job_.folder / name;
+            add_output(step);
             job_.steps.push_back(std::move(step));
         }
     }
@@ -267,14 +266,22 @@ private:
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
                                           view.name));
         aovs_.insert(view.aovs.begin(), view.aovs.end());
-        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}};
+        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         append(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
         step.output = job_.folder / (view.name + aov + ".png");
         add_output(step);
+        step.products = pictures_of(view);
         job_.steps.push_back(std::move(step));
+    }
+
+    std::vector<fs::path> pictures_of(const ViewTable& view) const {
+        std::vector<fs::path> files;
+        for (const std::string& aov : view.aovs)
+            if (aov != "all") files.push_back(job_.folder / (view.name + "." + aov + ".png"));
+        return files;
     }
 
     /// [render] may name a truth for those views that show it; slim-render refuses it elsewhere.
@@ -326,6 +333,7 @@ private:
         step.arguments.push_back("-o");
         step.arguments.push_back(step.output.string());
         step.target = manifest_path(step.output);
+        step.products = {step.output};
     }
 
     inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov"};
@@ -341,6 +349,8 @@ private:
 };
 
 }  // namespace
+
+fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); }
 
 Job read_job(const fs::path& file) { return JobReader(file).read(); }
 

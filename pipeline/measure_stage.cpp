@@ -1,8 +1,10 @@
 #include "pipeline/measure_stage.h"
 
+#include "formats/atomic_file.h"
 #include "formats/model_file.h"
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
@@ -128,14 +130,10 @@ nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
     return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit) : nlohmann::json();
 }
 
-}  // namespace
-
-nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+/// The result without its record.
+nlohmann::json measured(const MeasureConfig& config, const std::string& truth, StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
-    std::string truth = config.truth;
-    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
-        truth = truth_path(config.cloud);
     const BallIndex index(tree);
     const Sums s = measure_cloud(config, index, model.header().origin, truth, context);
 
@@ -163,6 +161,23 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
         }
     }
     return out;
+}
+
+}  // namespace
+
+nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+    std::string truth = config.truth;
+    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
+        truth = truth_path(config.cloud);
+    if (config.output.empty()) return measured(config, truth, context);
+    Stamp stamp(context, manifest_path(config.output));
+    stamp.input(config.model);
+    stamp.input(config.cloud);
+    if (!truth.empty()) stamp.input(truth);
+    if (auto done = stamp.up_to_date()) return *done;
+    nlohmann::json result = measured(config, truth, context);
+    write_file_atomically(config.output, result.dump(2) + "\n");
+    return stamp.commit({config.output}, std::move(result));
 }
 
 }  // namespace slim

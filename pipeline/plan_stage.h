@@ -17,7 +17,10 @@ struct PlanConfig {
     template <class V>
     void visit(V&& field) {
         field.input("job", job, "job file (TOML)");
-        field.choice("format", format, "what to print", {"make"});
+        field.choice("format", format,
+                     "make: a Makefile; slices: its rules for the slices, once the clouds are sliced (make "
+                     "calls this itself)",
+                     {"make", "slices"});
         field("explain", explain, "instead, say what is done, what is left out and why");
     }
 };

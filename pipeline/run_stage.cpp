@@ -84,7 +84,7 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
 json run_job(const RunConfig& config, StageContext& context) {
     const Job job = read_job(config.job);
     fs::create_directories(job.folder);
-    Stamp stamp(context, manifest_path(job.folder, "run"));
+    Stamp stamp(context, page_target(job));
     stamp.input(config.job);
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(run_step(step, context));
