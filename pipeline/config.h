@@ -133,6 +133,10 @@ public:
         add(std::move(key), &member, std::move(help), FieldRole::path);
     }
 
+    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads.
+    void settings(std::vector<std::string>& member) { settings_ = &member; }
+    std::vector<std::string>* settings() const { return settings_; }
+
     void append(const Field& field) { fields_.push_back(field); }
 
     const std::vector<Field>& fields() const { return fields_; }
@@ -147,6 +151,7 @@ private:
     static void require(Field& field) { field.required = field.empty(); }
 
     std::vector<Field> fields_;
+    std::vector<std::string>* settings_ = nullptr;
 };
 
 /// The fields of a config, bound to its members; valid while the config lives where it is.

@@ -6,6 +6,7 @@
 #include "pipeline/measure_stage.h"
 #include "pipeline/normals_stage.h"
 #include "pipeline/render_config.h"
+#include "pipeline/render_view.h"
 #include "pipeline/scan_stage.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/toml_file.h"
@@ -55,7 +56,7 @@ struct ViewTable {
 };
 
 std::string place(const fs::path& file, const TomlTable& table) {
-    return fmt::format("{}:{}", file.string(), table.line);
+    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line) : file.string() + ", --set";
 }
 
 /// A field's value as one option, or one per path.
@@ -97,7 +98,11 @@ struct NoKeys {
 /// The tables of a job file, found by name and strictly known.
 class JobReader {
 public:
-    explicit JobReader(const fs::path& file) : file_(file), root_(read_toml(file)) {}
+    JobReader(const fs::path& file, const std::vector<std::string>& settings)
+        : file_(file), root_(read_toml(file)) {
+        for (const std::string& setting : settings) set_value(root_, setting);
+        job_.settings = settings;
+    }
 
     Job read() {
         check_tables(root_, {"input", "fit", "render", "view", "output", "measure"});
@@ -246,8 +251,10 @@ private:
     void read_views() {
         ViewTable none;
         std::vector<std::string> defaults;
-        if (const TomlTable* table = find(root_, "render"))
+        if (const TomlTable* table = find(root_, "render")) {
             defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
+            check_view(*table, render_);
+        }
         for (const TomlTable& table : root_.tables)
             if (table.name == "view") read_view(table, defaults);
         if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
@@ -257,6 +264,8 @@ private:
         check_tables(table, {});
         ViewTable view;
         const std::vector<std::string> own = read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        RenderConfig render = render_;
+        check_view(table, render);
         if (view.aovs.empty()) view.aovs = output_.aovs;
         check_aovs(view.aovs, table);
         std::vector<std::string> options = defaults_for(view.aovs, defaults);
@@ -282,6 +291,30 @@ private:
         for (const std::string& aov : view.aovs)
             if (aov != "all") files.push_back(job_.folder / (view.name + "." + aov + ".png"));
         return files;
+    }
+
+    /// What slim-render would refuse of these keys after the whole build is refused here, with its line.
+    void check_view(const TomlTable& table, RenderConfig& config) const {
+        const auto checked = [&](const char* key, auto&& check) {
+            for (const TomlValue& value : table.values) {
+                if (value.key != key) continue;
+                try {
+                    check();
+                } catch (const ConfigError& error) {
+                    const TomlTable at{key, value.line, {}, {}};
+                    throw ConfigError(fmt::format("{}: {}", place(file_, at), error.what()));
+                }
+            }
+        };
+        const FieldList fields = fields_of(config);
+        for (const TomlValue& value : table.values)
+            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
+        checked("size", [&] { parse_size(config.size); });
+        checked("background", [&] { parse_background(config.background, false); });
+        // Any box will do: only cameras that are given by numbers can be wrong.
+        ModelHeader model;
+        model.bounds = {{-1, -1, -1}, {1, 1, 1}};
+        checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
     }
 
     /// [render] may name a truth for those views that show it; slim-render refuses it elsewhere.
@@ -344,6 +377,7 @@ private:
     Job job_;
     std::vector<fs::path> clouds_;
     fs::path model_;
+    RenderConfig render_;  // with what [render] says
     std::set<std::string> names_;
     std::set<std::string> aovs_;
 };
@@ -352,6 +386,8 @@ private:
 
 fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); }
 
-Job read_job(const fs::path& file) { return JobReader(file).read(); }
+Job read_job(const fs::path& file, const std::vector<std::string>& settings) {
+    return JobReader(file, settings).read();
+}
 
 }  // namespace slim

@@ -28,6 +28,7 @@ struct BuildStages {
 /// A job file's meaning: what to do, in order, and what not and why.
 struct Job {
     std::filesystem::path file;
+    std::vector<std::string> settings;     ///< what was changed of it by --set
     std::filesystem::path folder;  ///< where everything is written
     std::string title;
     bool html = true;
@@ -36,10 +37,10 @@ struct Job {
     std::vector<std::string> left_out;  ///< "curvature: no AOV asks for it"
 };
 
-/// Reads a job (docs/job.md). Relative paths are taken from the file's folder. ConfigError with
+/// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken from the file's folder. ConfigError with
 /// file:line for an unknown table or key (and the nearest name), a wrong type, a value out of range, no
 /// input, or two views of one name; IoError if the file cannot be read.
-Job read_job(const std::filesystem::path& file);
+Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
 /// Where the page's step leaves its manifest.
 std::filesystem::path page_target(const Job& job);

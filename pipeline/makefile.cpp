@@ -147,12 +147,19 @@ void add_build(const JobStep& step, const Job& job, Rules& rules) {
     rules.step("build", build);
 }
 
+/// The job and what was changed of it, as words for run and plan.
+Words job_words(const Job& job) {
+    Words words = {job.file.string()};
+    for (const std::string& setting : job.settings) words.push_back("--set=" + setting);
+    return words;
+}
+
 /// Prints to a file only if that succeeds.
 std::string printing_recipe(const fs::path& programs, const Job& job, const char* format,
                             const std::string& file) {
-    return fmt::format("\t@{} {} --format={} > {}.tmp && mv {}.tmp {}\n",
-                       recipe_word((programs / "slim-plan").string()), recipe_word(job.file.string()),
-                       format, file, file, file);
+    std::string words = recipe_word((programs / "slim-plan").string());
+    for (const std::string& word : job_words(job)) words += " " + recipe_word(word);
+    return fmt::format("\t@{} --format={} > {}.tmp && mv {}.tmp {}\n", words, format, file, file, file);
 }
 
 std::string slices_part(const Job& job, const Rules& rules, const fs::path& programs) {
@@ -185,7 +192,7 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
     }
     if (job.html) {
         Rule page{page_target(job), goals, {job.folder / "index.html"},
-                  rules.command("run", {job.file.string()})};
+                  rules.command("run", job_words(job))};
         page.needs.push_back(rules.stamp("page", all_commands));
         rules.add(page);
         goals = {page.target};

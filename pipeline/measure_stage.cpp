@@ -4,6 +4,7 @@
 #include "formats/model_file.h"
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -166,6 +167,11 @@ nlohmann::json measured(const MeasureConfig& config, const std::string& truth, S
 }  // namespace
 
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+    if (input_kind(config.cloud) == InputKind::model && input_kind(config.model) == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{0} is a cloud and {1} a model: expected the model first: slim measure {1} {0}", config.model,
+            config.cloud));
+    require_model(config.model);
     std::string truth = config.truth;
     if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
         truth = truth_path(config.cloud);

@@ -3,6 +3,7 @@
 #include "formats/atomic_file.h"
 #include "formats/image_io.h"
 #include "formats/model_file.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_bands.h"
@@ -245,6 +246,8 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const PictureSize size = parse_size(config.size);
     check_ranges(config);
     parse_background(config.background, false);
+
+    require_model(config.model);
 
     Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
     stamp.input(config.model);

@@ -82,10 +82,11 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
 }  // namespace
 
 json run_job(const RunConfig& config, StageContext& context) {
-    const Job job = read_job(config.job);
+    const Job job = read_job(config.job, config.settings);
     fs::create_directories(job.folder);
     Stamp stamp(context, page_target(job));
     stamp.input(config.job);
+    for (const std::string& setting : config.settings) stamp.depends("--set " + setting);
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(run_step(step, context));
     for (const std::string& reason : job.left_out) context.reporter.info("left out: " + reason);

@@ -122,6 +122,25 @@ TEST(Job, SaysWhatIsLeftOut) {
         EXPECT_EQ(demo.find(part), std::string::npos) << part;
 }
 
+TEST(Job, IsChangedBySettings) {
+    const fs::path file = write_job(kDemo);
+    const Job job = read_job(file, {"fit.degree=1", "fit.t_mdl=0.02", "render.size=64x64", "input.scan.noise=0"});
+    EXPECT_TRUE(has(job.steps[0], "--noise=0"));
+    EXPECT_TRUE(has(job.steps[1], "--degree=1"));
+    EXPECT_TRUE(has(job.steps[1], "--t-mdl=0.02"));
+    EXPECT_TRUE(has(job.steps[3], "--size=64x64"));
+    for (const auto& [setting, message] :
+         {std::pair{"degree=1", "expected TABLE.KEY=VALUE"}, std::pair{"fit.degre=1", "did you mean 'degree'"},
+          std::pair{"fit.degree=9", "--set: degree: expected"}, std::pair{"view.size=3x3", "is a list"},
+          std::pair{"ftt.degree=1", "did you mean 'fit'"}})
+        try {
+            read_job(file, {setting});
+            ADD_FAILURE() << setting << " was accepted";
+        } catch (const ConfigError& error) {
+            EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+        }
+}
+
 TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
     const std::string start = "[input]\nfiles = ['a.ply']\n";
     const std::pair<const char*, const char*> cases[] = {
@@ -131,6 +150,11 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[fit]\ndegree = 9\n", ":4: degree: expected a number in [1, 3]; found 9"},
         {"[[view]]\ncamra = 'front'\n", ":4: unknown key 'camra' (did you mean 'camera'?)"},
         {"[[view]]\naovs = ['men']\n", ""},
+        {"[[view]]\nname = 'a'\nsize = '64'\n", ":5: size: "},
+        {"[render]\nsize = '0x3'\n", ":4: size: "},
+        {"[render]\nsize = '9x9'\n[[view]]\ncamera = 'fromt'\n", ":6: camera: "},
+        {"[[view]]\ncamera = '0,0,1,0,0,1'\n", ":4: camera: "},
+        {"[[view]]\nbackground = 'pink'\n", ":4: background: "},
         {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
         {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
         {"[fit.more]\n", "unknown table [more]"},
