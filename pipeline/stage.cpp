@@ -72,7 +72,8 @@ void print_result(const ErasedStage& stage, const CommonOptions& common, const S
         write_stdout(result.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
     } else if (stage.description.answers || !common.quiet) {
         std::string text = context.text;
-        if (text.empty()) append_summary(result, "", text);
+        const bool all_asked = common.verbose && !stage.description.answers;
+        if (text.empty() || all_asked) append_summary(result, "", text);
         write_stdout(text);
     }
 }
