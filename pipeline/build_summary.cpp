@@ -61,10 +61,13 @@ double leaf_error_rms(const std::string& model) {
 
 std::string build_summary(const std::string& model, const std::vector<std::string>& clouds,
                           const nlohmann::json& result) {
+    // The standard deviation that lambda stands for: below it no fit tells detail from noise.
+    const double noise = std::sqrt(result.value("noise_variance", 0.0)) /
+                         result.at("stages").at("slice").at("diagonal").get<double>();
     std::string text = fmt::format(
-        "{}: {} points, {} leaves, {}; fit error {:.2g} of the diagonal (RMS)\n", model,
+        "{}: {} points, {} leaves, {}; of the diagonal: fit error {:.2g} (RMS), noise {:.2g}\n", model,
         count(result, "points"), count(result, "leaves"), memory_size_text(count(result, "bytes")),
-        result.value("leaf_error_rms", 0.0));
+        result.value("leaf_error_rms", 0.0), noise);
     text += costs(result.at("stages")) + remarks(result);
     const std::string picture = std::filesystem::path(model).replace_extension(".png").string();
     return text + fmt::format("next: slim render {0} -o {1}\n      slim measure {0} {2}\n", model, picture,

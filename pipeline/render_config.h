@@ -34,7 +34,7 @@ struct RenderConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("model", model, "model to draw (model.slim)");
-        field.output("output", output, "x.png, x.exr, or a folder (<view>.<aov>.png in it)");
+        field.output("output", output, "x.png, x.exr (with x.png as its preview), or a folder (<view>.<aov>.png in it)");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
               "front, back, left, right, top, bottom, iso, or ex,ey,ez,tx,ty,tz,ux,uy,uz (world)");

@@ -64,6 +64,11 @@ def expect(counts, what, *options):
     called, done = make(*options)
     check(done.returncode == 0, f"{what}: make ends with {done.returncode}: {done.stderr[-1500:]}")
     check(called == counts, f"{what}: expected {counts}, make called {called}")
+    # The build joins what the slices' rules made, and does none of it again.
+    for stage in ("slice", "normals", "fit"):
+        found = done.stderr.count(f"slim-build: {stage}: up to date")
+        wanted = ALL[stage] if "build" in counts else 0
+        check(found == wanted, f"{what}: the build found {found} of {wanted} {stage} up to date")
 
 
 def contents():
