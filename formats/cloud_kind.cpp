@@ -92,7 +92,8 @@ std::string with_names(std::string advice, const std::string& path) {
     const bool has_extension =
         dot != std::string::npos && (slash == std::string::npos || dot > slash + 1) && dot > 0;
     const std::string out = (has_extension ? path.substr(0, dot) : path) + ".ply";
-    for (const auto& [word, name] : {std::pair{std::string(" OUT.ply"), out}, std::pair{std::string(" IN"), path}})
+    for (const auto& [word, name] :
+         {std::pair{std::string(" OUT.ply"), out}, std::pair{std::string(" IN"), path}})
         if (const auto at = advice.find(word); at != std::string::npos)
             advice.replace(at + 1, word.size() - 1, name);
     return advice;

@@ -145,7 +145,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 /// Ends with what becomes of the intermediate files of a build that failed or was stopped.
 [[noreturn]] void give_up(const BuildConfig& config, const std::string& work, const Error& error) {
     const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
-    const bool stopped = error.code() == ExitCode::interrupted || error.code() == ExitCode::terminated;
+    const bool stopped =
+        error.code() == ExitCode::interrupted || error.code() == ExitCode::terminated;
     const bool sliced = fs::exists(manifest_path(work, "slice"));
     // A bad input leaves nothing to resume from, a build stopped while slicing hardly more.
     if (config.work.empty() && (bad || (stopped && !sliced))) fs::remove_all(work);

@@ -121,8 +121,9 @@ InputWatch::InputWatch(std::vector<std::string> paths) : paths_(std::move(paths)
 void InputWatch::check() const {
     for (std::size_t i = 0; i < paths_.size(); ++i)
         if (state_of(paths_[i]) != states_[i])
-            throw DataError(paths_[i] + ": changed while it was read; run the command again when it is "
-                                        "complete");
+            throw DataError(paths_[i] +
+                            ": changed while it was read; run the command again when it is "
+                            "complete");
 }
 
 double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds) {

@@ -76,9 +76,10 @@ void apply_set(const std::string& text, const FieldList& fields) {
     const Field* field = fields.find(key);
     if (!field)
         throw ConfigError(fmt::format("--set {}: unknown key '{}'{}", text, key,
-                                      fields.settings() ? "; a key of the job is written TABLE.KEY, such as "
-                                                          "fit.t_mdl"
-                                                        : suggestion(key, keys_of(fields))));
+                                      fields.settings()
+                                          ? "; a key of the job is written TABLE.KEY, such as "
+                                            "fit.t_mdl"
+                                          : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
 }
 

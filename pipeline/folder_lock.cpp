@@ -6,9 +6,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,7 +17,8 @@ namespace {
 
 /// Whether the path still leads to what was opened: its owner may have removed it in between.
 bool still_there(const std::string& folder, int descriptor) {
-    struct stat opened {}, named {};
+    struct stat opened {
+    }, named{};
     return fstat(descriptor, &opened) == 0 && stat(folder.c_str(), &named) == 0 &&
            opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
@@ -42,8 +42,9 @@ FolderLock::FolderLock(const std::string& folder) {
         if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
             close(descriptor_);
             throw Error(ExitCode::temporary,
-                        folder + ": another slim is at work in it: wait for its end, or name another "
-                                 "output or --work folder");
+                        folder +
+                            ": another slim is at work in it: wait for its end, or name another "
+                            "output or --work folder");
         }
         if (still_there(folder, descriptor_)) return;
         close(descriptor_);

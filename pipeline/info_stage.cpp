@@ -195,7 +195,8 @@ json json_info(const std::string& path) {
 
 json run_info(const InfoConfig& config, StageContext& context) {
     if (fs::is_directory(config.file)) {
-        const fs::path plan = plan_path(config.file), page = fs::path(config.file) / "run.done.json";
+        const fs::path plan = plan_path(config.file),
+                       page = fs::path(config.file) / "run.done.json";
         const fs::path inside = fs::exists(plan) ? plan : fs::exists(page) ? page : fs::path();
         throw ConfigError(fmt::format("{}: is a folder; expected a file{}", config.file,
                                       inside.empty() ? ": a model, a cloud or a file of a build"

@@ -41,13 +41,15 @@ InputKind input_kind(const std::string& path) {
 void require_model(const std::string& path) {
     const InputKind kind = input_kind(path);
     if (kind == InputKind::folder)
-        throw FormatError(path + ": is a folder; expected a model (model.slim), as `slim build` writes");
+        throw FormatError(path +
+                          ": is a folder; expected a model (model.slim), as `slim build` writes");
     if (kind != InputKind::cloud) return;
     fs::path model = fs::path(path).filename();
     if (model.extension() == ".gz") model.replace_extension();
     model.replace_extension(".slim");
-    throw FormatError(fmt::format("{0}: a point cloud, not a model; build it first: slim build {0} -o {1}",
-                                  path, model.string()));
+    throw FormatError(
+        fmt::format("{0}: a point cloud, not a model; build it first: slim build {0} -o {1}", path,
+                    model.string()));
 }
 
 }  // namespace slim

@@ -56,7 +56,8 @@ struct ViewTable {
 };
 
 std::string place(const fs::path& file, const TomlTable& table) {
-    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line) : file.string() + ", --set";
+    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line)
+                          : file.string() + ", --set";
 }
 
 /// A field's value as one option, or one per path.
@@ -169,7 +170,9 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}, {}, {}};
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}),
+                     {},     {},     {},
+                     {}};
         // The shape is a word of slim-scan, not an option.
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
@@ -237,7 +240,9 @@ private:
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
         for (const fs::path& cloud : clouds_) {
-            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}, {}, {}};
+            JobStep step{
+                "measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {},
+                {},        {}};
             if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
             append(step, options);
             std::string name = step.name + ".json";

@@ -90,8 +90,8 @@ public:
         const fs::path folder = marks_ / id;
         const fs::path file = folder / hash_text(program_version() + options).substr(0, 16);
         const std::string at = recipe_word(folder.string());
-        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file), at, at,
-                             recipe_word(file.string()));
+        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file),
+                             at, at, recipe_word(file.string()));
         return file;
     }
 
@@ -159,7 +159,8 @@ std::string printing_recipe(const fs::path& programs, const Job& job, const char
                             const std::string& file) {
     std::string words = recipe_word((programs / "slim-plan").string());
     for (const std::string& word : job_words(job)) words += " " + recipe_word(word);
-    return fmt::format("\t@{} --format={} > {}.tmp && mv {}.tmp {}\n", words, format, file, file, file);
+    return fmt::format("\t@{} --format={} > {}.tmp && mv {}.tmp {}\n", words, format, file, file,
+                       file);
 }
 
 std::string slices_part(const Job& job, const Rules& rules, const fs::path& programs) {
@@ -170,10 +171,12 @@ std::string slices_part(const Job& job, const Rules& rules, const fs::path& prog
            printing_recipe(programs, job, "slices", recipe_word(file.string())) +
            "\nifneq ($(wildcard $(this)),)\n$(this): " + job_file + "\n" +
            printing_recipe(programs, job, "make", "$(this)") +
-           "else\n$(warning cannot tell its own file: print it anew after a change of the job)\nendif\n" +
+           "else\n$(warning cannot tell its own file: print it anew after a change of the "
+           "job)\nendif\n" +
            // A file that is to be remade first must not slice by what the job was before.
            "\nifeq ($(shell test " + recipe_word(job.file.string()) +
-           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file) + "\nendif\n";
+           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file) +
+           "\nendif\n";
 }
 
 }  // namespace
@@ -191,7 +194,9 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
             rules.step(step.name, rule_of(step, job, rules));
     }
     if (job.html) {
-        Rule page{page_target(job), goals, {job.folder / "index.html"},
+        Rule page{page_target(job),
+                  goals,
+                  {job.folder / "index.html"},
                   rules.command("run", job_words(job))};
         page.needs.push_back(rules.stamp("page", all_commands));
         rules.add(page);
@@ -200,7 +205,8 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
     std::string text = fmt::format(kHeader, job.file.string(), rules.slices_file().string());
     text += "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\n\nall:";
     for (const fs::path& goal : goals) text += " " + make_path(goal);
-    return text + "\n.PHONY: all FORCE\nFORCE:\n" + rules.text() + slices_part(job, rules, programs);
+    return text + "\n.PHONY: all FORCE\nFORCE:\n" + rules.text() +
+           slices_part(job, rules, programs);
 }
 
 std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path& programs) {
@@ -208,7 +214,8 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
     const bool in_order = stages.estimate_normals || !plan.has_normals;
     Rules rules(job, programs);
     const auto add = [&](const char* verb, const Words& arguments, const std::string& part,
-                         const fs::path& output, std::vector<fs::path> needs, const fs::path& mark) {
+                         const fs::path& output, std::vector<fs::path> needs,
+                         const fs::path& mark) {
         Words command = rules.command(verb, arguments);
         if (!part.empty()) command.push_back(part);
         needs.push_back(mark);
@@ -216,7 +223,8 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
         return manifest_path(output);
     };
     rules.append("# The slices of " + job.file.string() + "\n");
-    const fs::path normals_mark = rules.stamp("normals", fmt::format("{}", fmt::join(stages.normals, "\n")));
+    const fs::path normals_mark =
+        rules.stamp("normals", fmt::format("{}", fmt::join(stages.normals, "\n")));
     const fs::path fit_mark = rules.stamp("fit", fmt::format("{}", fmt::join(stages.fit, "\n")));
     std::vector<fs::path> oriented, fits;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
@@ -228,11 +236,12 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
     }
     // lambda is a mean over all slices: the coarse levels wait for all normals, and every slice for them.
     if (plan.slices.size() > 1)
-        fits.push_back(add("fit", stages.fit, "--coarse", coarse_fit_path(stages.work), oriented, fit_mark));
+        fits.push_back(
+            add("fit", stages.fit, "--coarse", coarse_fit_path(stages.work), oriented, fit_mark));
     const std::vector<fs::path> before = fits.empty() ? oriented : fits;
     for (std::size_t i = 0; i < plan.slices.size(); ++i)
-        fits.push_back(add("fit", stages.fit, fmt::format("--slice={}", i), fit_path(stages.work, i),
-                           before, fit_mark));
+        fits.push_back(add("fit", stages.fit, fmt::format("--slice={}", i),
+                           fit_path(stages.work, i), before, fit_mark));
     for (const JobStep& step : job.steps) {
         if (step.verb != "build") continue;
         rules.append("\n" + make_path(step.target) + ":");

@@ -132,7 +132,8 @@ nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
 }
 
 /// The result without its record.
-nlohmann::json measured(const MeasureConfig& config, const std::string& truth, StageContext& context) {
+nlohmann::json measured(const MeasureConfig& config, const std::string& truth,
+                        StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     const BallIndex index(tree);
@@ -167,10 +168,11 @@ nlohmann::json measured(const MeasureConfig& config, const std::string& truth, S
 }  // namespace
 
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
-    if (input_kind(config.cloud) == InputKind::model && input_kind(config.model) == InputKind::cloud)
+    if (input_kind(config.cloud) == InputKind::model &&
+        input_kind(config.model) == InputKind::cloud)
         throw ConfigError(fmt::format(
-            "{0} is a cloud and {1} a model: expected the model first: slim measure {1} {0}", config.model,
-            config.cloud));
+            "{0} is a cloud and {1} a model: expected the model first: slim measure {1} {0}",
+            config.model, config.cloud));
     require_model(config.model);
     std::string truth = config.truth;
     if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))

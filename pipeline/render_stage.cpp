@@ -89,12 +89,14 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
     if (stats.covered_pixels > 0) return;
     const ModelHeader& m = job.tree.header();
     const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
-    throw NumericalError(fmt::format(
-        "{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, {:g}, {:g}) to "
-        "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in these coordinates; "
-        "a named camera, as --camera iso, frames the whole model",
-        job.config.model, job.size.width, job.size.height, describe(job.camera, m.origin), lo.x, lo.y,
-        lo.z, hi.x, hi.y, hi.z));
+    throw NumericalError(
+        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
+                    "{:g}, {:g}) to "
+                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
+                    "these coordinates; "
+                    "a named camera, as --camera iso, frames the whole model",
+                    job.config.model, job.size.width, job.size.height,
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
 }
 
 /// Renders the frame of a factor as often as the job says; returns the median time.
@@ -244,9 +246,10 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
     if (job.tree.header().degree > 1) return;
     for (const char* aov : {"mean", "gauss", "k1", "k2"})
         if (job.wants(aov))
-            return reporter.warn(fmt::format("{}: a model of degree 1 is flat within each surfel, so that its "
-                                             "curvature says little: build it with --degree 2",
-                                             job.config.model));
+            return reporter.warn(
+                fmt::format("{}: a model of degree 1 is flat within each surfel, so that its "
+                            "curvature says little: build it with --degree 2",
+                            job.config.model));
 }
 
 }  // namespace

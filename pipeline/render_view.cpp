@@ -35,7 +35,8 @@ std::vector<double> parse_numbers(const std::string& text) {
 
 UpAxis up_axis(const RenderConfig& config) {
     const char letter = config.up.back();
-    if (config.up.size() == 1) return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
+    if (config.up.size() == 1)
+        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
     return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
 }
 
@@ -45,7 +46,8 @@ Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& confi
     camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
     camera.target = Vec3d{n[3], n[4], n[5]} - origin;
     if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
-    else camera.up = up_vector(up_axis(config));
+    else
+        camera.up = up_vector(up_axis(config));
     camera.fov_y_deg = config.fov;
     camera.orthographic = config.ortho;
     // Without a width of its own: what a perspective view sees at the target.

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <string>
 #include <thread>
-
 #include <unistd.h>
 
 namespace slim {

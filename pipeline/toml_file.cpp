@@ -151,7 +151,8 @@ void set_value(TomlTable& root, const std::string& key_equals_value) {
         const auto same = [&](const TomlTable& t) { return t.name == name; };
         const auto n = std::count_if(table->tables.begin(), table->tables.end(), same);
         if (n > 1)
-            throw ConfigError(fmt::format("{}: [[{}]] is a list: change it in the file", said, name));
+            throw ConfigError(
+                fmt::format("{}: [[{}]] is a list: change it in the file", said, name));
         if (n == 0) table->tables.push_back({name, 0, {}, {}});
         table = &*std::find_if(table->tables.begin(), table->tables.end(), same);
     }

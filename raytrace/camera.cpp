@@ -40,12 +40,18 @@ std::string text_of(const Vec3d& v) {
 /// along -Z, or turns it along +Y where that axis is z.
 Vec3d with_up(UpAxis up, const Vec3d& v) {
     switch (up) {
-        case UpAxis::z: return {v.x, -v.z, v.y};
-        case UpAxis::x: return {v.y, -v.x, v.z};
-        case UpAxis::minus_y: return {-v.x, -v.y, v.z};
-        case UpAxis::minus_z: return {-v.x, -v.z, -v.y};
-        case UpAxis::minus_x: return {-v.y, v.x, v.z};
-        default: return v;
+        case UpAxis::z:
+            return {v.x, -v.z, v.y};
+        case UpAxis::x:
+            return {v.y, -v.x, v.z};
+        case UpAxis::minus_y:
+            return {-v.x, -v.y, v.z};
+        case UpAxis::minus_z:
+            return {-v.x, -v.z, -v.y};
+        case UpAxis::minus_x:
+            return {-v.y, v.x, v.z};
+        default:
+            return v;
     }
 }
 
