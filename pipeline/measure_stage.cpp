@@ -1,8 +1,11 @@
 #include "pipeline/measure_stage.h"
 
+#include "formats/atomic_file.h"
 #include "formats/model_file.h"
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/input_kind.h"
+#include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
@@ -141,14 +144,11 @@ nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
     return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit) : nlohmann::json();
 }
 
-}  // namespace
-
-nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+/// The result without its record.
+nlohmann::json measured(const MeasureConfig& config, const std::string& truth,
+                        StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
-    std::string truth = config.truth;
-    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
-        truth = truth_path(config.cloud);
     const BallIndex index(tree);
     const Sums s = measure_cloud(config, index, model.header().origin, truth, context);
 
@@ -177,6 +177,29 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
         }
     }
     return out;
+}
+
+}  // namespace
+
+nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+    if (input_kind(config.cloud) == InputKind::model &&
+        input_kind(config.model) == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{0} is a cloud and {1} a model: expected the model first: slim measure {1} {0}",
+            config.model, config.cloud));
+    require_model(config.model);
+    std::string truth = config.truth;
+    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
+        truth = truth_path(config.cloud);
+    if (config.output.empty()) return measured(config, truth, context);
+    Stamp stamp(context, manifest_path(config.output));
+    stamp.input(config.model);
+    stamp.input(config.cloud);
+    if (!truth.empty()) stamp.input(truth);
+    if (auto done = stamp.up_to_date()) return *done;
+    nlohmann::json result = measured(config, truth, context);
+    write_file_atomically(config.output, result.dump(2) + "\n");
+    return stamp.commit({config.output}, std::move(result));
 }
 
 }  // namespace slim

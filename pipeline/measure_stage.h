@@ -10,12 +10,14 @@ namespace slim {
 
 /// How far a cloud lies from a model.
 struct MeasureConfig {
-    std::string model, cloud, truth;
+    std::string model, cloud, truth, output;
 
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("model", model, "model.slim");
         field.input("cloud", cloud, "cloud to project onto the model");
+        field.optional_output("output", output,
+                              "JSON file for the result (with a manifest: up to date is not measured again)");
         field.path("truth", truth,
                    "exact normals and curvatures (doubles nx ny nz k1 k2 a point); default: "
                    "<cloud>.truth, if there");

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 namespace slim::test {
 namespace {
@@ -107,6 +108,24 @@ TEST_F(MeasureStage, TruthOfAnotherLengthIsRefused) {
 TEST_F(MeasureStage, NoFinitePointIsRefused) {
     const std::string bad = folder_.write("bad.xyz", "nan 0 0\n");
     EXPECT_EQ(code_of([&] { measure(file("m.slim"), bad); }), ExitCode::bad_data);
+}
+
+TEST_F(MeasureStage, KeepsItsResultAndMeasuresAgainOnlyWhatChanged) {
+    const std::string cloud = write(sampled("sphere", 3000), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    MeasureConfig c;
+    c.model = file("m.slim");
+    c.cloud = cloud;
+    c.output = file("measure.json");
+    const auto first = run_as("measure", c, run_measure, listener_);
+    EXPECT_FALSE(first.contains("up_to_date"));
+    std::ifstream in(c.output);
+    EXPECT_EQ(nlohmann::json::parse(in), first);
+    const auto second = run_as("measure", c, run_measure, listener_);
+    EXPECT_TRUE(second.contains("up_to_date"));
+    EXPECT_EQ(second.at("l2"), first.at("l2"));
+    write(sampled("sphere", 3100), "c.ply");
+    EXPECT_FALSE(run_as("measure", c, run_measure, listener_).contains("up_to_date"));
 }
 
 }  // namespace
