@@ -12,6 +12,11 @@
 namespace slim {
 namespace {
 
+/// Centres far from the leaves so far come first: passes of a level, by the most overlap a centre may have. In
+/// one pass, of random order, many leaves stand just outside another's reach and cover little that is new
+/// (leaves at T 0.01 of igea's T 0.02, bunny_raw, happy_stand_raw: 6,458, 5,837, 19,081 against 5,956,
+/// 5,399, 18,068 at the same errors; seven passes win no more).
+constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
@@ -107,6 +112,7 @@ private:
     }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
+    void run_pass(int level, std::size_t thinning, float most_overlap);
     bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
@@ -156,11 +162,20 @@ bool LevelCover::conflicts(std::uint32_t point, const std::vector<Candidate>& ba
 }
 
 void LevelCover::run_level(int level) {
+    const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
+    for (const float most_overlap : kCrowding) run_pass(level, thinning, most_overlap);
+}
+
+/// Searches and accepts centres among the open points of a level whose overlap is not above a limit. A point
+/// that lies in no core is open whatever its overlap: the last pass takes them all.
+void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap) {
     const double radius = level_radius(rules_.diagonal, level);
-    const std::size_t thinning = thinning_for(radius);
     const auto& order = pyramid_.by_priority();
     const std::size_t n = pyramid_.level_size(thinning);
-    const auto waits = [&](std::uint32_t p) { return is_open(p) && stamp_[p] != level; };
+    const bool last = most_overlap >= static_cast<float>(kCoverage);
+    const auto waits = [&](std::uint32_t p) {
+        return is_open(p) && stamp_[p] != level && (last || weight_[p] <= most_overlap);
+    };
 
     std::vector<std::uint32_t> deferred, still;
     std::vector<Candidate> batch;

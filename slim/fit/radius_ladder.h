@@ -12,7 +12,7 @@ namespace slim {
 /// How the radius of a surfel is searched; the defaults are chosen by measurement (slim/fit/notes/0001,
 /// slim/cover/notes/0001).
 struct LadderRules {
-    double points_per_coefficient = 4;  ///< of the finest admissible rung
+    double points_per_coefficient = 3;    ///< of the finest admissible rung (slim/cover/notes/0002)
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
     double contrary_share = 0;            ///< of the cloud's normals that noise turns: as many off the sheet are tolerated
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
