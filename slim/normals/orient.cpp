@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 namespace slim {
@@ -66,19 +67,49 @@ struct Edge {
     }
 };
 
-std::vector<Edge> edges_of(const PointBlock& points, const NeighborGraph& graph) {
-    std::vector<Edge> edges;
-    edges.reserve(points.size() * graph.k / 2);
-    for (std::uint32_t i = 0; i < points.size(); ++i)
-        for (const std::uint32_t j : graph.of(i)) {
-            // A mutual pair is listed once, by its smaller end.
-            const auto back = graph.of(j);
-            if (i == j || (j < i && std::find(back.begin(), back.end(), i) != back.end())) continue;
+float weight_of(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
+    return 1 - std::abs(dot(points.normal[a], points.normal[b]));
+}
+
+/// Kruskal's algorithm on classes of rising weight, so that no list of all edges is needed. Normals within 11
+/// degrees are joined as they come; of later classes only the edges between trees are listed and sorted.
+constexpr float kClasses[] = {0.02f, 0.05f, 0.1f, 0.2f, 0.4f, 2.0f};
+
+void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, SignedForest& forest) {
+    for (std::size_t row = 0; row < graph.points.size(); ++row) {
+        const std::uint32_t i = graph.points[row];
+        for (const std::uint32_t j : graph.of(row)) {
             const float cosine = dot(points.normal[i], points.normal[j]);
-            edges.push_back({1 - std::abs(cosine), i, j});
+            if (1 - std::abs(cosine) < kClasses[0]) forest.join(i, j, cosine < 0);
         }
+    }
+}
+
+/// The edges with lo <= weight < hi that join two trees, lightest first.
+std::vector<Edge> edges_between_trees(const PointBlock& points, const NeighborGraph& graph,
+                                      SignedForest& forest, float lo, float hi) {
+    std::vector<std::uint32_t> tree(points.size());
+    for (std::uint32_t i = 0; i < tree.size(); ++i) tree[i] = forest.find(i).index;
+    std::vector<Edge> edges;
+    for (std::size_t row = 0; row < graph.points.size(); ++row) {
+        const std::uint32_t i = graph.points[row];
+        for (const std::uint32_t j : graph.of(row)) {
+            if (tree[i] == tree[j]) continue;
+            const float weight = weight_of(points, i, j);
+            if (weight >= lo && weight < hi) edges.push_back({weight, i, j});
+        }
+    }
     tbb::parallel_sort(edges.begin(), edges.end());
     return edges;
+}
+
+SignedForest spanning_forest(const PointBlock& points, const NeighborGraph& graph) {
+    SignedForest forest(points.size());
+    join_near_parallel(points, graph, forest);
+    for (std::size_t c = 1; c < std::size(kClasses); ++c)
+        for (const Edge& e : edges_between_trees(points, graph, forest, kClasses[c - 1], kClasses[c]))
+            forest.join(e.a, e.b, dot(points.normal[e.a], points.normal[e.b]) < 0);
+    return forest;
 }
 
 /// What a component without a known sign looks like, signs relative to its root.
@@ -129,9 +160,7 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known, const std::optional<Vec3d>& center) {
-    SignedForest forest(points.size());
-    for (const Edge& e : edges_of(points, graph))
-        forest.join(e.a, e.b, dot(points.normal[e.a], points.normal[e.b]) < 0);
+    SignedForest forest = spanning_forest(points, graph);
     std::vector<SignedForest::Root> roots(points.size());
     for (std::uint32_t i = 0; i < points.size(); ++i) roots[i] = forest.find(i);
 

@@ -2,10 +2,11 @@
 
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
-#include "slim/neighbors/point_tree.h"
+#include "slim/neighbors/box_tree.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -17,24 +18,34 @@ constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 constexpr double kNoisy = 0.3;      // the height-field limit of the radius ladder
 constexpr float kLeastNeighbors = 5;
 constexpr float kNowhere = 1e30f;  // of padding: in no ball
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kGrain = 256;  // buckets a task
 
 /// The points around one bucket, relative to its first point: found once for its sixteen.
 struct Surroundings {
     std::vector<float> x, y, z, nx, ny, nz;
+    std::size_t n = 0;  // of the arrays' first; whole lanes, padded with points that are in no ball
 
-    void gather(const PointTree& tree, const Vec3d& origin, const Vec3d& center, double radius) {
-        for (auto* a : {&x, &y, &z, &nx, &ny, &nz}) a->clear();
-        tree.for_buckets_in_ball(center, radius, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const Vec3f p = to_float(tree.position(i) - origin);
-                x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
-                const Vec3f n = tree.normal(i);
-                nx.push_back(n.x), ny.push_back(n.y), nz.push_back(n.z);
+    void gather(const PointBlock& points, const BoxTree& tree, const Bbox& box, double radius) {
+        n = 0;
+        const Vec3d origin = box.lo;
+        tree.for_buckets_near(box, radius, [&](std::size_t begin, std::size_t end) {
+            if (n + BoxTree::kBucket + kLanes > x.size()) grow();
+            for (std::size_t i = begin; i < end; ++i, ++n) {
+                const Vec3f p = to_float(points.position[i] - origin);
+                x[n] = p.x, y[n] = p.y, z[n] = p.z;
+                const Vec3f& m = points.normal[i];
+                nx[n] = m.x, ny[n] = m.y, nz[n] = m.z;
             }
         });
-        for (auto* a : {&x, &y, &z, &nx, &ny, &nz})
-            a->resize((a->size() + kLanes - 1) / kLanes * kLanes, a == &x ? kNowhere : 0.0f);
+        for (; n % kLanes != 0; ++n) {
+            x[n] = kNowhere;
+            nx[n] = ny[n] = nz[n] = 0;
+        }
+    }
+
+private:
+    void grow() {
+        for (auto* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(2 * a->size() + 256);
     }
 };
 
@@ -44,7 +55,7 @@ Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float ra
     const auto lanes = [](const std::vector<float>& a, std::size_t k) {
         return FloatV(&a[k], stdx::element_aligned);
     };
-    for (std::size_t k = 0; k < s.x.size(); k += kLanes) {
+    for (std::size_t k = 0; k < s.n; k += kLanes) {
         const FloatV dx = lanes(s.x, k) - p.x, dy = lanes(s.y, k) - p.y, dz = lanes(s.z, k) - p.z;
         const FloatV in = select(dx * dx + dy * dy + dz * dz < FloatV(radius * radius), FloatV(1),
                                  FloatV(0));
@@ -59,36 +70,27 @@ Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float ra
 
 /// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather thousands of
 /// points. Twice the median serves all but the sparsest 1 %.
-double usual_diagonal(const PointTree& tree) {
-    std::vector<double> diagonals;
-    for (std::size_t i = 0; i < tree.size(); i += PointTree::kBucket)
-        diagonals.push_back(tree.bucket_diagonal(i));
+double usual_diagonal(const BoxTree& tree) {
+    std::vector<double> diagonals(tree.n_buckets());
+    for (std::size_t b = 0; b < diagonals.size(); ++b) diagonals[b] = tree.bucket(b).diagonal();
     if (diagonals.empty()) return 0;
     const auto middle = diagonals.begin() + static_cast<std::ptrdiff_t>(diagonals.size() / 2);
     std::nth_element(diagonals.begin(), middle, diagonals.end());
     return *middle;
 }
 
-/// Looks at the points of one bucket and mends `points`; neighbours are read from the tree's own copy, so the
-/// order of repairs does not matter.
-void audit_bucket(const PointTree& tree, std::size_t begin, double most_radius,
-                  Surroundings& around, PointBlock& points, NormalAudit& audit) {
-    const std::size_t end = std::min(begin + PointTree::kBucket, tree.size());
-    const double radius = std::min(0.5 * tree.bucket_diagonal(begin), most_radius);
-    const Vec3d origin = tree.position(begin);
-    Bbox box;
-    for (std::size_t i = begin; i < end; ++i) box.extend(tree.position(i));
-    // A bucket that straddles a jump is served point by point.
-    const bool compact = box.diagonal() <= 2 * most_radius;
-    if (compact) around.gather(tree, origin, box.center(), 0.5 * box.diagonal() + radius);
+/// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those that are
+/// mended go to `mended`.
+void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
+                  double radius, const Surroundings& around, std::vector<Vec3f>& mended,
+                  NormalAudit& audit) {
     for (std::size_t i = begin; i < end; ++i) {
-        const Vec3f own = tree.normal(i);
+        const Vec3f own = points.normal[i];
         if (!(sq_length(own) > 0)) {
             ++audit.missing;
             continue;
         }
-        if (!compact) around.gather(tree, origin, tree.position(i), radius);
-        const Vec3d mean = majority(around, to_float(tree.position(i) - origin), own,
+        const Vec3d mean = majority(around, to_float(points.position[i] - origin), own,
                                     static_cast<float>(radius));
         const double agreement = length(mean);
         if (!(agreement > 0)) continue;
@@ -96,28 +98,46 @@ void audit_bucket(const PointTree& tree, std::size_t begin, double most_radius,
         if (agreement > kClear && cosine < kNoisy && cosine > kContrary) ++audit.noisy;
         if (agreement < kMajority || cosine > kContrary) continue;
         ++audit.contrary;
-        points.normal[tree.source(i)] = to_float(mean / agreement);
+        mended[i] = to_float(mean / agreement);
+    }
+}
+
+void audit_bucket(const PointBlock& points, const BoxTree& tree, std::size_t bucket,
+                  double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
+                  NormalAudit& audit) {
+    const std::size_t begin = bucket * BoxTree::kBucket;
+    const std::size_t end = std::min(begin + BoxTree::kBucket, tree.size());
+    const Bbox& box = tree.bucket(bucket);
+    const double radius = std::min(0.5 * box.diagonal(), most_radius);
+    // A bucket that straddles a jump is served point by point.
+    const bool compact = box.diagonal() <= 2 * most_radius;
+    if (compact) {
+        around.gather(points, tree, box, radius);
+        return audit_points(points, begin, end, box.lo, radius, around, mended, audit);
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+        const Vec3d& p = points.position[i];
+        around.gather(points, tree, {p, p}, radius);
+        audit_points(points, i, i + 1, p, radius, around, mended, audit);
     }
 }
 
 }  // namespace
 
 NormalAudit repair_contrary_normals(PointBlock& points) {
-    Bbox box;
-    for (const Vec3d& p : points.position) box.extend(p);
-    const PointTree tree(points, morton_order(points, box));
+    const BoxTree tree(points.size(), [&](std::size_t i) { return points.position[i]; });
     const double most_radius = usual_diagonal(tree);
-    std::vector<NormalAudit> partial((tree.size() + kGrain - 1) / kGrain);
-    parallel_blocks(tree.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3f> mended = points.normal;
+    std::vector<NormalAudit> partial((tree.n_buckets() + kGrain - 1) / kGrain);
+    parallel_blocks(tree.n_buckets(), kGrain, [&](std::size_t begin, std::size_t end) {
         Surroundings around;
-        NormalAudit& audit = partial[begin / kGrain];
-        audit.n = end - begin;
-        for (std::size_t bucket = begin; bucket < end; bucket += PointTree::kBucket)
-            audit_bucket(tree, bucket, most_radius, around, points, audit);
+        for (std::size_t bucket = begin; bucket < end; ++bucket)
+            audit_bucket(points, tree, bucket, most_radius, around, mended, partial[begin / kGrain]);
     });
+    points.normal = std::move(mended);
     NormalAudit audit;
+    audit.n = points.size();
     for (const NormalAudit& p : partial) {
-        audit.n += p.n;
         audit.missing += p.missing;
         audit.contrary += p.contrary;
         audit.noisy += p.noisy;

@@ -18,7 +18,8 @@ struct NormalAudit {
 /// majority: single-view scans see some points from behind a silhouette, registered clouds hold 0.4 to
 /// 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
 /// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count as missing
-/// and stay. Cost: one ball query a bucket and some hundred distance tests a point; parallel.
+/// and stay. The block must be in Morton order (sort_along_curve).
+/// Cost: one walk of the tree a bucket and some hundred distance tests a point; parallel.
 NormalAudit repair_contrary_normals(PointBlock& points);
 
 }  // namespace slim
