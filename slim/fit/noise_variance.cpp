@@ -8,6 +8,8 @@
 namespace slim {
 namespace {
 
+constexpr std::size_t kFew = 1000;  // samples that every mean is over, if there are so many
+
 /// The mean over the first n samples.
 NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
                              std::size_t k, std::size_t n) {
@@ -40,16 +42,22 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
 
 /// A mean over fewer samples the more neighbours each has: the cost does not grow with k.
 std::size_t enough_samples(std::size_t n, std::size_t k) {
-    return std::min(n, std::max<std::size_t>(n * 10 / k, 1000));
+    return std::min(n, std::max(n * 10 / k, kFew));
 }
 
-/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples.
-std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples) {
+/// At the first k whose neighbourhoods are flat, which of the larger k shows on a tenth of the samples.
+NoiseVariance with_flat_neighbors(const NearestSearch& search,
+                                  std::span<const std::uint32_t> samples) {
+    NoiseVariance out;
     for (const std::size_t k : kNoiseNeighbors) {
-        const std::size_t n = std::min(samples.size(), std::max<std::size_t>(samples.size() / k, 1000));
-        if (k >= search.size() || with_neighbors(search, samples, k, n).flatness <= kFlat) return k;
+        const bool first = k == kNoiseNeighbors[0], last = k == std::end(kNoiseNeighbors)[-1];
+        const std::size_t all = enough_samples(samples.size(), k);
+        const std::size_t n = first || last ? all : std::min(samples.size(), std::max(all / 10, kFew));
+        out = with_neighbors(search, samples, k, n);
+        if (!last && k < search.size() && out.flatness > kFlat) continue;
+        return n == all ? out : with_neighbors(search, samples, k, all);
     }
-    return std::end(kNoiseNeighbors)[-1];
+    return out;
 }
 
 /// The samples with each replaced by the first point at its place, and every place once, at its highest priority.
@@ -74,8 +82,8 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples,
                                       std::size_t neighbors) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
-    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
-    return with_neighbors(search, places, k, enough_samples(places.size(), k));
+    if (neighbors == 0) return with_flat_neighbors(search, places);
+    return with_neighbors(search, places, neighbors, enough_samples(places.size(), neighbors));
 }
 
 }  // namespace slim

@@ -2,6 +2,7 @@
 
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 #include "slim/base/vec.h"
 
 #include <algorithm>
@@ -24,18 +25,22 @@ public:
     template <class Position>
     BoxTree(std::size_t n, Position&& position) : size_(n) {
         if (n == 0) return;
-        std::vector<Bbox> buckets((n + kBucket - 1) / kBucket);
-        parallel_blocks(buckets.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t b = begin; b < end; ++b)
+        n_buckets_ = (n + kBucket - 1) / kBucket;
+        std::vector<Boxes> lowest((n_buckets_ + kFanout - 1) / kFanout);
+        parallel_blocks(n_buckets_, 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) {
+                Bbox box;
                 for (std::size_t i = b * kBucket; i < std::min(n, (b + 1) * kBucket); ++i)
-                    buckets[b].extend(position(i));
+                    box.extend(position(i));
+                lowest[b / kFanout].set(b % kFanout, box);
+            }
         });
-        add_levels(std::move(buckets));
+        add_levels(std::move(lowest));
     }
 
     std::size_t size() const { return size_; }
-    std::size_t n_buckets() const { return levels_.empty() ? 0 : levels_[0].size(); }
-    const Bbox& bucket(std::size_t i) const { return levels_[0][i]; }
+    std::size_t n_buckets() const { return n_buckets_; }
+    Bbox bucket(std::size_t i) const { return levels_[0][i / kFanout].get(i % kFanout); }
 
     /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's points.
     template <class Body>
@@ -52,50 +57,71 @@ public:
         Entry stack[128];
         std::size_t depth = 0;
         if (levels_.empty()) return;
-        const double sq_radius = radius * radius;
         // Which of the boxes are near is anybody's guess: no branch depends on it.
-        const auto push_near = [&](std::uint32_t level, std::size_t first, std::size_t last) {
-            const std::vector<Bbox>& boxes = levels_[level];
-            for (std::size_t c = last; c-- > first;) {
-                stack[depth] = {level, static_cast<std::uint32_t>(c)};
-                depth += sq_distance(boxes[c], box) < sq_radius ? 1 : 0;
+        const auto push_near = [&](std::uint32_t level, std::uint32_t node) {
+            const std::uint64_t near = levels_[level][node].nearer_than(radius * radius, box);
+            for (std::uint32_t c = kFanout; c-- > 0;) {
+                stack[depth] = {level, node * std::uint32_t{kFanout} + c};
+                depth += near >> c & 1;
             }
         };
-        push_near(static_cast<std::uint32_t>(levels_.size() - 1), 0, levels_.back().size());
+        push_near(static_cast<std::uint32_t>(levels_.size() - 1), 0);
         while (depth > 0) {
             const Entry e = stack[--depth];
-            if (e.level == 0) {
-                const std::size_t begin = e.index * kBucket;
-                body(begin, std::min(begin + kBucket, size_));
+            if (e.level > 0) {
+                push_near(e.level - 1, e.index);
                 continue;
             }
-            const std::size_t first = e.index * kFanout;
-            push_near(e.level - 1, first, std::min(first + kFanout, levels_[e.level - 1].size()));
+            const std::size_t begin = e.index * kBucket;
+            body(begin, std::min(begin + kBucket, size_));
         }
     }
 
 private:
-    static double sq_distance(const Bbox& a, const Bbox& b) {
-        const auto gap = [](double a_lo, double a_hi, double b_lo, double b_hi) {
-            return std::max(std::max(a_lo - b_hi, b_lo - a_hi), 0.0);
-        };
-        const double dx = gap(a.lo.x, a.hi.x, b.lo.x, b.hi.x);
-        const double dy = gap(a.lo.y, a.hi.y, b.lo.y, b.hi.y);
-        const double dz = gap(a.lo.z, a.hi.z, b.lo.z, b.hi.z);
-        return dx * dx + dy * dy + dz * dz;
-    }
-    void add_levels(std::vector<Bbox> buckets) {
-        levels_.push_back(std::move(buckets));
-        while (levels_.back().size() > kFanout) {
-            const std::vector<Bbox>& below = levels_.back();
-            std::vector<Bbox> above((below.size() + kFanout - 1) / kFanout);
-            for (std::size_t i = 0; i < below.size(); ++i) above[i / kFanout].extend(below[i]);
+    /// The boxes of one node, side by side: one comparison each serves them all.
+    struct alignas(64) Boxes {
+        using Lanes = stdx::simd<double, stdx::simd_abi::deduce_t<double, kFanout>>;
+        double lo[3][kFanout], hi[3][kFanout];
+
+        Boxes() {
+            for (std::size_t c = 0; c < kFanout; ++c) set(c, Bbox{});
+        }
+        void set(std::size_t c, const Bbox& b) {
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                lo[axis][c] = b.lo[axis], hi[axis][c] = b.hi[axis];
+        }
+        Bbox get(std::size_t c) const {
+            return {{lo[0][c], lo[1][c], lo[2][c]}, {hi[0][c], hi[1][c], hi[2][c]}};
+        }
+        /// Bit c: the squared distance of box c to b is less than that. Never of an empty box.
+        std::uint64_t nearer_than(double sq_radius, const Bbox& b) const {
+            Lanes sq = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const Lanes below = Lanes(lo[axis], stdx::element_aligned) - b.hi[axis];
+                const Lanes above = b.lo[axis] - Lanes(hi[axis], stdx::element_aligned);
+                const Lanes gap = stdx::max(stdx::max(below, above), Lanes(0));
+                sq += gap * gap;
+            }
+            return lane_bits(sq < sq_radius);
+        }
+    };
+
+    void add_levels(std::vector<Boxes> lowest) {
+        levels_.push_back(std::move(lowest));
+        while (levels_.back().size() > 1) {
+            const std::vector<Boxes>& below = levels_.back();
+            std::vector<Boxes> above((below.size() + kFanout - 1) / kFanout);
+            for (std::size_t i = 0; i < below.size(); ++i) {
+                Bbox all;
+                for (std::size_t c = 0; c < kFanout; ++c) all.extend(below[i].get(c));
+                above[i / kFanout].set(i % kFanout, all);
+            }
             levels_.push_back(std::move(above));
         }
     }
 
-    std::size_t size_ = 0;
-    std::vector<std::vector<Bbox>> levels_;  // 0: buckets; the last has at most kFanout boxes
+    std::size_t size_ = 0, n_buckets_ = 0;
+    std::vector<std::vector<Boxes>> levels_;  // 0: of buckets; the last is one node
 };
 
 }  // namespace slim

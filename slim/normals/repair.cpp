@@ -20,27 +20,62 @@ constexpr float kLeastNeighbors = 5;
 constexpr float kNowhere = 1e30f;  // of padding: in no ball
 constexpr std::size_t kGrain = 256;  // buckets a task
 
-/// The points around one bucket, relative to its first point: found once for its sixteen.
+constexpr std::size_t kBucket = BoxTree::kBucket;
+
+/// A bucket's points relative to the low corner of its box, and their normals, as flat arrays: ready to be
+/// copied into the surroundings of every bucket near.
+struct LocalBucket {
+    float x[kBucket], y[kBucket], z[kBucket], nx[kBucket], ny[kBucket], nz[kBucket];
+
+    void set(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& corner) {
+        for (std::size_t k = 0; k < kBucket; ++k) {
+            const bool is_point = begin + k < end;
+            const Vec3f p = is_point ? to_float(points.position[begin + k] - corner) : Vec3f{kNowhere};
+            const Vec3f n = is_point ? points.normal[begin + k] : Vec3f{};
+            x[k] = p.x, y[k] = p.y, z[k] = p.z;
+            nx[k] = n.x, ny[k] = n.y, nz[k] = n.z;
+        }
+    }
+};
+
+/// The points of an audit: tree and local buckets. 28 bytes a point.
+struct Neighborhoods {
+    BoxTree tree;
+    std::vector<LocalBucket> buckets;
+
+    explicit Neighborhoods(const PointBlock& points)
+        : tree(points.size(), [&](std::size_t i) { return points.position[i]; }),
+          buckets(tree.n_buckets()) {
+        parallel_blocks(buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b)
+                buckets[b].set(points, b * kBucket, std::min((b + 1) * kBucket, points.size()),
+                               tree.bucket(b).lo);
+        });
+    }
+};
+
+/// The points around one bucket, relative to an origin: found once for its sixteen.
 struct Surroundings {
     std::vector<float> x, y, z, nx, ny, nz;
-    std::size_t n = 0;  // of the arrays' first; whole lanes, padded with points that are in no ball
+    std::size_t n = 0;  // of the arrays' first; whole buckets, padded with points that are in no ball
 
-    void gather(const PointBlock& points, const BoxTree& tree, const Bbox& box, double radius) {
+    void gather(const Neighborhoods& all, const Bbox& box, double radius) {
         n = 0;
         const Vec3d origin = box.lo;
-        tree.for_buckets_near(box, radius, [&](std::size_t begin, std::size_t end) {
-            if (n + BoxTree::kBucket + kLanes > x.size()) grow();
-            for (std::size_t i = begin; i < end; ++i, ++n) {
-                const Vec3f p = to_float(points.position[i] - origin);
-                x[n] = p.x, y[n] = p.y, z[n] = p.z;
-                const Vec3f& m = points.normal[i];
-                nx[n] = m.x, ny[n] = m.y, nz[n] = m.z;
+        all.tree.for_buckets_near(box, radius, [&](std::size_t begin, std::size_t) {
+            if (n + kBucket > x.size()) grow();
+            const LocalBucket& from = all.buckets[begin / kBucket];
+            const Vec3f shift = to_float(all.tree.bucket(begin / kBucket).lo - origin);
+            for (std::size_t k = 0; k < kBucket; ++k) {
+                x[n + k] = from.x[k] + shift.x;
+                y[n + k] = from.y[k] + shift.y;
+                z[n + k] = from.z[k] + shift.z;
             }
+            std::copy_n(from.nx, kBucket, &nx[n]);
+            std::copy_n(from.ny, kBucket, &ny[n]);
+            std::copy_n(from.nz, kBucket, &nz[n]);
+            n += kBucket;
         });
-        for (; n % kLanes != 0; ++n) {
-            x[n] = kNowhere;
-            nx[n] = ny[n] = nz[n] = 0;
-        }
     }
 
 private:
@@ -48,6 +83,7 @@ private:
         for (auto* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(2 * a->size() + 256);
     }
 };
+static_assert(kBucket % kLanes == 0);
 
 /// Mean of the normals within a radius of p, the point's own (`own`) left out; zero if they are too few.
 Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float radius) {
@@ -102,37 +138,38 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
     }
 }
 
-void audit_bucket(const PointBlock& points, const BoxTree& tree, std::size_t bucket,
-                  double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
-                  NormalAudit& audit) {
-    const std::size_t begin = bucket * BoxTree::kBucket;
-    const std::size_t end = std::min(begin + BoxTree::kBucket, tree.size());
-    const Bbox& box = tree.bucket(bucket);
-    const double radius = std::min(0.5 * box.diagonal(), most_radius);
-    // A bucket that straddles a jump is served point by point.
-    const bool compact = box.diagonal() <= 2 * most_radius;
-    if (compact) {
-        around.gather(points, tree, box, radius);
-        return audit_points(points, begin, end, box.lo, radius, around, mended, audit);
+/// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of the curve are
+/// taken in parts.
+void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
+                 double radius, double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
+                 NormalAudit& audit) {
+    Bbox box;
+    for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
+    if (end - begin > 1 && box.diagonal() > 2 * most_radius) {
+        const std::size_t middle = (begin + end) / 2;
+        audit_range(points, all, begin, middle, radius, most_radius, around, mended, audit);
+        audit_range(points, all, middle, end, radius, most_radius, around, mended, audit);
+        return;
     }
-    for (std::size_t i = begin; i < end; ++i) {
-        const Vec3d& p = points.position[i];
-        around.gather(points, tree, {p, p}, radius);
-        audit_points(points, i, i + 1, p, radius, around, mended, audit);
-    }
+    around.gather(all, box, radius);
+    audit_points(points, begin, end, box.lo, radius, around, mended, audit);
 }
 
 }  // namespace
 
 NormalAudit repair_contrary_normals(PointBlock& points) {
-    const BoxTree tree(points.size(), [&](std::size_t i) { return points.position[i]; });
-    const double most_radius = usual_diagonal(tree);
+    const Neighborhoods all(points);
+    const double most_radius = usual_diagonal(all.tree);
     std::vector<Vec3f> mended = points.normal;
-    std::vector<NormalAudit> partial((tree.n_buckets() + kGrain - 1) / kGrain);
-    parallel_blocks(tree.n_buckets(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<NormalAudit> partial((all.buckets.size() + kGrain - 1) / kGrain);
+    parallel_blocks(all.buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         Surroundings around;
-        for (std::size_t bucket = begin; bucket < end; ++bucket)
-            audit_bucket(points, tree, bucket, most_radius, around, mended, partial[begin / kGrain]);
+        for (std::size_t b = begin; b < end; ++b) {
+            const std::size_t first = b * kBucket;
+            const double radius = std::min(0.5 * all.tree.bucket(b).diagonal(), most_radius);
+            audit_range(points, all, first, std::min(first + kBucket, points.size()), radius,
+                        most_radius, around, mended, partial[begin / kGrain]);
+        }
     });
     points.normal = std::move(mended);
     NormalAudit audit;
