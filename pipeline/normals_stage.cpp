@@ -22,7 +22,9 @@
 namespace slim {
 namespace {
 
-constexpr double kSamples = 200000;          // points that lambda is the mean over (NUMERICS 3.2: 1 %)
+// Points that lambda is the mean over. The smallest eigenvalue deviates from its mean by 0.8 (happy_stand_raw)
+// to 2.8 times (igea, autzen_stadium) that: 60,000 give the mean to 1 %, which is 0.2 % of a radius.
+constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr double kRim = 0.01;  // of L: how much of the slice before anchors the signs of the next
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted

@@ -45,19 +45,13 @@ std::size_t enough_samples(std::size_t n, std::size_t k) {
     return std::min(n, std::max(n * 10 / k, kFew));
 }
 
-/// At the first k whose neighbourhoods are flat, which of the larger k shows on a tenth of the samples.
-NoiseVariance with_flat_neighbors(const NearestSearch& search,
-                                  std::span<const std::uint32_t> samples) {
-    NoiseVariance out;
+/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples.
+std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples) {
     for (const std::size_t k : kNoiseNeighbors) {
-        const bool first = k == kNoiseNeighbors[0], last = k == std::end(kNoiseNeighbors)[-1];
-        const std::size_t all = enough_samples(samples.size(), k);
-        const std::size_t n = first || last ? all : std::min(samples.size(), std::max(all / 10, kFew));
-        out = with_neighbors(search, samples, k, n);
-        if (!last && k < search.size() && out.flatness > kFlat) continue;
-        return n == all ? out : with_neighbors(search, samples, k, all);
+        const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
+        if (k >= search.size() || with_neighbors(search, samples, k, n).flatness <= kFlat) return k;
     }
-    return out;
+    return std::end(kNoiseNeighbors)[-1];
 }
 
 /// The samples with each replaced by the first point at its place, and every place once, at its highest priority.
@@ -82,8 +76,8 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples,
                                       std::size_t neighbors) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
-    if (neighbors == 0) return with_flat_neighbors(search, places);
-    return with_neighbors(search, places, neighbors, enough_samples(places.size(), neighbors));
+    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
+    return with_neighbors(search, places, k, enough_samples(places.size(), k));
 }
 
 }  // namespace slim

@@ -36,12 +36,17 @@ struct Candidates {
     void clear() { n = 0; }
     void add(const NearestSearch& search, std::size_t begin, std::size_t end) {
         if (n + BoxTree::kBucket + kWord > index.size()) grow();
+        const bool any_repeats = search.has_repeats(begin / BoxTree::kBucket);
+        const Vec3d* const positions = search.positions().data();
+        double *px = &x[n], *py = &y[n], *pz = &z[n];
+        std::uint32_t* const to = &index[n];
+        std::size_t added = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d& p = search.positions()[i];
-            x[n] = p.x, y[n] = p.y, z[n] = p.z;
-            index[n] = static_cast<std::uint32_t>(i);
-            n += search.is_repeat(i) ? 0 : 1;
+            px[added] = positions[i].x, py[added] = positions[i].y, pz[added] = positions[i].z;
+            to[added] = static_cast<std::uint32_t>(i);
+            added += any_repeats && search.is_repeat(i) ? 0 : 1;
         }
+        n += added;
     }
     /// Call when all are added.
     void pad() {
@@ -249,7 +254,16 @@ private:
 }  // namespace
 
 NearestSearch::NearestSearch(std::span<const Vec3d> positions)
-    : positions_(positions), boxes_(positions.size(), [&](std::size_t i) { return positions[i]; }) {}
+    : positions_(positions),
+      boxes_(positions.size(), [&](std::size_t i) { return positions[i]; }),
+      has_repeats_(boxes_.n_buckets()) {
+    parallel_blocks(has_repeats_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+            for (std::size_t i = b * BoxTree::kBucket;
+                 i < std::min((b + 1) * BoxTree::kBucket, positions.size()); ++i)
+                if (is_repeat(i)) has_repeats_[b] = 1;
+    });
+}
 
 void NearestSearch::for_each(std::span<const std::uint32_t> wanted, std::size_t k,
                              const Visit& visit) const {

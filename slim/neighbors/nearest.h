@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 namespace slim {
 
@@ -23,6 +24,8 @@ public:
     const BoxTree& boxes() const { return boxes_; }
     /// Whether point i lies where the one before it lies.
     bool is_repeat(std::size_t i) const { return i > 0 && positions_[i] == positions_[i - 1]; }
+    /// Whether a bucket holds a repeat.
+    bool has_repeats(std::size_t bucket) const { return has_repeats_[bucket] != 0; }
 
     /// Calls visit(w, neighbours) once for each wanted[w], by several threads at once. The neighbours are
     /// the point itself (or the first of its repeats) and the nearest others, k in all, or as many as there
@@ -35,6 +38,7 @@ public:
 private:
     std::span<const Vec3d> positions_;
     BoxTree boxes_;
+    std::vector<std::uint8_t> has_repeats_;  // a byte a bucket: threads write side by side
 };
 
 }  // namespace slim
