@@ -58,16 +58,15 @@ void add_rim_of_slice_before(const NormalsConfig& config, const SlicePlan& plan,
             "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
             "normals {}` for all slices",
             config.work, slice, slice - 1, config.work));
-    const PointBlock before = read_slice(path.string());
-    const auto axis = static_cast<std::size_t>(plan.axis);
     const double from = plan.cuts[slice - 1] - kRim * plan.diagonal;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        if (before.position[i][axis] < from) continue;
-        points.position.push_back(before.position[i]);
-        points.normal.push_back(before.normal[i]);
-        points.id.push_back(before.id[i]);
-        if (points.has_scans()) points.scan.push_back(before.scan[i]);
-    }
+    const PointBlock rim = read_slice_part(path.string(), plan.axis, from, plan.cuts[slice - 1]);
+    const auto append = [](const auto& values, auto& out) {
+        out.insert(out.end(), values.begin(), values.end());
+    };
+    append(rim.position, points.position);
+    append(rim.normal, points.normal);
+    append(rim.id, points.id);
+    append(rim.scan, points.scan);
 }
 
 /// Takes the points of the slice before away again.
