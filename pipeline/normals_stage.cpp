@@ -93,7 +93,7 @@ void drop_rim(const NormalsConfig& config, const SlicePlan& plan, std::size_t sl
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
 void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& wanted,
                       const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
-                      std::size_t k, NormalsReport& report) {
+                      const std::vector<Vec3f>& hints, std::size_t k, NormalsReport& report) {
     const NeighborGraph graph = estimate_normals(points, wanted, k, report.degenerate);
     report.estimated = wanted.size();
     std::vector<bool> known(points.size(), true);
@@ -103,7 +103,7 @@ void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& want
     }
     const std::size_t by_sensor = orient_to_sensors(points, wanted, sensors);
     if (by_sensor < wanted.size())
-        report.orientation = orient_by_neighbors(points, graph, known, center);
+        report.orientation = orient_by_neighbors(points, graph, known, center, hints);
     report.orientation.by_sensor = by_sensor;
 }
 
@@ -124,15 +124,19 @@ NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& cente
         report.kept = n_own;
         return report;
     }
+    std::vector<Vec3f> hints;
     if (n_own > 0 && !signs_carry_over(config, plan)) {
         const NormalAudit audit = repair_contrary_normals(points);
         report.turned = audit.contrary;
         report.noisy = audit.noisy;
-        if (static_cast<double>(audit.contrary) > kManyContrary * static_cast<double>(n_own)) {
+        const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
+        if (share > kManyContrary || audit.has_mixed_signs()) {
             reporter.warn(fmt::format(
-                "{} of {} normals oppose their neighbours: all normals are estimated anew",
-                audit.contrary, n_own));
+                "{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
+                "normals each other: all normals are estimated anew",
+                100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)));
             report.turned = report.noisy = 0;
+            hints = std::move(points.normal);
             points.normal.assign(points.size(), Vec3f{});
             wanted = points_without_normal(points);
         }
@@ -140,7 +144,7 @@ NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& cente
     if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
         report.kept = points.size() - wanted.size() - report.turned;
     if (!wanted.empty())
-        estimate_missing(points, wanted, center, sensors,
+        estimate_missing(points, wanted, center, sensors, hints,
                          static_cast<std::size_t>(config.neighbors), report);
     return report;
 }

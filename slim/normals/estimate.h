@@ -2,6 +2,7 @@
 
 #include "slim/model/point_block.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,6 +18,12 @@ struct NeighborGraph {
 
     std::span<const std::uint32_t> of(std::size_t row) const {
         return {neighbors.data() + row * k, k};
+    }
+    /// Whether j is listed as a neighbour of i; false if only some points are in the graph.
+    bool is_neighbor_too(std::uint32_t i, std::uint32_t j) const {
+        if (i >= points.size() || points[i] != i) return false;
+        const auto row = of(i);
+        return std::find(row.begin(), row.end(), j) != row.end();
     }
 };
 

@@ -76,7 +76,7 @@ float weight_of(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
 /// Kruskal's algorithm on classes of rising weight, so that no list of all edges is needed. Normals within 2.6
 /// degrees are joined as they come; of later classes only the edges between trees are listed and sorted. (With
 /// 11 degrees 16 % of happy_stand_raw were turned the wrong way instead of 7 %.)
-constexpr float kClasses[] = {1e-3f, 0.01f, 0.05f, 0.2f, 2.0f};
+constexpr float kClasses[] = {1e-3f, 2e-3f, 4e-3f, 0.01f, 0.03f, 0.1f, 0.3f, 2.0f};
 
 void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, SignedForest& forest) {
     for (std::size_t row = 0; row < graph.points.size(); ++row) {
@@ -97,7 +97,7 @@ std::vector<Edge> edges_between_trees(const PointBlock& points, const NeighborGr
     for (std::size_t row = 0; row < graph.points.size(); ++row) {
         const std::uint32_t i = graph.points[row];
         for (const std::uint32_t j : graph.of(row)) {
-            if (tree[i] == tree[j]) continue;
+            if (tree[i] == tree[j] || (j < i && graph.is_neighbor_too(j, i))) continue;
             const float weight = weight_of(points, i, j);
             if (weight >= lo && weight < hi) edges.push_back({weight, i, j});
         }
@@ -140,10 +140,16 @@ struct Shape {
     double n = 0, flux = 0, reach = 0, up = 0;
     std::int64_t votes = 0;  ///< of the points whose sign is known
     bool anchored = false;   ///< there are such
+    double hints = 0;        ///< of the normals that hint, and how many
+    double n_hints = 0;
+
+    /// Unlike coins that are thrown (four standard deviations).
+    bool has_clear_hints() const { return std::abs(hints) > 4 * std::sqrt(n_hints); }
 };
 
 std::vector<Shape> shapes_of(const PointBlock& points, const Components& components,
-                             const std::vector<bool>& known, const std::optional<Vec3d>& center) {
+                             const std::vector<bool>& known, const std::optional<Vec3d>& center,
+                             std::span<const Vec3f> hints) {
     std::vector<Shape> shapes(components.n);
     for (std::size_t i = 0; i < points.size(); ++i) {
         Shape& s = shapes[components.of[i]];
@@ -159,6 +165,10 @@ std::vector<Shape> shapes_of(const PointBlock& points, const Components& compone
         s.flux += dot(arm, n);
         s.reach += length(arm);
         s.up += n.z;
+        if (!hints.empty() && sq_length(hints[i]) > 0) {
+            s.hints += dot(to_double(hints[i]), n) < 0 ? -1 : 1;
+            s.n_hints += 1;
+        }
         if (!known[i]) continue;
         s.votes += components.flipped[i] ? -1 : 1;
         s.anchored = true;
@@ -199,10 +209,11 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 }
 
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
-                                 std::vector<bool>& known, const std::optional<Vec3d>& center) {
+                                 std::vector<bool>& known, const std::optional<Vec3d>& center,
+                                 std::span<const Vec3f> hints) {
     SignedForest forest = spanning_forest(points, graph);
     const Components components(forest, points.size());
-    const std::vector<Shape> shapes = shapes_of(points, components, known, center);
+    const std::vector<Shape> shapes = shapes_of(points, components, known, center, hints);
     const bool flat = is_flat_scene(shapes);
     const bool from_above = flat && is_seen_from_above(points, graph.points);
 
@@ -212,11 +223,12 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
         if (known[i]) continue;
         const Shape& s = shapes[components.of[i]];
         const double vote = s.anchored                 ? static_cast<double>(s.votes)
+                            : s.has_clear_hints()     ? s.hints
                             : !flat && has_outside(s) ? s.flux
-                                                       : s.up;
+                                                      : s.up;
         bool turn = (vote < 0) != components.flipped[i];
         // An airborne scanner sees no overhang, whatever the forest says of a tree or a shed.
-        if (from_above && !s.anchored && std::abs(points.normal[i].z) > kSteep)
+        if (from_above && !s.anchored && !s.has_clear_hints() && std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
         ++(s.anchored ? report.by_neighbors : report.by_rule);

@@ -29,10 +29,13 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// the flux says nothing (a terrain, a wall), upwards (+z); where moreover four of five normals are less than 60
 /// degrees steep (airborne scans), each of those by itself. `center`, if given, stands for the centroids: that of
 /// the whole object where the points are a slab of it.
+/// hints: normals that are wrong here and there; where they agree on a component's side by more than chance, it
+/// is theirs.
 /// Own code, not CGAL's mst_orient_normals: linear memory, no re-search of neighbours, deterministic, and fast
 /// enough for every point of a slice (the sort of the edges is the cost).
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known,
-                                 const std::optional<Vec3d>& center = std::nullopt);
+                                 const std::optional<Vec3d>& center = std::nullopt,
+                                 std::span<const Vec3f> hints = {});
 
 }  // namespace slim

@@ -17,6 +17,8 @@ constexpr double kContrary = -0.3;  // cosine to the majority below which a norm
 constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 constexpr double kNoisy = 0.3;      // the height-field limit of the radius ladder
 constexpr float kLeastNeighbors = 5;
+constexpr float kAlongOneLine = 0.7f;        // |cosine| of normals that are the same but for the sign
+constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 constexpr float kNowhere = 1e30f;  // of padding: in no ball
 constexpr std::size_t kGrain = 256;  // buckets a task
 
@@ -104,6 +106,32 @@ Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float ra
     return (sum - to_double(own)) / static_cast<double>(n - 1);
 }
 
+/// Compares the normal of a point at p with those within the radius.
+void compare_signs(const Surroundings& s, const Vec3f& p, const Vec3f& own, float radius,
+                   NormalAudit& audit) {
+    FloatV opposed = 0, compared = 0, across = 0, across_size = 0;
+    const FloatV zero = 0, one = 1;
+    const auto lanes = [](const std::vector<float>& a, std::size_t k) {
+        return FloatV(&a[k], stdx::element_aligned);
+    };
+    for (std::size_t k = 0; k < s.n; k += kLanes) {
+        const FloatV dx = lanes(s.x, k) - p.x, dy = lanes(s.y, k) - p.y, dz = lanes(s.z, k) - p.z;
+        const auto in = dx * dx + dy * dy + dz * dz < FloatV(radius * radius);
+        const FloatV cosine =
+            own.x * lanes(s.nx, k) + own.y * lanes(s.ny, k) + own.z * lanes(s.nz, k);
+        const FloatV height = own.x * dx + own.y * dy + own.z * dz;
+        const auto is_opposed = in && cosine < FloatV(-kAlongOneLine);
+        opposed += select(is_opposed, one, zero);
+        compared += select(is_opposed || (in && cosine > FloatV(kAlongOneLine)), one, zero);
+        across += select(is_opposed, height, zero);
+        across_size += select(is_opposed, stdx::abs(height), zero);
+    }
+    audit.opposed += stdx::reduce(opposed);
+    audit.compared += stdx::reduce(compared);
+    audit.across += stdx::reduce(across);
+    audit.across_size += stdx::reduce(across_size);
+}
+
 /// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather thousands of
 /// points. Twice the median serves all but the sparsest 1 %.
 double usual_diagonal(const BoxTree& tree) {
@@ -128,6 +156,9 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
         }
         const Vec3d mean = majority(around, to_float(points.position[i] - origin), own,
                                     static_cast<float>(radius));
+        if (i / kBucket % kSampledBuckets == 0)
+            compare_signs(around, to_float(points.position[i] - origin), own,
+                          static_cast<float>(radius), audit);
         const double agreement = length(mean);
         if (!(agreement > 0)) continue;
         const double cosine = dot(normalized(to_double(own)), mean) / agreement;
@@ -178,6 +209,10 @@ NormalAudit repair_contrary_normals(PointBlock& points) {
         audit.missing += p.missing;
         audit.contrary += p.contrary;
         audit.noisy += p.noisy;
+        audit.opposed += p.opposed;
+        audit.compared += p.compared;
+        audit.across += p.across;
+        audit.across_size += p.across_size;
     }
     return audit;
 }

@@ -213,6 +213,17 @@ TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < sheet.size(); ++i) kept += sheet.normal[i] == normals[sheet.id[i]];
     EXPECT_EQ(kept + audit.contrary, sheet.size());
+    EXPECT_GT(audit.opposed, 0.4 * audit.compared);
+    EXPECT_FALSE(audit.has_mixed_signs());  // one side lies behind the other
+}
+
+TEST(Repair, SeesMixedSignsWhereNoMajorityIsLeft) {
+    for (const double share : {0.0, 0.05, 0.2, 0.3, 0.5}) {
+        PointBlock block = along_curve(block_of(sampled("sphere", 20000)));
+        for (std::size_t i = 0; i < block.size(); ++i)
+            if (unit_interval(keyed_hash(5, i)) < share) block.normal[i] = -block.normal[i];
+        EXPECT_EQ(repair_contrary_normals(block).has_mixed_signs(), share > 0.1) << share;
+    }
 }
 
 TEST(Repair, CountsMissingAndNoisyNormals) {
