@@ -4,6 +4,7 @@
 #include "formats/message.h"
 #include "slim/base/error.h"
 
+#define XXH_STATIC_LINKING_ONLY  // XXH3_state_t on the stack
 #include <xxhash.h>
 
 #include <algorithm>
@@ -35,6 +36,7 @@ struct ChunkFile::State {
     [[noreturn]] void fail(std::uint64_t offset, const std::string& text) const {
         throw FormatError(message(path, ": byte ", offset, ": ", text));
     }
+    [[noreturn]] void fail_checksum(const ChunkEntry& e) const;
     void map();
     void read_header(const ChunkFileKind& kind);
     void read_table();
@@ -66,6 +68,11 @@ std::string quoted(const char* bytes, std::size_t n) {
 }
 
 }  // namespace
+
+void ChunkFile::State::fail_checksum(const ChunkEntry& e) const {
+    fail(e.offset, message("damaged: chunk ", name_of(e), " (", e.count * e.element_size,
+                           " bytes) does not match its checksum"));
+}
 
 void ChunkFile::State::map() {
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
@@ -182,8 +189,29 @@ std::vector<std::string> ChunkFile::names() const {
 void ChunkFile::verify(std::string_view name) const {
     const ChunkEntry& e = state_->entry(name);
     if (e.checksum != XXH3_64bits(state_->data + e.offset, e.count * e.element_size))
-        state_->fail(e.offset, message("damaged: chunk ", name, " (", e.count * e.element_size,
-                                       " bytes) does not match its checksum"));
+        state_->fail_checksum(e);
+}
+
+void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
+                           const std::function<void(std::size_t, std::size_t)>& body) const {
+    constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+    const ChunkEntry& e = state_->entry(name);
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const unsigned char* const data = state_->data + e.offset;
+    XXH3_state_t hash;
+    XXH3_64bits_reset(&hash);
+    const std::size_t step = std::max<std::size_t>(1, kPieceBytes / element_size);
+    for (std::size_t first = 0; first < e.count; first += step) {
+        const std::size_t n = std::min<std::size_t>(step, e.count - first);
+        const unsigned char* const piece = data + first * element_size;
+        XXH3_64bits_update(&hash, piece, n * element_size);
+        body(first, n);
+        // Whole pages only; neighbours of the piece's ends are read again if need be.
+        const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(piece) / page * page;
+        const std::uintptr_t end = reinterpret_cast<std::uintptr_t>(piece + n * element_size);
+        ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    }
+    if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
 }
 
 void ChunkFile::verify_all() const {

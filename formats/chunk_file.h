@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -76,6 +77,18 @@ public:
         return {static_cast<const T*>(data), count};
     }
 
+    /// Calls body(first, piece) for an array in pieces from front to back, checks its checksum on the way and
+    /// leaves no page of it mapped: for files larger than memory. body sees values before they are
+    /// verified; the end of the call tells.
+    /// throws as array() and verify()
+    template <class T, class Body>
+    void for_pieces(std::string_view name, Body&& body) const {
+        const std::span<const T> values = array<T>(name);
+        each_piece(name, sizeof(T), [&](std::size_t first, std::size_t n) {
+            body(first, values.subspan(first, n));
+        });
+    }
+
 private:
     struct State;
     struct Raw {
@@ -84,6 +97,8 @@ private:
     };
     explicit ChunkFile(std::unique_ptr<State> state);
     Raw raw(std::string_view name, std::size_t element_size) const;
+    void each_piece(std::string_view name, std::size_t element_size,
+                    const std::function<void(std::size_t first, std::size_t n)>& body) const;
 
     std::unique_ptr<State> state_;
 };

@@ -9,13 +9,30 @@ namespace {
 
 constexpr ChunkFileKind kSliceKind{"SLIMSLCE", "SLIM slice", 1};
 
-template <class T>
-std::vector<T> read_column(const ChunkFile& file, const char* name, std::size_t n) {
-    const auto values = file.array<T>(name);
-    if (values.size() != n)
+/// What of a column comes along: point i if keep(i).
+template <class T, class Keep>
+std::vector<T> read_column(const ChunkFile& file, const char* name, std::size_t n, const Keep& keep) {
+    const std::size_t found = file.array<T>(name).size();
+    if (found != n)
         throw FormatError(message(file.path(), ": byte ", file.offset(name), ": chunk ", name,
-                                  ": expected ", n, " entries, found ", values.size()));
-    return {values.begin(), values.end()};
+                                  ": expected ", n, " entries, found ", found));
+    std::vector<T> out;
+    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) { keep(first, piece, out); });
+    return out;
+}
+
+/// The columns of a slice after its positions have been chosen from.
+template <class Keep>
+void read_columns(const ChunkFile& file, std::size_t n, const Keep& keep, PointBlock& block) {
+    const auto everything = [](std::size_t, auto piece, auto& out) {
+        out.insert(out.end(), piece.begin(), piece.end());
+    };
+    block.origin = read_column<Vec3d>(file, "origin", 1, everything)[0];
+    block.position = read_column<Vec3d>(file, "position", n, keep);
+    block.id = read_column<std::uint64_t>(file, "id", n, keep);
+    if (!file.array<Vec3f>("normal").empty()) block.normal = read_column<Vec3f>(file, "normal", n, keep);
+    if (!file.array<std::uint16_t>("scan").empty())
+        block.scan = read_column<std::uint16_t>(file, "scan", n, keep);
 }
 
 }  // namespace
@@ -49,16 +66,30 @@ void write_slice(const std::string& path, const PointBlock& block) {
 
 PointBlock read_slice(const std::string& path) {
     const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    file.verify_all();
+    const std::size_t n = file.array<Vec3d>("position").size();
     PointBlock block;
-    block.origin = read_column<Vec3d>(file, "origin", 1)[0];
-    const auto positions = file.array<Vec3d>("position");
-    const std::size_t n = positions.size();
-    block.position.assign(positions.begin(), positions.end());
-    block.id = read_column<std::uint64_t>(file, "id", n);
-    if (!file.array<Vec3f>("normal").empty()) block.normal = read_column<Vec3f>(file, "normal", n);
-    if (!file.array<std::uint16_t>("scan").empty())
-        block.scan = read_column<std::uint16_t>(file, "scan", n);
+    read_columns(file, n, [n](std::size_t, auto piece, auto& out) {
+        out.reserve(n);
+        out.insert(out.end(), piece.begin(), piece.end());
+    }, block);
+    return block;
+}
+
+PointBlock read_slice_part(const std::string& path, int axis, double lo, double hi) {
+    const ChunkFile file = ChunkFile::open(path, kSliceKind);
+    const std::size_t n = file.array<Vec3d>("position").size();
+    std::vector<bool> wanted(n);
+    file.for_pieces<Vec3d>("position", [&](std::size_t first, std::span<const Vec3d> piece) {
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            const double x = piece[i][static_cast<std::size_t>(axis)];
+            wanted[first + i] = x >= lo && x <= hi;
+        }
+    });
+    PointBlock block;
+    read_columns(file, n, [&](std::size_t first, auto piece, auto& out) {
+        for (std::size_t i = 0; i < piece.size(); ++i)
+            if (wanted[first + i]) out.push_back(piece[i]);
+    }, block);
     return block;
 }
 

@@ -28,8 +28,12 @@ private:
 
 void write_slice(const std::string& path, const PointBlock& block);
 
-/// Reads a whole slice; every chunk is checked.
+/// Reads a whole slice; every chunk is checked. Takes no memory but the block's.
 /// throws FormatError naming file, place and reason; IoError
 PointBlock read_slice(const std::string& path);
+
+/// The points of a slice with lo <= coordinate `axis` <= hi, in its order; a bit a point of the slice besides.
+/// throws as read_slice
+PointBlock read_slice_part(const std::string& path, int axis, double lo, double hi);
 
 }  // namespace slim

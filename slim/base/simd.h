@@ -2,6 +2,8 @@
 
 #include <experimental/simd>
 
+#include <cstdint>
+
 namespace slim {
 
 namespace stdx = std::experimental;
@@ -28,5 +30,11 @@ inline V select(const typename V::mask_type& mask, const V& a, const V& b) {
 }
 inline float select(bool mask, float a, float b) { return mask ? a : b; }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
+
+/// Bit i is lane i of a mask. (The standard's interface has no such thing; libstdc++'s does.)
+template <class M>
+inline std::uint64_t lane_bits(const M& mask) {
+    return mask.__to_bitset().to_ullong();
+}
 
 }  // namespace slim

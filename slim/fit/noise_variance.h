@@ -1,9 +1,10 @@
 #pragma once
 
 #include "slim/base/vec.h"
-#include "slim/neighbors/knn.h"
+#include "slim/neighbors/nearest.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace slim {
@@ -23,9 +24,9 @@ inline constexpr double kFlat = 0.1;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS 3.2).
 /// Points with fewer than three distinct neighbours are left out; none left gives value 0.
-/// Duplicates do not count: where they crowd out neighbours, distinct points are indexed anew.
-/// Cost: one k-NN query a sample; with many duplicates also a sort and an index of the points.
-NoiseVariance estimate_noise_variance(const KnnIndex& index, std::span<const Vec3d> points,
-                                      std::span<const Vec3d> samples, std::size_t neighbors);
+/// samples: points of the search by falling priority, of which the first serve where fewer do; those that
+/// lie at one place count once. Cost: one k-NN query a sample, fewer the larger k.
+NoiseVariance estimate_noise_variance(const NearestSearch& search,
+                                      std::span<const std::uint32_t> samples, std::size_t neighbors);
 
 }  // namespace slim

@@ -3,10 +3,7 @@
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/model/surfel.h"
-
-#include <tbb/parallel_sort.h>
-
-#include <utility>
+#include "slim/neighbors/key_sort.h"
 
 namespace slim {
 namespace {
@@ -19,16 +16,16 @@ constexpr std::size_t kSmallest = 512;           // a thinning below this many p
 PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed) {
     const std::size_t n = block.size();
     std::vector<std::uint64_t> priority(n);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(n);
+    std::vector<KeyedIndex> keys(n);
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             priority[i] = keyed_hash(seed, block.id[i], kPriority);
             keys[i] = {priority[i], static_cast<std::uint32_t>(i)};
         }
     });
-    tbb::parallel_sort(keys.begin(), keys.end());
+    sort_by_key(keys);
     by_priority_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].second;
+    for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].index;
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
     levels_.emplace_back(block, chosen);

@@ -1,10 +1,10 @@
 #include "slim/normals/estimate.h"
 
 #include "slim/base/parallel.h"
-#include "slim/neighbors/knn.h"
+#include "slim/neighbors/nearest.h"
+#include "slim/normals/covariance.h"
 
-#include <Eigen/Eigenvalues>
-
+#include <algorithm>
 #include <atomic>
 
 namespace slim {
@@ -12,46 +12,45 @@ namespace {
 
 constexpr double kSpansPlane = 1e-10;  // middle / largest eigenvalue below which the points lie on a line
 
-Eigen::Matrix3d covariance_of(const PointBlock& points, std::span<const std::uint32_t> ids) {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    const auto at = [&](std::uint32_t i) {
-        const Vec3d& p = points.position[i];
-        return Eigen::Vector3d(p.x, p.y, p.z);
-    };
-    for (const std::uint32_t i : ids) mean += at(i);
-    mean /= static_cast<double>(ids.size());
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const std::uint32_t i : ids) covariance += (at(i) - mean) * (at(i) - mean).transpose();
-    return covariance;
+/// Repeats take the normal of the point before, which is their only neighbour.
+void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlock& points) {
+    for (std::size_t row = 0; row < graph.points.size(); ++row) {
+        const std::uint32_t i = graph.points[row];
+        if (!search.is_repeat(i)) continue;
+        points.normal[i] = points.normal[i - 1];
+        std::fill_n(graph.neighbors.begin() + static_cast<std::ptrdiff_t>(row * graph.k), graph.k, i - 1);
+    }
 }
 
 }  // namespace
 
-NeighborGraph neighbor_graph(const PointBlock& points, std::size_t k) {
+NeighborGraph estimate_normals(PointBlock& points, std::span<const std::uint32_t> wanted,
+                               std::size_t k, std::size_t& degenerate) {
+    const NearestSearch search(points.position);
     NeighborGraph graph;
-    std::vector<double> sq_distances;
-    const KnnIndex index(points.position);
-    graph.k = index.search(points.position, k, graph.neighbors, sq_distances);
-    return graph;
-}
-
-void estimate_normals(PointBlock& points, const NeighborGraph& graph,
-                      std::span<const std::uint32_t> wanted, std::size_t& degenerate) {
-    std::atomic<std::size_t> flat_count{0};
-    parallel_blocks(wanted.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-        std::size_t lines = 0;
-        for (std::size_t w = begin; w < end; ++w) {
-            const std::uint32_t i = wanted[w];
-            solver.compute(covariance_of(points, graph.of(i)));
-            const Eigen::Vector3d values = solver.eigenvalues();
-            if (!(values[1] > kSpansPlane * values[2])) ++lines;
-            const Eigen::Vector3f n = solver.eigenvectors().col(0).cast<float>();
-            points.normal[i] = normalized(Vec3f{n.x(), n.y(), n.z()});
-        }
-        flat_count += lines;
+    graph.k = std::min(k, points.size());
+    graph.points.assign(wanted.begin(), wanted.end());
+    graph.neighbors.resize(wanted.size() * graph.k);
+    std::vector<std::uint32_t> rows, searched;
+    for (std::uint32_t row = 0; row < wanted.size(); ++row) {
+        if (search.is_repeat(wanted[row])) continue;
+        rows.push_back(row);
+        searched.push_back(wanted[row]);
+    }
+    std::atomic<std::size_t> lines{0};
+    search.for_each(searched, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
+        const Spread spread = spread_of(points.position, neighbors);
+        if (!(spread.middle > kSpansPlane * spread.largest)) ++lines;
+        points.normal[searched[r]] = normalized(to_float(spread.normal));
+        const auto row = graph.neighbors.begin() + static_cast<std::ptrdiff_t>(rows[r] * graph.k);
+        std::copy(neighbors.begin(), neighbors.end(), row);
+        // Fewer distinct places than k: the rest of the row is the point itself.
+        std::fill(row + static_cast<std::ptrdiff_t>(neighbors.size()),
+                  row + static_cast<std::ptrdiff_t>(graph.k), searched[r]);
     });
-    degenerate = flat_count;
+    degenerate = lines;
+    copy_to_repeats(search, graph, points);
+    return graph;
 }
 
 }  // namespace slim

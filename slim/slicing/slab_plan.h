@@ -15,7 +15,8 @@ struct SlabPlan {
     std::size_t n_slabs() const { return n_points.size(); }
 };
 
-/// What a stage needs for one point of a slab: the point, its normal, the search tree and the fit.
+/// What a stage needs for one point of a slab. Measured beyond 14 MiB of the program itself: normals that are
+/// given 81 bytes, estimated 136; the fit 160, its halo and the coarse surfels besides.
 inline constexpr std::uint64_t kBytesPerSlabPoint = 256;
 /// A slab keeps a file open while points are dealt out.
 inline constexpr std::uint64_t kMostSlabs = 500;

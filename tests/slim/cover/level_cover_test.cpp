@@ -1,9 +1,8 @@
 #include "slim/cover/level_cover.h"
 
 #include "slim/base/parallel.h"
-#include "slim/fit/noise_variance.h"
 #include "slim/model/surfel_tree.h"
-#include "tests/slim/fit/fit_support.h"
+#include "tests/slim/fit/noise_support.h"
 
 #include <gtest/gtest.h>
 
@@ -22,11 +21,7 @@ CoverRules rules_for(const PointBlock& block, double mdl_threshold = 0.02, int d
     rules.mdl_threshold = mdl_threshold;
     rules.diagonal = box_of(block).diagonal();
     rules.least_radius = rules.diagonal * 1e-15;
-    const std::span<const Vec3d> samples(block.position);
-    const double measured =
-        estimate_noise_variance(KnnIndex(block.position), block.position,
-                                samples.first(std::min<std::size_t>(samples.size(), 10000)), 0)
-            .value;
+    const double measured = measured_noise(block.position, 0, 10000).value;
     const double quantum = rules.diagonal * 2.2e-16;
     rules.noise_variance = std::max(measured, 16 * quantum * quantum);
     return rules;

@@ -81,6 +81,12 @@ inline Bbox box_of(const PointBlock& block) {
     return box;
 }
 
+/// The block's points in Morton order, as the stage of normals has them.
+inline PointBlock along_curve(PointBlock block) {
+    sort_along_curve(block, box_of(block));
+    return block;
+}
+
 inline PointTree tree_of(const PointBlock& block) {
     return PointTree(block, morton_order(block, box_of(block)));
 }

@@ -1,7 +1,7 @@
 #include "slim/fit/noise_variance.h"
 
 #include "slim/base/parallel.h"
-#include "tests/slim/fit/fit_support.h"
+#include "tests/slim/fit/noise_support.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace slim::test {
 namespace {
 
 NoiseVariance noise_of(const std::vector<Vec3d>& points, bool automatic = true) {
-    return estimate_noise_variance(KnnIndex(points), points, points, automatic ? 0 : 10);
+    return measured_noise(points, automatic ? 0 : 10);
 }
 
 /// n points of the square [-1, 1]^2, heights of standard deviation sigma.
@@ -45,8 +45,8 @@ TEST(NoiseVariance, DuplicatesGiveWhatTheUniqueSetGives) {
         std::vector<Vec3d> all;
         for (int copy = 0; copy < copies; ++copy)
             all.insert(all.end(), unique.begin(), unique.end());
-        // NUMERICS section 6, 7. The eigenvalues' last bits depend on the order of equal distances.
-        const NoiseVariance noise = estimate_noise_variance(KnnIndex(all), all, unique, 0);
+        // NUMERICS section 6, 7. The eigenvalues' last bits depend on the order of the neighbours.
+        const NoiseVariance noise = noise_of(all);
         EXPECT_NEAR(noise.value / reference.value, 1, 1e-6);
         EXPECT_EQ(noise.n_sampled, unique.size());
         EXPECT_EQ(noise.neighbors, 10u);

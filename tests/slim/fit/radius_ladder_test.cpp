@@ -1,8 +1,7 @@
 #include "slim/fit/radius_ladder.h"
 
-#include "slim/fit/noise_variance.h"
 #include "slim/model/surfel.h"
-#include "tests/slim/fit/fit_support.h"
+#include "tests/slim/fit/noise_support.h"
 
 #include <gtest/gtest.h>
 
@@ -29,11 +28,7 @@ struct Ground {
     explicit Ground(PointBlock points) : block(std::move(points)) {
         diagonal = box_of(block).diagonal();
         pyramid = std::make_unique<PointPyramid>(block, box_of(block), 0);
-        const std::span<const Vec3d> samples(block.position);
-        noise_variance = estimate_noise_variance(KnnIndex(block.position), block.position,
-                                                 samples.first(std::min<std::size_t>(samples.size(), 20000)),
-                                                 0)
-                             .value;
+        noise_variance = measured_noise(block.position, 0, 20000).value;
     }
     RadiusLadder ladder(double mdl_threshold, int degree, const LadderRules& rules = {}) const {
         return {*pyramid, {noise_variance, mdl_threshold * diagonal}, diagonal / 10, diagonal * 1e-15,

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "slim/base/vec.h"
+
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// Spread of some points about their mean, of principal components.
+struct Spread {
+    double smallest = 0, middle = 0, largest = 0;  ///< eigenvalues of the covariance (sums over n), length^2, >= 0
+    Vec3d normal;                                  ///< unit eigenvector of the smallest
+};
+
+/// Closed form (Eigen's computeDirect), some 150 ns; eigenvalues are good to 1e-15 of the largest, and the
+/// smallest is exactly zero for points of a plane z = const.
+/// points: at least one
+Spread spread_of(std::span<const Vec3d> positions, std::span<const std::uint32_t> points);
+
+}  // namespace slim
