@@ -32,10 +32,12 @@ struct Scale {
     std::array<double, kMaxDegree + 1> variance{};
 };
 
+/// The fit of radius `shrink` times the ball's, in units of the narrow one, which is `ratio` times smaller than
+/// the ball.
 template <int Degree>
-Scale measure(const BallPoints<double>& ball, const Frame<double>& frame, const LocalFit& fit,
-              double ratio, double noise_variance) {
-    const auto m = accumulate_moments<Degree>(ball, frame, 1);
+Scale measure(const BallPoints<double>& ball, double shrink, double ratio,
+              const Frame<double>& frame, const LocalFit& fit, double noise_variance) {
+    const auto m = accumulate_moments<Degree>(ball, frame, shrink);
     const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
     Scale s;
     s.degree = std::min(fit.degree, solver.rank_degree());
@@ -43,15 +45,14 @@ Scale measure(const BallPoints<double>& ball, const Frame<double>& frame, const 
     const Coefficients inverse = solver.inverse_diagonal(s.degree);
     const double noise = std::min(fit.sq_error, noise_variance) / (ball.radius * ball.radius);
     for (int order = 2; order <= s.degree; ++order) {
-        const double to_narrow = std::pow(ratio, 1 - order);
         double sum = 0;
         for (int t = 0; t <= order; ++t) {
             const std::size_t k = first_of(order) + static_cast<std::size_t>(t);
-            s.a[k] = fit.polynomial.a[k] * to_narrow;
+            s.a[k] = fit.polynomial.a[k] * std::pow(shrink * ratio, 1 - order);
             sum += inverse[k] * inverse_binomial(order, t);
         }
         s.variance[static_cast<std::size_t>(order)] =
-            sum * noise * m.weight() / m.n_effective() * to_narrow * to_narrow;
+            sum * noise * m.weight() / m.n_effective() * std::pow(ratio, 2 - 2 * order);
     }
     return s;
 }
@@ -100,25 +101,30 @@ LocalFit refit_plane(const NarrowFit& narrow, const Scale& q) {
     return out;
 }
 
+/// The finest thinning that leaves a wider ball about kSample points, judged by those of the narrow one.
+std::size_t thinning_for(const PointPyramid& points, std::size_t n_narrow, double ratio) {
+    double n = static_cast<double>(n_narrow) * ratio * ratio;
+    std::size_t level = 0;
+    for (; n > kSample && level + 1 < points.n_levels(); ++level) n *= kGoldenRatio * kGoldenRatio;
+    return level;
+}
+
 template <int Degree>
 LocalFit steady(const PointPyramid& points, const NarrowFit& narrow, double noise_variance,
                 BallPoints<double>& work) {
-    Scale q;
+    const double ratio = std::pow(kGoldenRatio, -kWiderBalls);
+    gather_ball(points.level(thinning_for(points, narrow.ball.n, ratio)), narrow.center,
+                narrow.ball.radius * ratio, work);
     std::vector<SetAside<double>> aside;
-    std::size_t level = 0;
-    for (int wider = kWiderBalls; wider > 0; --wider) {
-        const double ratio = std::pow(kGoldenRatio, -wider);
-        const double radius = narrow.ball.radius * ratio;
-        gather_ball(points.level(level), narrow.center, radius, work);
-        while (work.n > kSample && level + 1 < points.n_levels())
-            gather_ball(points.level(++level), narrow.center, radius, work);
-        set_contrary_aside(work, narrow.frame.normal, aside);
-        const LocalFit fit = fit_ball(work, 1, narrow.frame, Degree);
-        take_over(measure<Degree>(work, narrow.frame, fit, ratio, noise_variance), q);
-        level = 0;
+    set_contrary_aside(work, narrow.frame.normal, aside);
+    Scale q;
+    double shrink = 1;
+    for (int wider = kWiderBalls; wider > 0; --wider, shrink *= kGoldenRatio) {
+        const LocalFit fit = fit_ball(work, shrink, narrow.frame, Degree);
+        take_over(measure<Degree>(work, shrink, ratio, narrow.frame, fit, noise_variance), q);
     }
     if (q.degree < 2) return narrow.fit;
-    take_over(measure<Degree>(narrow.ball, narrow.frame, narrow.fit, 1, noise_variance), q);
+    take_over(measure<Degree>(narrow.ball, 1, 1, narrow.frame, narrow.fit, noise_variance), q);
     return refit_plane<Degree>(narrow, q);
 }
 

@@ -25,7 +25,7 @@ struct NarrowFit {
 /// change when the frame turns. What is of first order and below is fitted again to this ball alone, so
 /// the surface stays where its points are. Exact and noiseless data are left as they are.
 /// degree: asked for the surfel, 2 or 3. Never worse than `narrow.fit`: that is returned where no wider ball has
-/// the degree or the result leaves the ball. Cost: two gathers of about 512 points, three passes.
+/// the degree or the result leaves the ball. Cost: a gather of about 512 points, five passes.
 LocalFit steady_curvature(const PointPyramid& points, const NarrowFit& narrow, int degree,
                           double noise_variance, BallPoints<double>& work);
 
