@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 namespace slim {
@@ -44,6 +45,28 @@ struct Workspace {
     std::size_t searches = 0;
 };
 
+/// Where the centres of a batch stand: none nearer to another than a distance.
+class BatchPlaces {
+public:
+    explicit BatchPlaces(double least_distance) : sq_(least_distance * least_distance) {}
+    void clear() { x_.clear(), y_.clear(), z_.clear(); }
+    /// False, and nothing is added, if p is too near to one that is there. Cost: a pass by lanes.
+    bool add(const Vec3d& p) {
+        unsigned n_near = 0;
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            const double dx = x_[i] - p.x, dy = y_[i] - p.y, dz = z_[i] - p.z;
+            n_near += dx * dx + dy * dy + dz * dz < sq_ ? 1u : 0u;
+        }
+        if (n_near > 0) return false;
+        x_.push_back(p.x), y_.push_back(p.y), z_.push_back(p.z);
+        return true;
+    }
+
+private:
+    double sq_;
+    std::vector<double> x_, y_, z_;
+};
+
 /// The state of one run; each method is one step of it.
 class LevelCover {
 public:
@@ -58,7 +81,9 @@ public:
           state_(points.size(), 0),
           stamp_(points.size(), 0),
           radius_(points.size(), 0.0f),
-          place_(points.size()) {
+          place_(points.size()),
+          open_(points.size()) {
+        std::iota(open_.begin(), open_.end(), 0u);
         for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
             place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
         if (rules.owns)
@@ -112,8 +137,8 @@ private:
     }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
-    void run_pass(int level, std::size_t thinning, float most_overlap);
-    bool conflicts(std::uint32_t point, const std::vector<Candidate>& batch, double radius) const;
+    void run_pass(int level, std::size_t thinning, float most_overlap,
+                  std::vector<std::uint32_t>& waiting);
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
     void make_leaf(Candidate& c, double lower, Workspace& work) const;
@@ -135,6 +160,7 @@ private:
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
+    std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<Workspace> work_;
     Cover out_;
 };
@@ -153,39 +179,41 @@ std::size_t LevelCover::thinning_for(double radius) const {
     return 0;
 }
 
-bool LevelCover::conflicts(std::uint32_t point, const std::vector<Candidate>& batch,
-                           double radius) const {
-    const double sq = radius * radius * kConflict * kConflict;
-    return std::any_of(batch.begin(), batch.end(), [&](const Candidate& c) {
-        return sq_length(block_.position[c.point] - block_.position[point]) < sq;
-    });
-}
-
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-    for (const float most_overlap : kCrowding) run_pass(level, thinning, most_overlap);
+    std::erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
+    const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
+    std::vector<std::uint32_t> waiting;
+    for (auto rank = open_.begin(); rank != end; ++rank)
+        waiting.push_back(pyramid_.by_priority()[*rank]);
+    for (const float most_overlap : kCrowding) {
+        run_pass(level, thinning, most_overlap, waiting);
+        if (waiting.empty()) break;
+    }
 }
 
-/// Searches and accepts centres among the open points of a level whose overlap is not above a limit. A point
-/// that lies in no core is open whatever its overlap: the last pass takes them all.
-void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap) {
-    const double radius = level_radius(rules_.diagonal, level);
-    const auto& order = pyramid_.by_priority();
-    const std::size_t n = pyramid_.level_size(thinning);
+/// Searches and accepts centres among the waiting points of a level whose overlap is not above a limit; those
+/// above it are left in `waiting`. A point that lies in no core is open whatever its overlap: the last pass
+/// takes them all.
+void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
+                          std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= static_cast<float>(kCoverage);
-    const auto waits = [&](std::uint32_t p) {
-        return is_open(p) && stamp_[p] != level && (last || weight_[p] <= most_overlap);
-    };
+    const auto may_lead = [&](std::uint32_t p) { return is_open(p) && stamp_[p] != level; };
+    const auto is_free = [&](std::uint32_t p) { return last || weight_[p] <= most_overlap; };
 
-    std::vector<std::uint32_t> deferred, still;
+    BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
+    std::vector<std::uint32_t> deferred, still, later;
     std::vector<Candidate> batch;
     std::size_t next = 0;
     while (true) {
         batch.clear();
+        places.clear();
         still.clear();
         const auto consider = [&](std::uint32_t p) {
-            if (!waits(p)) return;
-            if (batch.size() < kBatch && !conflicts(p, batch, radius)) {
+            if (!may_lead(p)) return;
+            if (!is_free(p)) {
+                later.push_back(p);
+            } else if (batch.size() < kBatch && places.add(block_.position[p])) {
                 batch.emplace_back();
                 batch.back().point = p;
             } else {
@@ -193,20 +221,23 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap) {
             }
         };
         for (const std::uint32_t p : deferred) consider(p);
-        while (batch.size() < kBatch && next < n && still.size() < kLookAhead * kBatch)
-            consider(order[next++]);
+        while (batch.size() < kBatch && next < waiting.size() && still.size() < kLookAhead * kBatch)
+            consider(waiting[next++]);
         deferred.swap(still);
         if (batch.empty()) break;
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
         });
         for (Candidate& c : batch) {
-            if (waits(c.point))
+            if (may_lead(c.point) && is_free(c.point)) {
                 accept(c, level);
-            else
-                ++out_.counts.discarded;
+                continue;
+            }
+            ++out_.counts.discarded;
+            if (may_lead(c.point)) later.push_back(c.point);
         }
     }
+    waiting.swap(later);
 }
 
 void LevelCover::search(Candidate& c, int level, std::size_t thinning) {

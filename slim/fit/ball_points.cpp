@@ -53,6 +53,22 @@ void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoint
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<double>&);
 
+void list_sq_distances(const PointTree& tree, const Vec3d& c, double radius,
+                       std::vector<double>& out) {
+    out.clear();
+    const double sq_radius = radius * radius;
+    tree.for_buckets_in_ball(c, radius, [&](std::size_t begin, std::size_t end) {
+        std::size_t n = out.size();
+        out.resize(n + (end - begin));
+        for (std::size_t i = begin; i < end; ++i) {
+            const double sq = sq_length(tree.position(i) - c);
+            out[n] = sq;
+            n += sq < sq_radius ? 1u : 0u;
+        }
+        out.resize(n);
+    });
+}
+
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
                           std::size_t enough) {
     std::size_t n = 0;

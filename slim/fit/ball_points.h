@@ -30,6 +30,10 @@ struct BallPoints {
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
 
+/// Squared distances of the tree's points in the ball to its centre, in tree order.
+void list_sq_distances(const PointTree& tree, const Vec3d& center, double radius,
+                       std::vector<double>& out);
+
 /// Number of the tree's points in the ball, at most `enough` counted.
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& center, double radius,
                           std::size_t enough);

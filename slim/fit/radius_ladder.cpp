@@ -45,18 +45,21 @@ bool RadiusLadder::is_height_field(std::size_t contrary, std::size_t n) const {
     return static_cast<double>(contrary) <= expected + 3 * std::sqrt(expected);
 }
 
-int RadiusLadder::finest_rung(const Vec3d& center, double first_guess) const {
+int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const {
     const std::size_t enough = least_points();
     int rung = last_rung_;
     if (first_guess > 0)
         rung = std::clamp(
             static_cast<int>(std::log(first_guess / root_radius_) / std::log(kGoldenRatio)), 0,
             last_rung_);
-    const auto holds_enough = [&](int r) {
-        return count_in_ball(points_.all(), center, rung_radius(r), enough) >= enough;
-    };
-    while (rung < last_rung_ && holds_enough(rung)) ++rung;
-    while (rung >= -rules_.above_root && !holds_enough(rung)) --rung;
+    do {
+        list_sq_distances(points_.all(), center, rung_radius(rung), work.sq_distances);
+    } while (work.sq_distances.size() < enough && --rung >= -rules_.above_root);
+    if (work.sq_distances.size() < enough) return rung;
+    const auto last_needed = work.sq_distances.begin() + static_cast<std::ptrdiff_t>(enough) - 1;
+    std::nth_element(work.sq_distances.begin(), last_needed, work.sq_distances.end());
+    const auto holds_it = [&](int r) { return *last_needed < rung_radius(r) * rung_radius(r); };
+    while (rung < last_rung_ && holds_it(rung + 1)) ++rung;
     return rung;
 }
 
@@ -113,7 +116,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
 
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                                   LadderWork& work) const {
-    const int finest = finest_rung(center, first_guess);
+    const int finest = finest_rung(center, first_guess, work);
     if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
     if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
     std::optional<Rung> rungs[kMostRungs + 1];

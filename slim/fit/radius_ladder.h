@@ -33,6 +33,7 @@ struct RadiusChoice {
 struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
+    std::vector<double> sq_distances;
     std::size_t rungs = 0, point_visits = 0, refinements = 0;
 };
 
@@ -62,7 +63,7 @@ private:
     std::size_t least_points() const;
     bool is_height_field(std::size_t contrary, std::size_t n) const;
     bool stands_alone(const Vec3d& center, int rung) const;
-    int finest_rung(const Vec3d& center, double first_guess) const;
+    int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;
     double refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
