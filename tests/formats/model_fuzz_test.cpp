@@ -19,16 +19,21 @@ SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
     tree.header.bounds = {{0, 0, 0}, {1, 1, 1}};
     std::vector<Surfel> surfels;
     for (std::size_t i = 0; i < n; ++i) {
-        const auto random = [&](std::uint64_t k) { return unit_interval(keyed_hash(seed, 4 * i + k)); };
-        surfels.push_back({{random(0), random(1), random(2)}, 0.1 + random(3),
-                           frame_from_normal(round_normal(Vec3d{0, 0, 1})), {}, 2});
+        const auto random = [&](std::uint64_t k) {
+            return unit_interval(keyed_hash(seed, 4 * i + k));
+        };
+        surfels.push_back({{random(0), random(1), random(2)},
+                           0.1 + random(3),
+                           frame_from_normal(round_normal(Vec3d{0, 0, 1})),
+                           {},
+                           2});
     }
     encode_surfels(surfels, tree);
     tree.nodes.resize(n);
     for (std::size_t i = 0, next = 1; i < n; ++i) {
         const std::size_t wanted = 1 + keyed_hash(seed + 1, i) % 4;
-        const std::size_t count = next <= i + 1 && next < n ? std::min(wanted, n - next)
-                                                            : std::min(wanted - 1, n - next);
+        const std::size_t count =
+            next <= i + 1 && next < n ? std::min(wanted, n - next) : std::min(wanted - 1, n - next);
         if (count > 0) {
             tree.nodes[i].first_child = static_cast<std::uint32_t>(next);
             tree.nodes[i].n_children = static_cast<std::uint32_t>(count);
@@ -43,7 +48,8 @@ SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
     return tree;
 }
 
-/// Walks the tree as a reader does; the number of nodes seen, which no sound tree makes larger than n.
+/// Walks the tree as a reader does; the number of nodes seen, which no sound tree makes larger than
+/// n.
 std::size_t walk(const SurfelTree& tree) {
     std::vector<std::size_t> stack{0};
     std::size_t seen = 0;
@@ -59,7 +65,8 @@ std::size_t walk(const SurfelTree& tree) {
 /// Overwrites four random bytes of the nodes or the records, aligned, as a wrong writer would.
 void damage(SurfelTreeData& tree, std::uint64_t key) {
     const bool nodes = keyed_hash(key, 1) % 2 == 0;
-    const std::size_t words = nodes ? tree.nodes.size() * sizeof(TreeNode) / 4 : tree.records.size();
+    const std::size_t words =
+        nodes ? tree.nodes.size() * sizeof(TreeNode) / 4 : tree.records.size();
     // Small numbers are counts and links that may pass, others anything at all.
     const std::uint64_t any = keyed_hash(key, 2);
     const auto word = static_cast<std::uint32_t>(any % 3 == 0 ? any >> 32 : (any >> 32) % 64);
@@ -89,7 +96,8 @@ TEST(ModelCheck, Row44DamagedTreesAreRefusedWithTheirPlaceOrAreStillTrees) {
         ASSERT_EQ(walk(tree.view()), tree.nodes.size()) << run;
         for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
             ASSERT_TRUE(std::isfinite(tree.view().surfel(i).support_radius));
-            ASSERT_GE(static_cast<double>(tree.nodes[i].bound_radius), tree.view().support_radius(i));
+            ASSERT_GE(static_cast<double>(tree.nodes[i].bound_radius),
+                      tree.view().support_radius(i));
         }
     }
     EXPECT_GT(refused, runs / 4);

@@ -5,29 +5,33 @@
 #include <cmath>
 #include <numbers>
 
-// NUMERICS section 6, rows 11 to 18: surfaces whose curvatures and their derivatives are known in closed form.
-// Single balls show the fit's own error; whole models show what blending leaves of it.
+// NUMERICS section 6, rows 11 to 18: surfaces whose curvatures and their derivatives are known in
+// closed form. Single balls show the fit's own error; whole models show what blending leaves of it.
 
 namespace slim::test {
 namespace {
 
 constexpr std::size_t kPatch = 4000;  // points of a ball
 
-/// What averages of the kernel say of the fit of degree 2 to r^4: its coefficient of r^2 (NUMERICS 2.3).
+/// What averages of the kernel say of the fit of degree 2 to r^4: its coefficient of r^2
+/// (NUMERICS 2.3).
 constexpr double kQuarticOnSquare = (0.0088068 - 0.12029 * 0.027484) / 0.013015;
 
-/// Largest error of a curvature: a circle's fourth-order term s^4 / (8 r^3) seen by the fit as a square.
+/// Largest error of a curvature: a circle's fourth-order term s^4 / (8 r^3) seen by the fit as a
+/// square.
 double curvature_tolerance(double tube, double rho) {
     return kQuarticOnSquare / 4 * rho * rho / (tube * tube * tube);
 }
-/// Of a derivative of curvature: fifth-order terms rho^2 / r^4, and the fourth-order one, s^4 / (8 r^3) times
-/// six, as far as the random points of the ball are not even (1 / sqrt(n_eff), n_eff = n / 4).
+/// Of a derivative of curvature: fifth-order terms rho^2 / r^4, and the fourth-order one, s^4 / (8
+/// r^3) times six, as far as the random points of the ball are not even (1 / sqrt(n_eff), n_eff = n
+/// / 4).
 double third_tolerance(double tube, double rho) {
     return 0.05 * rho * rho / std::pow(tube, 4) +
            1.5 * rho / (std::pow(tube, 3) * std::sqrt(static_cast<double>(kPatch)));
 }
 
-/// Curvatures and their derivatives at the centre of one cubic ball on a shape; directions in world axes.
+/// Curvatures and their derivatives at the centre of one cubic ball on a shape; directions in world
+/// axes.
 ThirdOrder at_center(const char* shape, const Vec3d& p, double rho) {
     const Surfel s = patch_surfel(find_shape(shape), p, rho, 3, kPatch);
     EXPECT_EQ(s.degree, 3);
@@ -41,7 +45,8 @@ TEST(Extremes, Row11SphereFitHasTheBiasOfItsFourthOrder) {
     for (const double rho : {0.1, 0.2, 0.3}) {
         const Surfel s = patch_surfel(find_shape("sphere"), {0, 0, 1}, rho, 2, 20000);
         const ThirdOrder f = third_order(height_jet(s, 0, 0));
-        // w = -r^2 / 2 - r^4 / 8: k = 1 + rho^2 beta / 4; next order rho^2 / 4 of that, random points 1 %.
+        // w = -r^2 / 2 - r^4 / 8: k = 1 + rho^2 beta / 4; next order rho^2 / 4 of that, random
+        // points 1 %.
         const double bias = curvature_tolerance(1, rho);
         EXPECT_NEAR((f.k1 - 1) / bias, 1, 0.01 + rho * rho / 4);
         EXPECT_NEAR((f.k2 - 1) / bias, 1, 0.01 + rho * rho / 4);
@@ -54,9 +59,11 @@ TEST(Extremes, Row11SphereModelIsUmbilicEverywhere) {
     const double bias = curvature_tolerance(1, built.median_radius());
     const ModelErrors e = built.errors(cloud);
     EXPECT_EQ(e.missed, 0u);
-    // Points lie anywhere in their balls, where the fit's curvature is that of the centre within a third.
+    // Points lie anywhere in their balls, where the fit's curvature is that of the centre within a
+    // third.
     EXPECT_NEAR(e.mean / bias, 1, 0.33);
-    // k1 - k2 of the blend is no larger than the bias either: an umbilic test at that level flags all.
+    // k1 - k2 of the blend is no larger than the bias either: an umbilic test at that level flags
+    // all.
     EXPECT_LT(e.k2 - e.k1, bias);
     EXPECT_LT(std::max(e.k1, e.k2), 2 * bias);
 }
@@ -88,8 +95,8 @@ TEST(Extremes, Row12TorusModelIsFlatOnTheTopCircles) {
         EXPECT_EQ(e.missed, 0u);
         // Relative errors of k are of order (rho / r)^(d - 1) c, c = 0.1: 4 % quadratic, 3 % cubic.
         EXPECT_LT(std::max(e.k1, e.k2), 0.03 / 0.35);
-        // K = k1 k2 runs from 2.1 outside to -4.4 inside. At its zero the error of k2 times k1 is left; k2
-        // changes fastest there, so its error is above its mean.
+        // K = k1 k2 runs from 2.1 outside to -4.4 inside. At its zero the error of k2 times k1 is
+        // left; k2 changes fastest there, so its error is above its mean.
         double sum = 0;
         for (int i = 0; i < 64; ++i) {
             const double a = 2 * std::numbers::pi * i / 64;
@@ -110,7 +117,8 @@ TEST(Extremes, Row13CyclideHasNoCrestLines) {
                 SCOPED_TRACE(testing::Message() << "rho " << rho << " at " << t << ", " << p);
                 const double ct = std::cos(t), cp = std::cos(p), w = a - c * ct * cp;
                 const Vec3d x{(d * (c - a * ct * cp) + b * b * ct) / w,
-                              b * std::sin(t) * (a - d * cp) / w, b * std::sin(p) * (c * ct - d) / w};
+                              b * std::sin(t) * (a - d * cp) / w,
+                              b * std::sin(p) * (c * ct - d) / w};
                 const double k_tube = 1 / (d - c * ct), k_ring = cp / (d * cp - a);
                 const double least = 1 / std::max(k_tube, std::abs(k_ring));
                 const ThirdOrder f = at_center("cyclide", x, rho);
@@ -124,7 +132,8 @@ TEST(Extremes, Row13CyclideHasNoCrestLines) {
 constexpr Vec3d kAxes{1, 0.7, 0.4};
 
 TEST(Extremes, Row14EllipsoidsCurvatureIsStationaryAcrossItsSections) {
-    // The section y = 0 is a mirror plane: what belongs to the direction y has no derivative along y.
+    // The section y = 0 is a mirror plane: what belongs to the direction y has no derivative along
+    // y.
     for (const double rho : {0.1, 0.05})
         for (double t = 0.3; t < 3; t += 0.5) {
             SCOPED_TRACE(testing::Message() << "rho " << rho << " t " << t);
@@ -134,7 +143,8 @@ TEST(Extremes, Row14EllipsoidsCurvatureIsStationaryAcrossItsSections) {
             const bool first = std::abs(f.t1.y) > 0.7;
             EXPECT_NEAR(std::abs(first ? f.t1.y : f.t2.y), 1, 1e-4);
             // Scale: the sharper of the curvature here and that of a circle of the shortest axis.
-            EXPECT_NEAR(first ? f.e1 : f.e2, 0, third_tolerance(std::min(1 / truth.k1, kAxes.z), rho));
+            EXPECT_NEAR(first ? f.e1 : f.e2, 0,
+                        third_tolerance(std::min(1 / truth.k1, kAxes.z), rho));
         }
 }
 
@@ -224,7 +234,8 @@ TEST(Extremes, Row16ConeHasForcedLeavesAtItsApexOnly) {
 
 /// z = x^3 + y^2 over [-0.5, 0.5]^2 with its normals.
 PointBlock cubic_graph(std::size_t n) {
-    PointBlock block = graph_points(n, 0.5, 1, [](double x, double y) { return x * x * x + y * y; });
+    PointBlock block =
+        graph_points(n, 0.5, 1, [](double x, double y) { return x * x * x + y * y; });
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3d& p = block.position[i];
         block.normal[i] = to_float(normalized(Vec3d{-3 * p.x * p.x, -2 * p.y, 1}));
@@ -250,7 +261,8 @@ TEST(Extremes, Row17CubicGraphHasItsGaussCurvature) {
         ++n;
     }
     ASSERT_GT(n, 20000u);
-    // A cubic's curvature is wrong by its tilt only: the graph is one, its normals are not all along z.
+    // A cubic's curvature is wrong by its tilt only: the graph is one, its normals are not all
+    // along z.
     EXPECT_LT(std::sqrt(sum / truth_sum), 0.01);
 }
 
@@ -273,7 +285,8 @@ TEST(Extremes, Row18GraphsOfTheFitsDegreeAreReproducedWithTheirDerivatives) {
             found.polynomial = fit_ball(ball, 1, upright, degree).polynomial;
             const ThirdOrder a = third_order(height_jet(truth, 0.2, -0.3));
             const ThirdOrder b = third_order(height_jet(found, 0.2, -0.3));
-            // 1e-12 in the coefficients; second and third derivatives multiply it by 2 / rho and 6 / rho^2.
+            // 1e-12 in the coefficients; second and third derivatives multiply it by 2 / rho and 6
+            // / rho^2.
             for (std::size_t k = 0; k < kMaxCoefficients; ++k)
                 EXPECT_NEAR(found.polynomial.a[k], truth.polynomial.a[k], 1e-12);
             EXPECT_NEAR(a.k1, b.k1, 1e-11);

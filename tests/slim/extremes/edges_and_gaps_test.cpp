@@ -12,8 +12,8 @@
 namespace slim::test {
 namespace {
 
-/// The largest and the RMS distance to a known surface of what the leaves can show: their height fields
-/// inside the trimmed balls, where `counts` holds.
+/// The largest and the RMS distance to a known surface of what the leaves can show: their height
+/// fields inside the trimmed balls, where `counts` holds.
 struct Overshoot {
     double most = 0, rms = 0;
 };
@@ -77,9 +77,10 @@ std::size_t forced_leaves(const Built& model) {
 }
 
 TEST(Extremes, Row19DihedralsOvershootWithinABound) {
-    // The row asks for no overshoot above eps. One height field a ball cannot give that: discs at an edge reach up
-    // to alpha rho beyond it. Held here: today's overshoot, largest 0.0152 L at 30 degrees, 0.0073 at 120, 7e-5
-    // at 179; RMS over all leaves 1.1e-3 L. Sharp features of the fit have to lower these.
+    // The row asks for no overshoot above eps. One height field a ball cannot give that: discs at
+    // an edge reach up to alpha rho beyond it. Held here: today's overshoot, largest 0.0152 L at 30
+    // degrees, 0.0073 at 120, 7e-5 at 179; RMS over all leaves 1.1e-3 L. Sharp features of the fit
+    // have to lower these.
     for (const double angle : {30., 60., 90., 120., 150., 179., 270.}) {
         SCOPED_TRACE(angle);
         const Wedge wedge(angle);
@@ -100,7 +101,8 @@ TEST(Extremes, Row19DihedralsOvershootWithinABound) {
         // Normals 90 degrees and more apart make no height field: cos 0.3 is 73 degrees.
         EXPECT_EQ(model.counts().forced > 0, angle <= 90 || angle >= 270);
         EXPECT_EQ(model.counts().unexplained + model.counts().isolated, 0u);
-        // The data themselves are met: planes exactly, and near the edge within what a leaf may explain.
+        // The data themselves are met: planes exactly, and near the edge within what a leaf may
+        // explain.
         for (std::size_t i = 0; i < block.size(); i += 10) {
             const auto hit = model.project(block.position[i], to_double(block.normal[i]));
             ASSERT_TRUE(hit.has_value());
@@ -192,7 +194,8 @@ TEST(Extremes, Row22NothingIsDrawnFartherFromADiscWithAHoleThanItsCores) {
             ASSERT_FALSE(hit && off > kTrim * rho) << "bridged at " << x << ", " << y;
             if (off > 0 && off <= kTrim * rho) ++open, outside += hit ? 1u : 0u;
         }
-    // Leaves of a border move inwards, so most of the rims that cores could reach stays open: today 59 %.
+    // Leaves of a border move inwards, so most of the rims that cores could reach stays open: today
+    // 59 %.
     EXPECT_LT(2 * outside, open);
 }
 
@@ -208,13 +211,14 @@ TEST(Extremes, Row23DensityOfHundredToOneLeavesHardlyACrack) {
         const Vec3d d = random_direction(6, k);
         const auto t = model.ray_hit(d * 3.0, -d);
         if (t) {
-            // Along the equator a ball's weight is that of the dense side, and its fit is extrapolated over the
-            // sparse one: third-order terms of a core, (2/3 * 0.35)^3, times two.
+            // Along the equator a ball's weight is that of the dense side, and its fit is
+            // extrapolated over the sparse one: third-order terms of a core, (2/3 * 0.35)^3, times
+            // two.
             EXPECT_NEAR(*t, 2, 0.025);
             continue;
         }
-        // The row asks for none. A point lies in a core, what is between points may not: cracks are where the
-        // data themselves leave a gap of more than half their spacing (NUMERICS 3.4).
+        // The row asks for none. A point lies in a core, what is between points may not: cracks are
+        // where the data themselves leave a gap of more than half their spacing (NUMERICS 3.4).
         ++cracks;
         double nearest = 1;
         for (const Vec3d& p : cloud.positions) nearest = std::min(nearest, length(p - d));
@@ -226,7 +230,8 @@ TEST(Extremes, Row23DensityOfHundredToOneLeavesHardlyACrack) {
 }
 
 TEST(Extremes, Row24ScanLinesLowerTheDegreeAndMakeNoNan) {
-    // Lines along x over a wavy sheet, 20,000 points, lines 5 to 40 times farther apart than points.
+    // Lines along x over a wavy sheet, 20,000 points, lines 5 to 40 times farther apart than
+    // points.
     std::uint64_t lowered_before = 0;
     for (const double aspect : {5.0, 10.0, 20.0, 40.0}) {
         SCOPED_TRACE(aspect);
@@ -247,7 +252,8 @@ TEST(Extremes, Row24ScanLinesLowerTheDegreeAndMakeNoNan) {
             ASSERT_TRUE(std::isfinite(s.fit_error) && std::isfinite(s.surfel.support_radius));
             for (const double a : s.surfel.polynomial.a) ASSERT_TRUE(std::isfinite(a));
         }
-        // Each lowered degree has its cause, and there are more of them the farther the lines are apart.
+        // Each lowered degree has its cause, and there are more of them the farther the lines are
+        // apart.
         const std::uint64_t lowered = c.degrees[0] + c.degrees[1];
         EXPECT_EQ(lowered, c.leaves - c.fallbacks[static_cast<std::size_t>(Fallback::none)]);
         EXPECT_TRUE(lowered > lowered_before || aspect == 5);

@@ -18,8 +18,8 @@
 
 namespace slim::test {
 
-/// n points of a shape in the tangent disc of `radius` about a point of it: exact to rounding, normals
-/// with them. The shape must be a height field there.
+/// n points of a shape in the tangent disc of `radius` about a point of it: exact to rounding,
+/// normals with them. The shape must be a height field there.
 inline PointBlock patch_of(const Shape& shape, const Vec3d& at, double radius, std::size_t n,
                            std::uint64_t seed) {
     const Frame<double> f = frame_from_normal(surface_point(shape.jet(at)).normal);
@@ -42,8 +42,8 @@ inline Surfel patch_surfel(const Shape& shape, const Vec3d& at, double radius, i
                            std::size_t n = 1500, std::uint64_t seed = 1) {
     const PointBlock block = patch_of(shape, at, radius * 1.01, n, seed);
     BallPoints<double> work;
-    return fit_surfel(tree_of(block), at, surface_point(shape.jet(at)).normal, radius, degree, false,
-                      0, work)
+    return fit_surfel(tree_of(block), at, surface_point(shape.jet(at)).normal, radius, degree,
+                      false, 0, work)
         .fitted.surfel;
 }
 
@@ -78,7 +78,10 @@ public:
     explicit Built(const PointBlock& block, double mdl_threshold = 0.01, int degree = 2)
         : Built(block, usual_rules(block, mdl_threshold, degree)) {}
     Built(const PointBlock& block, const CoverRules& rules)
-        : rules_(rules), cover_(covered(block, rules)), tree_(linked(block)), index_(tree_.view()) {}
+        : rules_(rules),
+          cover_(covered(block, rules)),
+          tree_(linked(block)),
+          index_(tree_.view()) {}
 
     const CoverRules& rules() const { return rules_; }
     const CoverCounts& counts() const { return cover_.counts; }

@@ -23,7 +23,8 @@ TEST(Extremes, Row02AnyScaleGivesTheSameCounts) {
     }
 }
 
-/// RMS distance between two models of a cloud, the second turned by a frame, along the normals of the points.
+/// RMS distance between two models of a cloud, the second turned by a frame, along the normals of
+/// the points.
 double difference(const Built& a, const Built& b, const Cloud& cloud, const Frame<double>& turn) {
     double sum = 0;
     std::size_t n = 0;
@@ -40,8 +41,9 @@ double difference(const Built& a, const Built& b, const Cloud& cloud, const Fram
 }
 
 TEST(Extremes, Row03RotationKeepsCountsAndTheSurfaceWithinEps) {
-    // The diagonal of the box changes with the rotation and T is a share of it: held here, for the row is about
-    // the fit. Morton order, frames and the octahedral rounding of normals turn with the axes.
+    // The diagonal of the box changes with the rotation and T is a share of it: held here, for the
+    // row is about the fit. Morton order, frames and the octahedral rounding of normals turn with
+    // the axes.
     for (const char* shape : {"bumpy", "sculpture"}) {
         const Cloud cloud = sampled(shape, 30000);
         const Built upright(block_of(cloud), 0.005);
@@ -75,8 +77,8 @@ TEST(Extremes, Row07DuplicatesGiveWhatTheUniqueSetGives) {
         const Cloud cloud = sampled(shape, n);
         const Built unique(block_of(cloud)), all(block_of(copies_of(cloud, copies)));
         EXPECT_NEAR(all.rules().noise_variance / unique.rules().noise_variance, 1, 0.02);
-        // Copies count as points: radii, which the number of effective points bounds from below, come out a little
-        // smaller where points are few, hence the few percent.
+        // Copies count as points: radii, which the number of effective points bounds from below,
+        // come out a little smaller where points are few, hence the few percent.
         EXPECT_NEAR(all.leaf_count() / unique.leaf_count(), 1, 0.05);
         EXPECT_NEAR(all.median_radius() / unique.median_radius(), 1, 0.05);
         EXPECT_LT(all.errors(cloud).distance, 1.05 * unique.errors(cloud).distance);

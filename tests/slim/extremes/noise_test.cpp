@@ -8,7 +8,8 @@
 #include <cmath>
 #include <vector>
 
-// NUMERICS section 6, rows 10, 25 and 26: noise and outliers against the surface they were made from.
+// NUMERICS section 6, rows 10, 25 and 26: noise and outliers against the surface they were made
+// from.
 
 namespace slim::test {
 namespace {
@@ -19,7 +20,8 @@ struct KernelMoments {
     KernelMoments() {
         constexpr int n = 2000;
         for (int i = 0; i < n; ++i) {
-            const double r = (i + 0.5) / n, g = weight_kernel(r * r), u2 = r * r / 2, ring = 2 * r / n;
+            const double r = (i + 0.5) / n, g = weight_kernel(r * r), u2 = r * r / 2,
+                         ring = 2 * r / n;
             first += g * u2 * ring;
             squared += g * g * u2 * ring;
         }
@@ -27,8 +29,9 @@ struct KernelMoments {
 };
 
 TEST(Extremes, Row10NormalErrorOnANoisyPlaneIsTheFormula) {
-    // Weighted least squares: the slope along u has the variance s^2 sum G^2 u^2 / (sum G u^2)^2 / rho^2; the
-    // normal turns about two axes. With this kernel that is 8.4 s / (rho sqrt n), n points in the ball.
+    // Weighted least squares: the slope along u has the variance s^2 sum G^2 u^2 / (sum G u^2)^2 /
+    // rho^2; the normal turns about two axes. With this kernel that is 8.4 s / (rho sqrt n), n
+    // points in the ball.
     const KernelMoments kernel;
     const double constant = std::sqrt(2 * kernel.squared) / kernel.first;
     const Frame<double> upright = frame_from_normal(Vec3d{0, 0, 1});
@@ -50,7 +53,8 @@ TEST(Extremes, Row10NormalErrorOnANoisyPlaneIsTheFormula) {
                 sum += u * u + v * v;
                 n += static_cast<double>(ball.n) / runs;
             }
-            // 300 runs of two slopes leave 1 / sqrt(1200) = 3 %; few points make uneven balls, which are worse.
+            // 300 runs of two slopes leave 1 / sqrt(1200) = 3 %; few points make uneven balls,
+            // which are worse.
             const double formula = constant * noise / (rho * std::sqrt(n));
             EXPECT_NEAR(std::sqrt(sum / runs) / formula, 1, points < 1000 ? 0.12 : 0.08);
         }
@@ -71,8 +75,9 @@ double distance_to_shape(const Built& model, const Cloud& cloud, const Shape& sh
 }
 
 TEST(Extremes, Row25TheUsualThresholdIsNearTheBestAtAnyNoise) {
-    // With lambda measured, T = 0.01 is within 1.2 of the best T. At 5 % of the diagonal, eight spacings, even 160
-    // neighbours are no disc (slim/fit/noise_variance.h), lambda is a tenth of the noise, and the bound is today's 1.6.
+    // With lambda measured, T = 0.01 is within 1.2 of the best T. At 5 % of the diagonal, eight
+    // spacings, even 160 neighbours are no disc (slim/fit/noise_variance.h), lambda is a tenth of
+    // the noise, and the bound is today's 1.6.
     for (const double noise : {1e-4, 1e-3, 1e-2, 5e-2}) {
         SCOPED_TRACE(noise);
         const Cloud cloud = sampled("bumpy", 20000, 1, noise);
@@ -82,16 +87,18 @@ TEST(Extremes, Row25TheUsualThresholdIsNearTheBestAtAnyNoise) {
             errors.push_back(distance_to_shape(Built(block_of(cloud), t), cloud, shape));
         const double best = *std::min_element(errors.begin(), errors.end());
         EXPECT_LT(errors[0] / best, noise < 0.05 ? 1.2 : 1.6);
-        // And it smooths: the model is nearer to the truth than the points are (at 5 % hardly, today 0.85).
+        // And it smooths: the model is nearer to the truth than the points are (at 5 % hardly,
+        // today 0.85).
         const double sigma = noise * shape.bounds.diagonal();
         EXPECT_LT(errors[0], (noise < 0.05 ? 0.5 : 0.9) * sigma);
     }
 }
 
 TEST(Extremes, Row26OutliersDoBoundedHarm) {
-    // Uniform in the box. The row asks that strays make no leaf and leave the surface as it was. Today those that
-    // have others of their kind within L / 10 do make leaves, and such a leaf near the surface is blended with it:
-    // bounds of the leaves astray per stray, and of the points that the model misses by 0.005 L.
+    // Uniform in the box. The row asks that strays make no leaf and leave the surface as it was.
+    // Today those that have others of their kind within L / 10 do make leaves, and such a leaf near
+    // the surface is blended with it: bounds of the leaves astray per stray, and of the points that
+    // the model misses by 0.005 L.
     struct Bound {
         double share, astray, off;
     };

@@ -10,22 +10,23 @@ namespace slim::test {
 
 /// Derivatives of a height field w = P(u, v) at one place, in length units.
 struct HeightJet {
-    double u, v;             ///< first, dimensionless
-    double uu, uv, vv;       ///< second, 1 / length
+    double u, v;                ///< first, dimensionless
+    double uu, uv, vv;          ///< second, 1 / length
     double uuu, uuv, uvv, vvv;  ///< third, 1 / length^2
 };
 
-/// Curvatures and their derivatives along the principal directions, axes of the height field; convex
-/// positive, k1 >= k2. Signs of the directions are arbitrary, and so are those of the derivatives.
+/// Curvatures and their derivatives along the principal directions, axes of the height field;
+/// convex positive, k1 >= k2. Signs of the directions are arbitrary, and so are those of the
+/// derivatives.
 struct ThirdOrder {
     Vec3d normal, t1, t2;
     double k1, k2;
-    double e1, e2;      ///< dk1/dt1, dk2/dt2
+    double e1, e2;        ///< dk1/dt1, dk2/dt2
     double k1_t2, k2_t1;  ///< dk1/dt2, dk2/dt1
 };
 
-/// NUMERICS 5.2 and 5.3 with f = w - P: S = P H P / |g|, Q(a, b, c) = [C(a, b, c) - S(a, b) h.c - S(b, c) h.a -
-/// S(c, a) h.b] / |g|.
+/// NUMERICS 5.2 and 5.3 with f = w - P: S = P H P / |g|, Q(a, b, c) = [C(a, b, c) - S(a, b) h.c -
+/// S(b, c) h.a - S(c, a) h.b] / |g|.
 inline ThirdOrder third_order(const HeightJet& p) {
     const Vec3d g{-p.u, -p.v, 1};
     const double len = length(g);
@@ -63,9 +64,9 @@ inline ThirdOrder third_order(const HeightJet& p) {
 inline HeightJet height_jet(const Surfel& s, double u, double v) {
     const auto& p = s.polynomial;
     const double r = s.support_radius;
-    return {p.d_u(u, v),          p.d_v(u, v),      p.d_uu(u, v) / r,     p.d_uv(u, v) / r,
-            p.d_vv(u, v) / r,     6 * p.a[6] / (r * r), 2 * p.a[7] / (r * r), 2 * p.a[8] / (r * r),
-            6 * p.a[9] / (r * r)};
+    return {p.d_u(u, v),          p.d_v(u, v),          p.d_uu(u, v) / r,
+            p.d_uv(u, v) / r,     p.d_vv(u, v) / r,     6 * p.a[6] / (r * r),
+            2 * p.a[7] / (r * r), 2 * p.a[8] / (r * r), 6 * p.a[9] / (r * r)};
 }
 
 }  // namespace slim::test

@@ -7,8 +7,8 @@
 namespace slim::test {
 namespace {
 
-/// A range of T_MDL in which no radius is cut off, below by the least number of points of a ball, above by
-/// the root: there the whole build follows NUMERICS 3.2 with eps^2 = C rho^2p.
+/// A range of T_MDL in which no radius is cut off, below by the least number of points of a ball,
+/// above by the root: there the whole build follows NUMERICS 3.2 with eps^2 = C rho^2p.
 struct Sweep {
     const char* shape;
     int degree;
@@ -25,10 +25,11 @@ TEST_P(ThresholdSweep, FollowsTheTheoreticalExponents) {
     const Built fine(block, sweep.t_lo, sweep.degree), coarse(block, sweep.t_hi, sweep.degree);
     const double step = std::log(sweep.t_hi / sweep.t_lo), p = sweep.p;
     const auto exponent = [&](double a, double b) { return std::log(b / a) / step; };
-    // E has its minimum at rho ~ T^(1 / (p + 1)). What is left over: the next order of the error, a few
-    // percent of log 8 = 2.08 at these radii.
+    // E has its minimum at rho ~ T^(1 / (p + 1)). What is left over: the next order of the error, a
+    // few percent of log 8 = 2.08 at these radii.
     EXPECT_NEAR(exponent(fine.median_radius(), coarse.median_radius()), 1 / (p + 1), 0.02);
-    // Leaves ~ rho^-2; the number of balls that fill a curved surface is theirs within a few percent more.
+    // Leaves ~ rho^-2; the number of balls that fill a curved surface is theirs within a few
+    // percent more.
     EXPECT_NEAR(exponent(fine.leaf_count(), coarse.leaf_count()), -2 / (p + 1), 0.05);
     // The distance of the points to the blend, as eps, is of order rho^p.
     const ModelErrors a = fine.errors(cloud), b = coarse.errors(cloud);

@@ -9,7 +9,8 @@
 namespace slim::test {
 namespace {
 
-/// Root mean square errors of fits of one radius: position, normal, mean curvature, its third-order e1.
+/// Root mean square errors of fits of one radius: position, normal, mean curvature, its third-order
+/// e1.
 struct FitErrors {
     double position = 0, normal = 0, mean = 0, third = 0;
 };
@@ -37,7 +38,8 @@ void add_errors(const Shape& shape, const Surfel& s, double u, double v, FitErro
     sum.third += sq(found.e1 - true_e1(shape, foot.point, s.frame.world_from_local(found.t1)));
 }
 
-/// Errors at random places of random balls on the bumpy sphere, whose curvatures are of size 1 to 3.
+/// Errors at random places of random balls on the bumpy sphere, whose curvatures are of size 1
+/// to 3.
 FitErrors errors_of(int degree, double radius) {
     const Shape& shape = find_shape("bumpy");
     constexpr std::uint64_t n_balls = 24, n_places = 12;
@@ -47,7 +49,8 @@ FitErrors errors_of(int degree, double radius) {
         const Surfel s = patch_surfel(shape, centers.positions[i], radius, degree, 1500, i);
         EXPECT_EQ(s.degree, degree);
         for (std::uint64_t k = 0; k < n_places; ++k)
-            add_errors(shape, s, 0.6 * random_at(i, 1000 + 2 * k), 0.6 * random_at(i, 1001 + 2 * k), sum);
+            add_errors(shape, s, 0.6 * random_at(i, 1000 + 2 * k), 0.6 * random_at(i, 1001 + 2 * k),
+                       sum);
     }
     const double n = n_balls * n_places;
     return {std::sqrt(sum.position / n), std::sqrt(sum.normal / n), std::sqrt(sum.mean / n),
@@ -55,9 +58,10 @@ FitErrors errors_of(int degree, double radius) {
 }
 
 TEST(Convergence, OrdersOfAFitAreThoseOfItsDegree) {
-    // NUMERICS section 8: position d + 1, normal d, mean curvature d - 1, third derivatives d - 2, at a
-    // generic place of the ball. At radii 0.08 and 0.02 of a surface with features of size 0.3 the next
-    // term of the error adds up to (0.08 / 0.3)^2 = 7 %, or log(1.07) / log(4) = 0.05 of the exponent.
+    // NUMERICS section 8: position d + 1, normal d, mean curvature d - 1, third derivatives d - 2,
+    // at a generic place of the ball. At radii 0.08 and 0.02 of a surface with features of size 0.3
+    // the next term of the error adds up to (0.08 / 0.3)^2 = 7 %, or log(1.07) / log(4) = 0.05 of
+    // the exponent.
     for (int degree = 1; degree <= 3; ++degree) {
         SCOPED_TRACE(degree);
         const FitErrors coarse = errors_of(degree, 0.08), fine = errors_of(degree, 0.02);
