@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
+#include <string>
 
 namespace slim::test {
 namespace {
@@ -15,6 +17,10 @@ struct Sweep {
     int p;  ///< d + 1; 4 for quadrics on a sphere, which has no third-order part
     double t_lo, t_hi;
 };
+
+void PrintTo(const Sweep& s, std::ostream* out) {
+    *out << s.shape << " of degree " << s.degree << ", T " << s.t_lo << " to " << s.t_hi;
+}
 
 class ThresholdSweep : public testing::TestWithParam<Sweep> {};
 
