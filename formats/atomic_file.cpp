@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
-
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -32,8 +32,23 @@ void sync_folder(const std::string& folder) {
 
 }  // namespace
 
+const std::string& temporary_suffix() {
+    static const std::string suffix = [] {
+        char host[256] = {};
+        ::gethostname(host, sizeof host - 1);
+        std::uint32_t random = 0;
+        if (::getentropy(&random, sizeof random) != 0)
+            random = static_cast<std::uint32_t>(
+                std::chrono::steady_clock::now().time_since_epoch().count());
+        char text[16];
+        std::snprintf(text, sizeof text, "%08x", random);
+        return std::string(".tmp.") + host + "." + std::to_string(::getpid()) + "." + text;
+    }();
+    return suffix;
+}
+
 AtomicFile::AtomicFile(std::string path)
-    : path_(std::move(path)), temporary_(path_ + ".tmp." + std::to_string(::getpid())) {
+    : path_(std::move(path)), temporary_(path_ + temporary_suffix()) {
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file_ < 0) {
         const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;

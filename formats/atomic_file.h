@@ -8,8 +8,12 @@
 
 namespace slim {
 
-/// A file that appears under its name whole or not at all: written as `name.tmp.<pid>` in the same
-/// directory, then flushed to disk and renamed by commit(). Without commit() the destructor removes it.
+/// What half-written files of this process end with: ".tmp.<host>.<pid>.<random>". Tasks of an array job
+/// on several hosts write into one folder, where process ids alone would collide.
+const std::string& temporary_suffix();
+
+/// A file that appears under its name whole or not at all: written as `name` + temporary_suffix() in the
+/// same directory, then flushed to disk and renamed by commit(). Without commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage` when
 /// the place cannot be written to at all

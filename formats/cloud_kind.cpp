@@ -86,8 +86,22 @@ std::string extension_of(const std::string& path) {
     return dot == std::string::npos ? "" : name.substr(dot + 1);
 }
 
+/// The advice with the file's own names in the command's places IN and OUT.ply.
+std::string with_names(std::string advice, const std::string& path) {
+    const auto slash = path.rfind('/'), dot = path.rfind('.');
+    const bool has_extension =
+        dot != std::string::npos && (slash == std::string::npos || dot > slash + 1) && dot > 0;
+    const std::string out = (has_extension ? path.substr(0, dot) : path) + ".ply";
+    for (const auto& [word, name] :
+         {std::pair{std::string(" OUT.ply"), out}, std::pair{std::string(" IN"), path}})
+        if (const auto at = advice.find(word); at != std::string::npos)
+            advice.replace(at + 1, word.size() - 1, name);
+    return advice;
+}
+
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const char* advice) {
-    throw FormatError(message(path, ": ", what, ": this format is not read; ", kRead, advice));
+    throw FormatError(
+        message(path, ": ", what, ": this format is not read; ", kRead, with_names(advice, path)));
 }
 
 bool is_control(char c) {

@@ -48,6 +48,28 @@ void split_row(std::string_view line, std::vector<std::string_view>& words) {
     }
 }
 
+bool has_decimal_commas(std::string_view line) {
+    std::size_t n_words = 0, n_commas = 0;
+    for (std::size_t i = 0; i < line.size();) {
+        const std::size_t end = std::min(line.find_first_of(" \t\r;", i), line.size());
+        const std::string_view word = line.substr(i, end - i);
+        i = end + 1;
+        if (word.empty()) continue;
+        ++n_words;
+        const std::size_t comma = word.find(',');
+        if (word.find_first_not_of("0123456789+-,eE") != std::string_view::npos) return false;
+        if (comma == std::string_view::npos) continue;
+        const auto digit_at = [&](std::size_t k) {
+            return k < word.size() && std::isdigit(static_cast<unsigned char>(word[k]));
+        };
+        if (comma == 0 || !digit_at(comma - 1) || !digit_at(comma + 1) ||
+            word.find(',', comma + 1) != std::string_view::npos)
+            return false;
+        ++n_commas;
+    }
+    return n_words >= 3 && n_commas > 0;
+}
+
 bool columns_from_names(std::string_view line, XyzColumns& out) {
     std::vector<std::string_view> words;
     split_row(line, words);

@@ -58,6 +58,11 @@ bool XyzReader::next_row() {
             named_ = true;
             continue;
         }
+        // Only the first rows: a later one has as many columns as they, or is refused for that.
+        if (n_rows_ < kRowsToLookAt && has_decimal_commas(line))
+            fail(message("numbers with decimal commas ('", line.substr(0, 40),
+                         "'): expected decimal points; convert with: sed 's/,/./g' ", in_.path(),
+                         " > points.xyz"));
         row_.resize(words_.size());
         for (std::size_t i = 0; i < words_.size(); ++i)
             if (!parse_number(words_[i], row_[i]))

@@ -1,6 +1,8 @@
 #include "pipeline/build_stage.h"
 
+#include "pipeline/build_summary.h"
 #include "pipeline/fit_stage.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
@@ -12,8 +14,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 
 namespace slim {
 namespace {
@@ -71,6 +75,34 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
     return result;
 }
 
+/// What a stage cost that was found up to date: as the manifests of its parts recorded it.
+void take_recorded_cost(const std::vector<fs::path>& manifests, nlohmann::json& stage) {
+    if (!stage.contains("up_to_date")) return;
+    double seconds = 0, bytes = 0;
+    for (const fs::path& path : manifests) {
+        std::ifstream file(path);
+        const auto manifest = nlohmann::json::parse(file, nullptr, false);
+        if (!manifest.is_object()) continue;
+        seconds += manifest.value("seconds", 0.0);
+        bytes = std::max(bytes, manifest.value("peak_memory_bytes", 0.0));
+    }
+    stage["seconds"] = seconds;
+    stage["peak_memory_bytes"] = static_cast<std::uint64_t>(bytes);
+}
+
+void take_recorded_costs(const std::string& work, nlohmann::json& stages) {
+    const SlicePlan plan = read_plan(work);
+    std::vector<fs::path> normals, fits;
+    if (plan.slices.size() > 1) fits.push_back(manifest_path(coarse_fit_path(work)));
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        normals.push_back(manifest_path(oriented_points_path(work, i)));
+        fits.push_back(manifest_path(fit_path(work, i)));
+    }
+    take_recorded_cost({manifest_path(work, "slice")}, stages["slice"]);
+    take_recorded_cost(normals, stages["normals"]);
+    take_recorded_cost(fits, stages["fit"]);
+}
+
 /// The output must be a file's name of its own: neither a folder nor one of the clouds.
 void check_output(const BuildConfig& config) {
     std::error_code ignored;
@@ -85,16 +117,9 @@ void check_output(const BuildConfig& config) {
                           memory_size_text(kLeastMemory) + ", which the coarse levels take");
 }
 
-nlohmann::json build_in(const BuildConfig& config, const std::string& work, StageContext& context) {
-    const bool keep_work = !config.work.empty();
-    Stamp stamp(context, manifest_path(config.output));
-    for (const std::string& input : config.inputs) {
-        stamp.input(input);
-        stamp.optional_input(scans_json_path(input));
-    }
-    if (!config.sensors.empty()) stamp.input(config.sensors);
-    if (auto done = stamp.up_to_date()) return *done;
-
+/// The stages, one after the other, and the record of what they came to.
+nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
+                        StageContext& context) {
     nlohmann::json stages = nlohmann::json::object();
     run_one("slice", slice_config(config, work), run_slice, context, stages);
     const auto normals =
@@ -104,6 +129,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stag
     tree.work = work;
     tree.output = config.output;
     nlohmann::json result = run_one("tree", tree, run_tree, context, stages);
+    take_recorded_costs(work, stages);
     result.erase("up_to_date");
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");
@@ -111,10 +137,22 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stag
                         fit.at("dropped_unexplained").get<std::uint64_t>();
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
+    result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["stages"] = stages;
-    result = stamp.commit({config.output}, result);
-    if (!keep_work) fs::remove_all(work);
-    return result;
+    return stamp.commit({config.output}, result);
+}
+
+/// Ends with what becomes of the intermediate files of a build that failed or was stopped.
+[[noreturn]] void give_up(const BuildConfig& config, const std::string& work, const Error& error) {
+    const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
+    const bool stopped =
+        error.code() == ExitCode::interrupted || error.code() == ExitCode::terminated;
+    const bool sliced = fs::exists(manifest_path(work, "slice"));
+    // A bad input leaves nothing to resume from, a build stopped while slicing hardly more.
+    if (config.work.empty() && (bad || (stopped && !sliced))) fs::remove_all(work);
+    if (!stopped || !sliced) throw error;
+    throw Error(error.code(), fmt::format("{}; the same command goes on where it was, from {}",
+                                          error.what(), work));
 }
 
 }  // namespace
@@ -123,14 +161,26 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : config.output + ".work";
-    try {
-        return build_in(config, work, context);
-    } catch (const Error& e) {
-        // A bad input leaves nothing to resume from.
-        if (!keep_work && (e.code() == ExitCode::bad_data || e.code() == ExitCode::usage))
-            fs::remove_all(work);
-        throw;
+    Stamp stamp(context, manifest_path(config.output));
+    for (const std::string& input : config.inputs) {
+        stamp.input(input);
+        stamp.optional_input(scans_json_path(input));
     }
+    if (!config.sensors.empty()) stamp.input(config.sensors);
+    nlohmann::json result;
+    if (auto done = stamp.up_to_date()) {
+        result = *done;
+    } else {
+        const FolderLock lock(work);
+        try {
+            result = build_in(config, work, stamp, context);
+            if (!keep_work) fs::remove_all(work);
+        } catch (const Error& error) {
+            give_up(config, work, error);
+        }
+    }
+    context.text = build_summary(config.output, config.inputs, result);
+    return result;
 }
 
 }  // namespace slim

@@ -48,7 +48,8 @@ struct BuildConfig {
     }
 };
 
-/// Cloud to model. A killed build resumes at the last stage (of the last slice) that ended.
+/// Cloud to model. A killed build resumes at the last stage (of the last slice) that ended; a second one into
+/// the same work folder fails at once (75). context.text: a short summary.
 /// throws what the stages throw
 nlohmann::json run_build(const BuildConfig& config, StageContext& context);
 

@@ -69,10 +69,17 @@ void apply_set(const std::string& text, const FieldList& fields) {
     if (equals == std::string::npos)
         throw ConfigError(fmt::format("--set {}: expected key=value", text));
     const std::string key = text.substr(0, equals);
+    if (fields.settings() && key.find('.') != std::string::npos) {
+        fields.settings()->push_back(text);
+        return;
+    }
     const Field* field = fields.find(key);
     if (!field)
         throw ConfigError(fmt::format("--set {}: unknown key '{}'{}", text, key,
-                                      suggestion(key, keys_of(fields))));
+                                      fields.settings()
+                                          ? "; a key of the job is written TABLE.KEY, such as "
+                                            "fit.t_mdl"
+                                          : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
 }
 

@@ -235,7 +235,8 @@ std::string print_config(const FieldList& fields) {
 std::string canonical_config(const FieldList& fields) {
     std::string out;
     for (const Field& field : fields.fields())
-        if (!field.is_path()) out += fmt::format("{} = {}\n", field.key, field.toml());
+        if (!field.is_path() && !field.is_part)
+            out += fmt::format("{} = {}\n", field.key, field.toml());
     return out;
 }
 

@@ -39,6 +39,7 @@ public:
     double max = std::numeric_limits<double>::infinity();
     std::vector<std::string> choices;
     bool required = false;  ///< must not be empty
+    bool is_part = false;   ///< says which part of the work to do, not what comes out: not hashed
 
     Kind kind() const;
     bool is_list() const;
@@ -108,15 +109,33 @@ public:
     void input(std::string key, T& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::input));
     }
+    /// --key: which part of the work this call does; not part of the hash, as all parts together make
+    /// the same.
+    void part(std::string key, bool& member, std::string help) {
+        add(std::move(key), &member, std::move(help), FieldRole::option).is_part = true;
+    }
+    template <class T, class Min, class Max>
+    void part(std::string key, T& member, std::string help, Min min, Max max) {
+        (*this)(std::move(key), member, std::move(help), min, max);
+        fields_.back().is_part = true;
+    }
     /// -o PATH; required if empty by default.
     void output(std::string key, std::string& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::output));
+    }
+    /// -o PATH, which may be left out.
+    void optional_output(std::string key, std::string& member, std::string help) {
+        add(std::move(key), &member, std::move(help), FieldRole::output);
     }
     /// --key PATH, optional.
     template <class T>
     void path(std::string key, T& member, std::string help) {
         add(std::move(key), &member, std::move(help), FieldRole::path);
     }
+
+    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads.
+    void settings(std::vector<std::string>& member) { settings_ = &member; }
+    std::vector<std::string>* settings() const { return settings_; }
 
     void append(const Field& field) { fields_.push_back(field); }
 
@@ -132,6 +151,7 @@ private:
     static void require(Field& field) { field.required = field.empty(); }
 
     std::vector<Field> fields_;
+    std::vector<std::string>* settings_ = nullptr;
 };
 
 /// The fields of a config, bound to its members; valid while the config lives where it is.
@@ -147,7 +167,8 @@ void check_required(const FieldList& fields);
 
 /// The resolved configuration as TOML, a comment with help and range above each key.
 std::string print_config(const FieldList& fields);
-/// One `key = value` line for each field that counts (all but paths): what the config hash is of.
+/// One `key = value` line for each field that counts (all but paths and parts): what the config hash
+/// is of.
 std::string canonical_config(const FieldList& fields);
 
 /// " (did you mean 'degree'?)", or "" when no known name is near.

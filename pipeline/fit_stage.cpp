@@ -278,7 +278,8 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         add_counts(coarse, sum);
         up_to_date &= coarse.contains("up_to_date");
     }
-    for (const std::size_t slice : slices_to_do(config.slice, plan)) {
+    const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config.slice, plan);
+    for (const std::size_t slice : todo) {
         const auto one = fit_slice(config, plan, rules, slice, first_fine, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

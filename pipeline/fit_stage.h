@@ -15,6 +15,7 @@ namespace slim {
 struct FitConfig {
     std::string work;
     int slice = -1;
+    bool coarse = false;
     int degree = 2;
     double t_mdl = 0.01;
     double lambda = 0;
@@ -24,7 +25,9 @@ struct FitConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice` and `slim normals`");
-        field("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field.part("coarse", coarse,
+                   "only the coarse levels that all slices share: once before an array job over slices");
         field("degree", degree, "polynomial degree of a surfel", 1, 3);
         field("t_mdl", t_mdl, "T_MDL of eq. (3), fraction of the diagonal: sparseness against accuracy",
               1e-12, 1e3);
@@ -50,7 +53,8 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
 /// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own
-/// points and those of others within the radius of the first fine level.
+/// points and those of others within the radius of the first fine level. With `coarse` it ends after
+/// coarse.fit; a job of one slice has none.
 /// throws DataError if there are fewer than 3 points or all coincide
 nlohmann::json run_fit(const FitConfig& config, StageContext& context);
 

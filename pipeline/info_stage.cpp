@@ -5,6 +5,7 @@
 #include "formats/point_source.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
+#include "pipeline/plan_file.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -193,6 +194,14 @@ json json_info(const std::string& path) {
 }  // namespace
 
 json run_info(const InfoConfig& config, StageContext& context) {
+    if (fs::is_directory(config.file)) {
+        const fs::path plan = plan_path(config.file),
+                       page = fs::path(config.file) / "run.done.json";
+        const fs::path inside = fs::exists(plan) ? plan : fs::exists(page) ? page : fs::path();
+        throw ConfigError(fmt::format("{}: is a folder; expected a file{}", config.file,
+                                      inside.empty() ? ": a model, a cloud or a file of a build"
+                                                     : ", such as " + inside.string()));
+    }
     const std::string head = first_bytes(config.file, 8);
     json out;
     if (head == "SLIMTREE")

@@ -6,10 +6,10 @@
 #include "pipeline/measure_stage.h"
 #include "pipeline/normals_stage.h"
 #include "pipeline/render_config.h"
+#include "pipeline/render_view.h"
 #include "pipeline/scan_stage.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/toml_file.h"
-#include "pipeline/tree_stage.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -56,7 +56,8 @@ struct ViewTable {
 };
 
 std::string place(const fs::path& file, const TomlTable& table) {
-    return fmt::format("{}:{}", file.string(), table.line);
+    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line)
+                          : file.string() + ", --set";
 }
 
 /// A field's value as one option, or one per path.
@@ -98,7 +99,11 @@ struct NoKeys {
 /// The tables of a job file, found by name and strictly known.
 class JobReader {
 public:
-    explicit JobReader(const fs::path& file) : file_(file), root_(read_toml(file)) {}
+    JobReader(const fs::path& file, const std::vector<std::string>& settings)
+        : file_(file), root_(read_toml(file)) {
+        for (const std::string& setting : settings) set_value(root_, setting);
+        job_.settings = settings;
+    }
 
     Job read() {
         check_tables(root_, {"input", "fit", "render", "view", "output", "measure"});
@@ -165,7 +170,9 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}), {}, {}, {}};
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}),
+                     {},     {},     {},
+                     {}};
         // The shape is a word of slim-scan, not an option.
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
@@ -181,7 +188,7 @@ private:
         const TomlTable& table = found ? *found : empty;
         check_tables(table, {});
         model_ = job_.folder / "model.slim";
-        JobStep step{"build", "build", {}, clouds_, model_, {}};
+        JobStep step{"build", "build", {}, clouds_, model_, {}, {}};
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
         append(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
@@ -194,29 +201,28 @@ private:
     void read_build_stages(const TomlTable& table) {
         BuildConfig build;
         apply_table(table, fields_of(build), file_);
-        const std::string work = build.work.empty() ? model_.string() + ".work" : build.work;
-        JobStep slice{"slice", "slice", {}, clouds_, work, manifest_path(work, "slice")};
-        for (const fs::path& cloud : clouds_) slice.arguments.push_back(cloud.string());
-        slice.arguments.insert(slice.arguments.end(), {"-o", work});
-        append_shared<SliceConfig>(slice, table, build);
-        JobStep normals{"normals", "normals", {work}, {slice.target}, {}, fs::path(work) / "normals.json"};
-        append_shared<NormalsConfig>(normals, table, build);
-        JobStep fit{"fit", "fit", {work}, {normals.target}, {}, fs::path(work) / "fit.json"};
-        append_shared<FitConfig>(fit, table, build);
-        JobStep tree{"tree", "tree", {work}, {fit.target}, model_, {}};
-        add_output(tree);
-        job_.build_stages = {slice, normals, fit, tree};
+        BuildStages& stages = job_.stages;
+        stages.work = build.work.empty() ? model_.string() + ".work" : build.work;
+        stages.slice_target = manifest_path(stages.work, "slice");
+        stages.estimate_normals = build.normals == "estimate";
+        for (const fs::path& cloud : clouds_) stages.slice.push_back(cloud.string());
+        stages.slice.insert(stages.slice.end(), {"-o", stages.work.string()});
+        append_shared<SliceConfig>(stages.slice, table, build);
+        stages.normals = stages.fit = {stages.work.string()};
+        append_shared<NormalsConfig>(stages.normals, table, build);
+        append_shared<FitConfig>(stages.fit, table, build);
     }
 
     /// Those options of [fit] that the stage has too.
     template <class Config>
-    static void append_shared(JobStep& step, const TomlTable& table, BuildConfig& build) {
+    static void append_shared(std::vector<std::string>& arguments, const TomlTable& table,
+                              BuildConfig& build) {
         Config config;
         const FieldList stage = fields_of(config);
         const FieldList all = fields_of(build);
         for (const TomlValue& value : table.values)
             if (value.key != "work" && stage.find(value.key))
-                append_option(*all.find(value.key), step.arguments);
+                append_option(*all.find(value.key), arguments);
     }
 
     static void append(JobStep& step, const std::vector<std::string>& arguments) {
@@ -234,12 +240,15 @@ private:
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
         for (const fs::path& cloud : clouds_) {
-            JobStep step{"measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {}, {}};
+            JobStep step{
+                "measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {},
+                {},        {}};
             if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
             append(step, options);
             std::string name = step.name + ".json";
             std::replace(name.begin(), name.end(), ' ', '_');
-            step.target = job_.folder / name;
+            step.output = job_.folder / name;
+            add_output(step);
             job_.steps.push_back(std::move(step));
         }
     }
@@ -247,8 +256,10 @@ private:
     void read_views() {
         ViewTable none;
         std::vector<std::string> defaults;
-        if (const TomlTable* table = find(root_, "render"))
+        if (const TomlTable* table = find(root_, "render")) {
             defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
+            check_view(*table, render_);
+        }
         for (const TomlTable& table : root_.tables)
             if (table.name == "view") read_view(table, defaults);
         if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
@@ -258,6 +269,8 @@ private:
         check_tables(table, {});
         ViewTable view;
         const std::vector<std::string> own = read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        RenderConfig render = render_;
+        check_view(table, render);
         if (view.aovs.empty()) view.aovs = output_.aovs;
         check_aovs(view.aovs, table);
         std::vector<std::string> options = defaults_for(view.aovs, defaults);
@@ -267,14 +280,46 @@ private:
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
                                           view.name));
         aovs_.insert(view.aovs.begin(), view.aovs.end());
-        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}};
+        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         append(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
         step.output = job_.folder / (view.name + aov + ".png");
         add_output(step);
+        step.products = pictures_of(view);
         job_.steps.push_back(std::move(step));
+    }
+
+    std::vector<fs::path> pictures_of(const ViewTable& view) const {
+        std::vector<fs::path> files;
+        for (const std::string& aov : view.aovs)
+            if (aov != "all") files.push_back(job_.folder / (view.name + "." + aov + ".png"));
+        return files;
+    }
+
+    /// What slim-render would refuse of these keys after the whole build is refused here, with its line.
+    void check_view(const TomlTable& table, RenderConfig& config) const {
+        const auto checked = [&](const char* key, auto&& check) {
+            for (const TomlValue& value : table.values) {
+                if (value.key != key) continue;
+                try {
+                    check();
+                } catch (const ConfigError& error) {
+                    const TomlTable at{key, value.line, {}, {}};
+                    throw ConfigError(fmt::format("{}: {}", place(file_, at), error.what()));
+                }
+            }
+        };
+        const FieldList fields = fields_of(config);
+        for (const TomlValue& value : table.values)
+            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
+        checked("size", [&] { parse_size(config.size); });
+        checked("background", [&] { parse_background(config.background, false); });
+        // Any box will do: only cameras that are given by numbers can be wrong.
+        ModelHeader model;
+        model.bounds = {{-1, -1, -1}, {1, 1, 1}};
+        checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
     }
 
     /// [render] may name a truth for those views that show it; slim-render refuses it elsewhere.
@@ -326,6 +371,7 @@ private:
         step.arguments.push_back("-o");
         step.arguments.push_back(step.output.string());
         step.target = manifest_path(step.output);
+        step.products = {step.output};
     }
 
     inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov"};
@@ -336,12 +382,17 @@ private:
     Job job_;
     std::vector<fs::path> clouds_;
     fs::path model_;
+    RenderConfig render_;  // with what [render] says
     std::set<std::string> names_;
     std::set<std::string> aovs_;
 };
 
 }  // namespace
 
-Job read_job(const fs::path& file) { return JobReader(file).read(); }
+fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); }
+
+Job read_job(const fs::path& file, const std::vector<std::string>& settings) {
+    return JobReader(file, settings).read();
+}
 
 }  // namespace slim

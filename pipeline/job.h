@@ -12,29 +12,38 @@ struct JobStep {
     std::string verb;
     std::vector<std::string> arguments;
     std::vector<std::filesystem::path> inputs;  ///< files it reads (outputs of earlier steps among them)
-    std::filesystem::path output;               ///< what -o names; empty if it only answers
-    std::filesystem::path target;  ///< what lies there when it is done: its manifest or its answer
+    std::filesystem::path output;               ///< what -o names
+    std::filesystem::path target;               ///< its manifest, written last
+    std::vector<std::filesystem::path> products;  ///< files that must be there when it is done
+};
+
+/// The stages of the step "build", as make runs them: slice by slice. Arguments without --slice.
+struct BuildStages {
+    std::filesystem::path work;
+    std::filesystem::path slice_target;  ///< the manifest of slicing
+    std::vector<std::string> slice, normals, fit;
+    bool estimate_normals = false;  ///< whatever normals the clouds have
 };
 
 /// A job file's meaning: what to do, in order, and what not and why.
 struct Job {
     std::filesystem::path file;
+    std::vector<std::string> settings;     ///< what was changed of it by --set
     std::filesystem::path folder;  ///< where everything is written
     std::string title;
     bool html = true;
     std::vector<JobStep> steps;
-    std::vector<JobStep> build_stages;  ///< what make does instead of the step "build"
+    BuildStages stages;
     std::vector<std::string> left_out;  ///< "curvature: no AOV asks for it"
 };
 
-/// Reads a job (docs/job.md). Relative paths are taken from the file's folder. ConfigError with
+/// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken from the file's folder. ConfigError with
 /// file:line for an unknown table or key (and the nearest name), a wrong type, a value out of range, no
 /// input, or two views of one name; IoError if the file cannot be read.
-Job read_job(const std::filesystem::path& file);
+Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
-/// A Makefile that does what `slim run` does, the model stage by stage; `program_folder` holds the
-/// executables. Targets are the steps' manifests, which are written last.
-std::string makefile_of(const Job& job, const std::filesystem::path& program_folder);
+/// Where the page's step leaves its manifest.
+std::filesystem::path page_target(const Job& job);
 
 /// The steps in order, then what is left out and why, for people.
 std::string explanation_of(const Job& job);

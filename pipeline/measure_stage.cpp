@@ -1,8 +1,11 @@
 #include "pipeline/measure_stage.h"
 
+#include "formats/atomic_file.h"
 #include "formats/model_file.h"
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/input_kind.h"
+#include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
@@ -23,12 +26,13 @@ constexpr std::size_t kGrain = 2048;
 
 /// Sums over points; those of a block are added in order, so threads do not matter.
 struct Sums {
-    std::uint64_t points = 0, missed = 0, opposed = 0, no_normal = 0;
+    std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0;
     double sq_distance = 0, max = 0, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
     std::uint64_t n_angles = 0;
 
     void add(const Sums& b) {
-        points += b.points, missed += b.missed, opposed += b.opposed, no_normal += b.no_normal;
+        points += b.points, missed += b.missed, opposed += b.opposed, astray += b.astray;
+        no_normal += b.no_normal;
         sq_distance += b.sq_distance, max = std::max(max, b.max);
         sq_angle += b.sq_angle, n_angles += b.n_angles;
         sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
@@ -60,6 +64,11 @@ public:
             hit = project_along(p, n, found_, curved);
             opposed = !hit;
             if (opposed) hit = project_along(p, -n, found_, curved);
+            if (!hit) {
+                hit = along_models_normal(p, curved);
+                opposed = false;
+                sums.astray += hit ? 1u : 0u;
+            }
         }
         if (!hit) {
             ++sums.missed;
@@ -73,6 +82,13 @@ public:
     }
 
 private:
+    /// A supported point whose normal runs along the surface, as scans have at depth edges: its line meets
+    /// nothing near. The model's normal serves instead.
+    std::optional<Projection> along_models_normal(const Vec3d& p, bool curved) const {
+        const std::optional<Vec3d> n = normal_at(p, found_);
+        if (!n) return std::nullopt;
+        return project_along(p, *n, found_, curved);
+    }
     static void add_angle(const Projection& hit, const Vec3d& reference, bool opposed, Sums& sums) {
         double angle = angle_deg(hit.normal, reference);
         if (opposed) angle = std::min(angle, 180 - angle);
@@ -128,14 +144,11 @@ nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
     return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit) : nlohmann::json();
 }
 
-}  // namespace
-
-nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+/// The result without its record.
+nlohmann::json measured(const MeasureConfig& config, const std::string& truth,
+                        StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
-    std::string truth = config.truth;
-    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
-        truth = truth_path(config.cloud);
     const BallIndex index(tree);
     const Sums s = measure_cloud(config, index, model.header().origin, truth, context);
 
@@ -148,6 +161,7 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
     nlohmann::json out = {{"points", s.points},
                           {"missed", s.missed},
                           {"opposed", s.opposed},
+                          {"astray", s.astray},
                           {"without_normal", s.no_normal},
                           {"l2", rms(s.sq_distance, hits, diagonal)},
                           {"max", hits > 0 ? nlohmann::json(s.max / diagonal) : nlohmann::json()},
@@ -163,6 +177,29 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
         }
     }
     return out;
+}
+
+}  // namespace
+
+nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
+    if (input_kind(config.cloud) == InputKind::model &&
+        input_kind(config.model) == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{0} is a cloud and {1} a model: expected the model first: slim measure {1} {0}",
+            config.model, config.cloud));
+    require_model(config.model);
+    std::string truth = config.truth;
+    if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
+        truth = truth_path(config.cloud);
+    if (config.output.empty()) return measured(config, truth, context);
+    Stamp stamp(context, manifest_path(config.output));
+    stamp.input(config.model);
+    stamp.input(config.cloud);
+    if (!truth.empty()) stamp.input(truth);
+    if (auto done = stamp.up_to_date()) return *done;
+    nlohmann::json result = measured(config, truth, context);
+    write_file_atomically(config.output, result.dump(2) + "\n");
+    return stamp.commit({config.output}, std::move(result));
 }
 
 }  // namespace slim

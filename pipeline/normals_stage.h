@@ -21,7 +21,7 @@ struct NormalsConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice`");
-        field("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
         field.choice("normals", normals,
                      "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
                      "those that oppose their neighbours, estimate missing ones",

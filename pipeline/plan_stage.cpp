@@ -2,12 +2,24 @@
 
 #include "pipeline/child_process.h"
 #include "pipeline/job.h"
+#include "pipeline/makefile.h"
+#include "pipeline/plan_file.h"
 
 namespace slim {
+namespace {
+
+std::string text_of(const PlanConfig& config) {
+    if (config.explain) return explanation_of(read_job(config.job, config.settings));
+    const Job job = read_job(std::filesystem::absolute(config.job), config.settings);
+    if (config.format == "make") return makefile_of(job, program_folder());
+    return slice_rules_of(job, read_plan(job.stages.work), program_folder());
+}
+
+}  // namespace
 
 nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
-    const Job job = read_job(config.job);
-    context.text = config.explain ? explanation_of(job) : makefile_of(job, program_folder());
+    const Job job = read_job(config.job, config.settings);
+    context.text = text_of(config);
     nlohmann::json steps = nlohmann::json::array();
     for (const JobStep& step : job.steps)
         steps.push_back({{"name", step.name},

@@ -5,19 +5,25 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 namespace slim {
 
 /// `slim plan JOB`.
 struct PlanConfig {
     std::string job;
+    std::vector<std::string> settings;  ///< --set TABLE.KEY=VALUE
     std::string format = "make";
     bool explain = false;
 
     template <class V>
     void visit(V&& field) {
         field.input("job", job, "job file (TOML)");
-        field.choice("format", format, "what to print", {"make"});
+        field.settings(settings);
+        field.choice("format", format,
+                     "make: a Makefile; slices: its rules for the slices, once the clouds are sliced (make "
+                     "calls this itself)",
+                     {"make", "slices"});
         field("explain", explain, "instead, say what is done, what is left out and why");
     }
 };

@@ -91,7 +91,8 @@ std::array<float, 16> rows(const double (&m)[4][4]) {
 }  // namespace
 
 fs::path OutputPlan::legend(const std::string& aov) const {
-    return fs::path(stem.string() + "." + aov + ".legend.svg");
+    const bool named = stem.extension() == "." + aov;  // x.mean of x.mean.png
+    return fs::path(stem.string() + (named ? "" : "." + aov) + ".legend.svg");
 }
 
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {

@@ -18,7 +18,7 @@ namespace slim {
 ///     -o x.png, several     x.<aov>.png
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
-/// A map with a legend has it as x.<aov>.legend.svg too.
+/// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's

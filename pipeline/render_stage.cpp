@@ -3,6 +3,7 @@
 #include "formats/atomic_file.h"
 #include "formats/image_io.h"
 #include "formats/model_file.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_bands.h"
@@ -88,11 +89,14 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
     if (stats.covered_pixels > 0) return;
     const ModelHeader& m = job.tree.header();
     const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
-    throw NumericalError(fmt::format(
-        "{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, {:g}, {:g}) to "
-        "({:g}, {:g}, {:g})",
-        job.config.model, job.size.width, job.size.height, describe(job.camera, m.origin), lo.x, lo.y,
-        lo.z, hi.x, hi.y, hi.z));
+    throw NumericalError(
+        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
+                    "{:g}, {:g}) to "
+                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
+                    "these coordinates; "
+                    "a named camera, as --camera iso, frames the whole model",
+                    job.config.model, job.size.width, job.size.height,
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
 }
 
 /// Renders the frame of a factor as often as the job says; returns the median time.
@@ -237,6 +241,17 @@ void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
         throw DataError(config.model + ": a model without surfels cannot be drawn");
 }
 
+/// Curvature comes from the surfels' second derivatives, which planes do not have.
+void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
+    if (job.tree.header().degree > 1) return;
+    for (const char* aov : {"mean", "gauss", "k1", "k2"})
+        if (job.wants(aov))
+            return reporter.warn(
+                fmt::format("{}: a model of degree 1 is flat within each surfel, so that its "
+                            "curvature says little: build it with --degree 2",
+                            job.config.model));
+}
+
 }  // namespace
 
 Json run_render(const RenderConfig& config, StageContext& context) {
@@ -245,6 +260,8 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const PictureSize size = parse_size(config.size);
     check_ranges(config);
     parse_background(config.background, false);
+
+    require_model(config.model);
 
     Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
     stamp.input(config.model);
@@ -259,6 +276,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const double room = legend_room(config, plan.drawn, size);
     const RenderJob job{config, tree, aovs, plan, size,
                         make_camera(config, tree.header(), size, room)};
+    warn_of_flat_surfels(job, context.reporter);
     const Frames frames = draw_frames(job, context);
     const Written written = write_files(job, frames, context);
     return stamp.commit(written.files, make_result(job, frames, written));

@@ -33,13 +33,21 @@ std::vector<double> parse_numbers(const std::string& text) {
     return numbers;
 }
 
+UpAxis up_axis(const RenderConfig& config) {
+    const char letter = config.up.back();
+    if (config.up.size() == 1)
+        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
+    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
+}
+
 Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
                          const Vec3d& origin) {
     Camera camera;
     camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
     camera.target = Vec3d{n[3], n[4], n[5]} - origin;
     if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
-    else camera.up = config.up == "z" ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
+    else
+        camera.up = up_vector(up_axis(config));
     camera.fov_y_deg = config.fov;
     camera.orthographic = config.ortho;
     // Without a width of its own: what a perspective view sees at the target.
@@ -88,7 +96,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     Camera camera;
     if (is_camera_name(config.camera)) {
         camera = named_camera(config.camera, model.bounds, aspect,
-                              {.z_up = config.up == "z",
+                              {.up = up_axis(config),
                                .orthographic = orthographic,
                                .fov_y_deg = config.fov,
                                .free_right = config.ortho_width > 0 ? 0 : free_right});
@@ -104,6 +112,9 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
         camera.width *= aspect;
     }
     if (config.ortho_width > 0) camera.width = config.ortho_width;
+    camera.width /= config.zoom;
+    const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
+    if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
     validate(camera);
     return camera;
 }

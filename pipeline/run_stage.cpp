@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <set>
 
 namespace slim {
 namespace {
@@ -79,15 +81,37 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
     return text + written.string() + "\n";
 }
 
+/// Pictures beside the job's that no view of it makes any more: those of manifests that no step writes.
+void warn_of_old_pictures(const Job& job, Reporter& reporter) {
+    std::set<fs::path> known;
+    for (const JobStep& step : job.steps) known.insert(step.target.filename());
+    std::vector<std::string> old;
+    for (const fs::directory_entry& entry : fs::directory_iterator(job.folder)) {
+        const fs::path name = entry.path().filename();
+        if (!name.string().ends_with(".done.json") || known.contains(name)) continue;
+        std::ifstream in(entry.path());
+        const json manifest = json::parse(in, nullptr, false);
+        if (!manifest.is_object() || manifest.value("stage", "") != "render") continue;
+        for (const json& file : manifest.value("outputs", json::array()))
+            old.push_back(file.value("path", ""));
+    }
+    std::sort(old.begin(), old.end());
+    if (!old.empty())
+        reporter.warn(fmt::format("{}: pictures of no view of this job: {}", job.folder.string(),
+                                  fmt::join(old, ", ")));
+}
+
 }  // namespace
 
 json run_job(const RunConfig& config, StageContext& context) {
-    const Job job = read_job(config.job);
+    const Job job = read_job(config.job, config.settings);
     fs::create_directories(job.folder);
-    Stamp stamp(context, manifest_path(job.folder, "run"));
+    Stamp stamp(context, page_target(job));
     stamp.input(config.job);
+    for (const std::string& setting : config.settings) stamp.depends("--set " + setting);
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(run_step(step, context));
+    warn_of_old_pictures(job, context.reporter);
     for (const std::string& reason : job.left_out) context.reporter.info("left out: " + reason);
 
     json result = {{"folder", job.folder.string()}, {"steps", steps_json(outcomes)}};

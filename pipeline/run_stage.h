@@ -5,16 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 namespace slim {
 
 /// `slim run JOB`.
 struct RunConfig {
     std::string job;
+    std::vector<std::string> settings;  ///< --set TABLE.KEY=VALUE
 
     template <class V>
     void visit(V&& field) {
         field.input("job", job, "job file (TOML): input, fit, views, measures and outputs");
+        field.settings(settings);
     }
 };
 

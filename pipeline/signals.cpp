@@ -1,12 +1,13 @@
 #include "pipeline/signals.h"
 
+#include "formats/atomic_file.h"
+
 #include <atomic>
 #include <csignal>
 #include <ctime>
 #include <filesystem>
 #include <string>
 #include <thread>
-
 #include <unistd.h>
 
 namespace slim {
@@ -63,11 +64,10 @@ void watch_child(pid_t pid) {
 
 void remove_open_temporaries() {
     namespace fs = std::filesystem;
-    const std::string mark = ".tmp." + std::to_string(getpid());
     std::error_code error;
     for (const fs::directory_entry& entry : fs::directory_iterator("/proc/self/fd", error)) {
         const fs::path target = fs::read_symlink(entry.path(), error);
-        if (!error && target.filename().string().find(mark) != std::string::npos)
+        if (!error && target.filename().string().ends_with(temporary_suffix()))
             fs::remove(target, error);
     }
 }

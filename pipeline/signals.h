@@ -26,7 +26,7 @@ void check_stop();
 /// A running child process that must get our signals too; 0 when it has ended.
 void watch_child(pid_t child);
 
-/// Removes every open file whose name holds ".tmp.<pid>" (AtomicFile's names while half-written).
+/// Removes every open file whose name ends with temporary_suffix() (AtomicFile's names while half-written).
 void remove_open_temporaries();
 
 }  // namespace slim

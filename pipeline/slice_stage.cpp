@@ -200,6 +200,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     for (const std::string& path : config.inputs) stamp.input(path);
     if (auto result = stamp.up_to_date()) return *result;
 
+    const InputWatch watch(config.inputs);
     const CloudSurvey survey = survey_clouds(config.inputs, config.strict, context.reporter);
     check_survey(config, survey);
     std::vector<double> world_cuts;
@@ -210,10 +211,12 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     fs::remove(plan_path(work));
     remove_slices_from(work, plan.slices.size());
     Dealer dealer(work, plan, world_cuts);
-    for_each_chunk(config.inputs, context.reporter, "slicing",
-                   [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
-                       const CloudInfo&) { dealer.take(chunk, first_id, input); });
-    dealer.commit();
+    watch.over([&] {
+        for_each_chunk(config.inputs, context.reporter, "slicing",
+                       [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
+                           const CloudInfo&) { dealer.take(chunk, first_id, input); });
+        dealer.commit();
+    });
     write_plan(work, plan);
 
     std::vector<fs::path> outputs{plan_path(work)};

@@ -49,7 +49,8 @@ Quick start:
   slim scan sculpture -o cloud.ply --noise 0.0005       # no scan at hand: make one
 
 'slim VERB --help' says more. Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad input,
-4 out of memory, disk or time, 5 numerical failure, 6 incomplete inputs, 130/143 interrupted.
+4 out of memory, disk or time, 5 numerical failure, 6 incomplete inputs, 75 busy,
+130/143 interrupted.
 )");
 }
 

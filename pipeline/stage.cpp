@@ -47,7 +47,8 @@ std::string value_text(const std::string& key, const json& value) {
     return text;
 }
 
-/// The result as "key  value" lines; an object's members are indented below its key.
+/// The result as "key  value" lines; an object's members are indented below its key, those of several
+/// objects below "key 1 of 3".
 void append_summary(const json& result, const std::string& indent, std::string& out) {
     std::size_t width = 0;
     for (const auto& [key, value] : result.items()) width = std::max(width, key.size());
@@ -55,6 +56,11 @@ void append_summary(const json& result, const std::string& indent, std::string& 
         if (value.is_object()) {
             out += indent + key + "\n";
             append_summary(value, indent + "  ", out);
+        } else if (value.is_array() && !value.empty() && value[0].is_object()) {
+            for (std::size_t i = 0; i < value.size(); ++i) {
+                out += fmt::format("{}{} {} of {}\n", indent, key, i + 1, value.size());
+                append_summary(value[i], indent + "  ", out);
+            }
         } else {
             out += fmt::format("{}{:<{}}  {}\n", indent, key, width, value_text(key, value));
         }
@@ -72,7 +78,8 @@ void print_result(const ErasedStage& stage, const CommonOptions& common, const S
         write_stdout(result.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
     } else if (stage.description.answers || !common.quiet) {
         std::string text = context.text;
-        if (text.empty()) append_summary(result, "", text);
+        const bool all_asked = common.verbose && !stage.description.answers;
+        if (text.empty() || all_asked) append_summary(result, "", text);
         write_stdout(text);
     }
 }

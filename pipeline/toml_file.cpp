@@ -18,7 +18,9 @@ namespace fs = std::filesystem;
 
 int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
-std::string place(const fs::path& file, int line) { return fmt::format("{}:{}", file.string(), line); }
+std::string place(const fs::path& file, int line) {
+    return line > 0 ? fmt::format("{}:{}", file.string(), line) : file.string() + ", --set";
+}
 
 /// One scalar's kind and text; false for what our files do not use (dates, tables, arrays).
 bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
@@ -134,6 +136,37 @@ TomlTable read_toml(const fs::path& file) {
     } catch (const toml::parse_error& error) {
         throw ConfigError(fmt::format("{}:{}: not TOML: {}", file.string(),
                                       error.source().begin.line, error.description()));
+    }
+}
+
+void set_value(TomlTable& root, const std::string& key_equals_value) {
+    const std::size_t equals = key_equals_value.find('=');
+    std::string key = key_equals_value.substr(0, equals);
+    const std::string said = "--set " + key_equals_value;
+    if (equals == std::string::npos || key.find('.') == std::string::npos)
+        throw ConfigError(said + ": expected TABLE.KEY=VALUE, such as fit.t_mdl=0.02");
+    TomlTable* table = &root;
+    for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key = key.substr(dot + 1)) {
+        const std::string name = key.substr(0, dot);
+        const auto same = [&](const TomlTable& t) { return t.name == name; };
+        const auto n = std::count_if(table->tables.begin(), table->tables.end(), same);
+        if (n > 1)
+            throw ConfigError(
+                fmt::format("{}: [[{}]] is a list: change it in the file", said, name));
+        if (n == 0) table->tables.push_back({name, 0, {}, {}});
+        table = &*std::find_if(table->tables.begin(), table->tables.end(), same);
+    }
+    const std::string text = key_equals_value.substr(equals + 1);
+    TomlTable parsed;
+    try {
+        parsed = read_table("", toml::parse(key + " = " + text), said);
+    } catch (const toml::parse_error&) {
+        parsed.values = {{key, Field::Kind::text, false, {text}, 0}};
+    }
+    std::erase_if(table->values, [&](const TomlValue& v) { return v.key == key; });
+    for (TomlValue& value : parsed.values) {
+        value.line = 0;
+        table->values.push_back(std::move(value));
     }
 }
 

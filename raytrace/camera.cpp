@@ -36,8 +36,24 @@ std::string text_of(const Vec3d& v) {
 
 [[noreturn]] void bad_camera(const std::string& what) { throw ConfigError("camera: " + what); }
 
-/// The same view in a world whose up is +Z.
-Vec3d to_z_up(const Vec3d& v) { return {v.x, -v.z, v.y}; }
+/// A direction of a view with y up in a world with another axis up: a rotation that keeps the front view
+/// along -Z, or turns it along +Y where that axis is z.
+Vec3d with_up(UpAxis up, const Vec3d& v) {
+    switch (up) {
+        case UpAxis::z:
+            return {v.x, -v.z, v.y};
+        case UpAxis::x:
+            return {v.y, -v.x, v.z};
+        case UpAxis::minus_y:
+            return {-v.x, -v.y, v.z};
+        case UpAxis::minus_z:
+            return {-v.x, -v.z, -v.y};
+        case UpAxis::minus_x:
+            return {-v.y, v.x, v.z};
+        default:
+            return v;
+    }
+}
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -127,6 +143,8 @@ void validate(const Camera& c) {
         bad_camera("near plane must be >= 0, found " + std::to_string(c.near_plane));
 }
 
+Vec3d up_vector(UpAxis up) { return with_up(up, {0, 1, 0}); }
+
 bool is_camera_name(std::string_view name) {
     return std::any_of(kNamedViews.begin(), kNamedViews.end(),
                        [&](const NamedView& v) { return v.name == name; });
@@ -139,10 +157,10 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
     if (view == kNamedViews.end())
         bad_camera("unknown view \"" + std::string(name) +
                    "\"; known: front, back, left, right, top, bottom, iso");
-    const Vec3d towards = normalized(framing.z_up ? to_z_up(view->towards_eye) : view->towards_eye);
+    const Vec3d towards = normalized(with_up(framing.up, view->towards_eye));
     Camera camera;
     camera.target = box.empty() ? Vec3d{} : box.center();
-    camera.up = framing.z_up ? to_z_up(view->up) : view->up;
+    camera.up = with_up(framing.up, view->up);
     camera.eye = camera.target + towards;
     camera.orthographic = framing.orthographic;
     camera.fov_y_deg = framing.fov_y_deg;

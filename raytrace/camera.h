@@ -24,9 +24,15 @@ struct Camera {
 /// outside (0, 180), width <= 0, near plane < 0.
 void validate(const Camera& camera);
 
+/// The axis that named views hold upright.
+enum class UpAxis { y, z, x, minus_y, minus_z, minus_x };
+
+/// The axis as a unit vector.
+Vec3d up_vector(UpAxis up);
+
 /// How named_camera frames a box.
 struct Framing {
-    bool z_up = false;          ///< up is +Z (terrain) instead of +Y
+    UpAxis up = UpAxis::y;      ///< z: terrain
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
@@ -34,7 +40,7 @@ struct Framing {
 };
 
 /// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the box in a
-/// picture of the given aspect (width / height). `front` looks along -Z (with z_up: along +Y). With
+/// picture of the given aspect (width / height). `front` looks along -Z (with z or -z up: along +Y). With
 /// free_right the camera steps back and to the right, no more than the box needs to stay out of that
 /// part; the direction of view stays.
 /// Throws ConfigError on another name, listing these.

@@ -60,7 +60,7 @@ inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& dep
     t.gz.store(i, select<FloatV>(nearer, g.z, t.gz.load(i)));
 }
 
-/// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gate of NUMERICS 4.4.
+/// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
 template <int Degree, bool kWantHessian>
 inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, int group,
                   TileBuffers& t) {
@@ -80,7 +80,8 @@ inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, in
     const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
     const FloatV agreement = g.x * t.gx.load(i) + g.y * t.gy.load(i) + g.z * t.gz.load(i);
-    const auto taken = root.hit && agreement > 0.0f;
+    const auto taken = root.hit && agreement > 0.0f &&
+                       stdx::abs(root.t - guess) <= static_cast<float>(kBelongs);
     if (stdx::none_of(taken)) return;
     const FloatV zero(0.0f);
     const FloatV w =

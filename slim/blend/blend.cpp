@@ -2,6 +2,8 @@
 
 #include "slim/model/weight_kernel.h"
 
+#include <cmath>
+
 namespace slim {
 namespace {
 
@@ -30,7 +32,7 @@ bool add_supporter(const Ray& ray, double t_guess, const Vec3d& gate, const Surf
     if (!(local.sq_distance + guess * guess < 1)) return false;
     const double s = local.half_chord();
     const auto root = ray_roots(ray_polynomial(local, surfel.polynomial), -s, s).nearest(guess);
-    if (!root) return false;
+    if (!root || !(std::abs(*root - guess) <= kBelongs)) return false;
     const Vec3d q = local.base + local.direction * *root;
     const Vec3d gradient = world_gradient(surfel, q.x, q.y);
     if (!(dot(gradient, gate) > 0)) return false;

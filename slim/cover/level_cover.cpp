@@ -35,7 +35,7 @@ struct Candidate {
 
 struct Workspace {
     LadderWork ladder;
-    BallPoints<double> exact;
+    SteadyWork exact;
     std::size_t searches = 0;
 };
 
@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    enum State : std::uint8_t { kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8 };
+    enum State : std::uint8_t { kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16 };
 
     /// Fine levels know no points beyond their halo: their balls must not exceed it.
     static LadderRules ladder_rules(const CoverRules& rules) {
@@ -111,6 +111,8 @@ private:
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
     void make_leaf(Candidate& c, double lower, Workspace& work) const;
+    CoveringSurfel fit_leaf(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
+                            Workspace& work) const;
     std::optional<double> move_inwards(Candidate& c, double lower, Workspace& work) const;
     std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
@@ -199,7 +201,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.center = c.point;
     if (radius_[c.point] > 0) {
         c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
-                    (state_[c.point] & kForced) != 0};
+                    (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
     } else {
         const double guess = pyramid_.all().bucket_diagonal(place_[c.point]);
         c.choice = ladder_.choose(center, normal, guess, work.ladder);
@@ -214,16 +216,25 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (!c.leaf) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
+CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
+                                    const RadiusChoice& choice, Workspace& work) const {
+    if (choice.forced || choice.limited)
+        return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
+                                 choice.forced, rules_.noise_variance, work.exact);
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree, false,
+                      rules_.noise_variance, work.exact.ball);
+}
+
 /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
 /// that is too small for this level: the point waits.
 void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        c.surfel = fit_surfel(pyramid_.all(), center, normal, c.choice.radius, rules_.degree,
-                              c.choice.forced, rules_.noise_variance, work.exact);
-        if (c.choice.forced || length(c.surfel.lean) <= kBorder) return;
+        c.surfel = fit_leaf(center, normal, c.choice, work);
+        if (length(c.surfel.lean) <= kBorder) return;
         const std::optional<double> smaller = move_inwards(c, lower, work);
+        if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;
         // A corner's leaf that cannot move inwards is tried at the next rung.
@@ -273,8 +284,9 @@ std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Works
     if (choice.forced || (rules_.owns && !rules_.owns(center))) return {};
     if (radius < kClearlySmaller * rho) return radius;
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
-    CoveringSurfel moved = fit_surfel(tree, center, normal, radius, rules_.degree, false,
-                                      rules_.noise_variance, work.exact);
+    RadiusChoice moved_choice = choice;
+    moved_choice.radius = radius;
+    CoveringSurfel moved = fit_leaf(center, normal, moved_choice, work);
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
     if (!moved.explains_center ||
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
@@ -292,17 +304,18 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
     CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
-                                  rules_.noise_variance, work.exact);
+                                  rules_.noise_variance, work.exact.ball);
     c.internal = s.fitted;
-    gather_ball(tree, center, radius, work.exact);
-    for (std::size_t i = 0; i < work.exact.n; ++i)
-        c.stamped.push_back(tree.source(work.exact.index[i]));
+    gather_ball(tree, center, radius, work.exact.ball);
+    for (std::size_t i = 0; i < work.exact.ball.n; ++i)
+        c.stamped.push_back(tree.source(work.exact.ball.index[i]));
 }
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
+    if (c.choice.limited) state_[c.point] |= kLimited;
     if (c.choice.isolated) {
         state_[c.point] |= kClosed;
         ++out_.counts.isolated;

@@ -11,7 +11,6 @@ namespace {
 
 constexpr float kAtCenter = 0.9999999f;
 constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
-constexpr double kMostOff = 0.3;  // of rho: farther off, no point belongs to a surfel however poor its fit
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -33,7 +32,7 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
     const double tolerance =
         std::min(kExplained * std::max(fitted.fit_error, std::sqrt(noise_variance)) /
                      s.support_radius,
-                 kMostOff);
+                 kBelongs);
     std::vector<Covered> covered;
     for (std::size_t i = 0; i < ball.n; ++i) {
         if (ball.sq[i] >= 1) continue;
@@ -60,33 +59,62 @@ Vec3d lean_of(const BallPoints<double>& ball, const Vec3d& normal) {
     return mean - normal * dot(mean, normal);
 }
 
+/// The fit of a ball in the frame of its rounded normal, and what was set aside for it.
+struct BallFit {
+    Frame<double> frame;
+    LocalFit fit;
+    std::vector<SetAside<double>> aside;
+    bool normals_disagree;
+};
+
+BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d& normal,
+                       double radius, int degree, bool forced, double noise_variance,
+                       BallPoints<double>& ball) {
+    gather_ball(points, center, radius, ball);
+    const BallNormal average = average_normal(ball, 1, normal);
+    BallFit out{frame_from_normal(round_normal(average.normal)), {}, {}, average.disagree};
+    set_contrary_aside(ball, out.frame.normal, out.aside);
+    out.fit = fit_ball(ball, 1, out.frame, forced ? 1 : degree);
+    for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
+        out.fit = fit_ball(ball, 1, out.frame, d);
+    return out;
+}
+
+CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const BallFit& ball_fit,
+                        double noise_variance, BallPoints<double>& ball) {
+    const LocalFit& fit = ball_fit.fit;
+    CoveringSurfel out;
+    out.lean = lean_of(ball, ball_fit.frame.normal);
+    take_back(ball, ball_fit.frame.normal, ball_fit.aside);
+    out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};
+    out.fitted.fit_error = std::sqrt(fit.sq_error);
+    out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
+    out.fallback = fit.fallback;
+    out.normals_disagree = ball_fit.normals_disagree;
+    out.covered = list_covered(points, ball, out.fitted, noise_variance);
+    // The heaviest weight is G(0) = 1, which only points at the centre have.
+    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
+    return out;
+}
+
 }  // namespace
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball) {
-    gather_ball(points, center, radius, ball);
-    const BallNormal average = average_normal(ball, 1, normal);
-    const Frame<double> frame = frame_from_normal(round_normal(average.normal));
-    std::vector<SetAside<double>> aside;
-    set_contrary_aside(ball, frame.normal, aside);
-    LocalFit fit = fit_ball(ball, 1, frame, forced ? 1 : degree);
-    for (int d = 2; forced && d <= degree && fit.sq_error > kWithinNoise * noise_variance; ++d)
-        fit = fit_ball(ball, 1, frame, d);
-    const Vec3d lean = lean_of(ball, frame.normal);
-    take_back(ball, frame.normal, aside);
+    const BallFit fit =
+        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, ball);
+    return cover_by(points, center, fit, noise_variance, ball);
+}
 
-    CoveringSurfel out;
-    out.fitted.surfel = {center, radius, frame, fit.polynomial, fit.degree};
-    out.fitted.fit_error = std::sqrt(fit.sq_error);
-    out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
-    out.fallback = fit.fallback;
-    out.normals_disagree = average.disagree;
-    out.lean = lean;
-    out.covered = list_covered(points, ball, out.fitted, noise_variance);
-    // The heaviest weight is G(0) = 1, which only points at the centre have.
-    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
-    return out;
+CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
+                                 const Vec3d& normal, double radius, int degree, bool forced,
+                                 double noise_variance, SteadyWork& work) {
+    BallFit fit = fit_all_points(points.all(), center, normal, radius, degree, forced,
+                                 noise_variance, work.ball);
+    fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
+                               noise_variance, work.wider);
+    return cover_by(points.all(), center, fit, noise_variance, work.ball);
 }
 
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,

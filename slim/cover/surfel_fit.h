@@ -2,6 +2,7 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/radius_ladder.h"
+#include "slim/fit/steady_curvature.h"
 #include "slim/model/fitted_surfel.h"
 #include "slim/neighbors/point_pyramid.h"
 
@@ -35,6 +36,17 @@ struct CoveringSurfel {
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& work);
+
+/// Workspace of fit_steady_surfel.
+struct SteadyWork {
+    BallPoints<double> ball, wider;
+};
+
+/// The same for a leaf whose radius the energy did not choose (forced, or limited by a fold): its
+/// curvature is steadied by wider balls (slim/fit/steady_curvature.h).
+CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
+                                 const Vec3d& normal, double radius, int degree, bool forced,
+                                 double noise_variance, SteadyWork& work);
 
 /// The tree's points that a surfel made elsewhere covers, by the same rule.
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& surfel,

@@ -64,12 +64,6 @@ Polynomial<double> rescale(const std::array<double, kMaxCoefficients>& a, double
     return out;
 }
 
-bool too_steep(const Polynomial<double>& p) {
-    double sum = 0;
-    for (std::size_t k = 1; k < p.a.size(); ++k) sum += std::abs(p.a[k]);
-    return !(sum <= kSteepest);
-}
-
 /// The plane w = mean height, for fits that no polynomial follows.
 template <int Degree>
 LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
@@ -123,6 +117,12 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
 }
 
 }  // namespace
+
+bool too_steep(const Polynomial<double>& p) {
+    double sum = 0;
+    for (std::size_t k = 1; k < p.a.size(); ++k) sum += std::abs(p.a[k]);
+    return !(sum <= kSteepest);
+}
 
 const char* fallback_name(Fallback fallback) {
     constexpr const char* names[kFallbacks] = {"none", "few_points", "rank", "steep", "plane"};

@@ -68,4 +68,7 @@ template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree);
 
+/// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
+bool too_steep(const Polynomial<double>& polynomial);
+
 }  // namespace slim

@@ -19,7 +19,7 @@ constexpr Exponents exponents(std::size_t k) {
 }
 
 /// Place of phi_i phi_j among the monomials.
-constexpr std::size_t product_index(std::size_t i, std::size_t j) {
+constexpr std::size_t index_of_product(std::size_t i, std::size_t j) {
     const Exponents a = exponents(i), b = exponents(j);
     const int d = a.degree + b.degree;
     return static_cast<std::size_t>(d * (d + 1) / 2 + a.v + b.v);
@@ -29,12 +29,14 @@ constexpr auto make_product_table() {
     std::array<std::array<std::uint8_t, kMaxCoefficients>, kMaxCoefficients> table{};
     for (std::size_t i = 0; i < kMaxCoefficients; ++i)
         for (std::size_t j = 0; j < kMaxCoefficients; ++j)
-            table[i][j] = static_cast<std::uint8_t>(product_index(i, j));
+            table[i][j] = static_cast<std::uint8_t>(index_of_product(i, j));
     return table;
 }
 constexpr auto kProduct = make_product_table();
 
 }  // namespace
+
+std::size_t product_index(std::size_t i, std::size_t j) { return kProduct[i][j]; }
 
 NestedCholesky::NestedCholesky(int degree, std::span<const double> monomials,
                                std::span<const double> heights, double sq_height)
@@ -79,6 +81,23 @@ std::array<double, kMaxCoefficients> NestedCholesky::coefficients(int degree) co
     }
     for (std::size_t i = 0; i < kMaxCoefficients; ++i) a[i] *= scale_[i];
     return a;
+}
+
+std::array<double, kMaxCoefficients> NestedCholesky::inverse_diagonal(int degree) const {
+    const auto n = static_cast<std::size_t>(n_coefficients(degree));
+    std::array<double, kMaxCoefficients> out{};
+    for (std::size_t c = 0; c < n; ++c) {
+        // Column c of L^-1; the squares of row k of its transpose add up to (A^-1)_kk.
+        std::array<double, kMaxCoefficients> x{};
+        for (std::size_t i = c; i < n; ++i) {
+            double sum = i == c ? 1.0 : 0.0;
+            for (std::size_t j = c; j < i; ++j) sum -= factor_[i][j] * x[j];
+            x[i] = sum / factor_[i][i];
+            out[c] += x[i] * x[i];
+        }
+    }
+    for (std::size_t k = 0; k < n; ++k) out[k] *= scale_[k] * scale_[k];
+    return out;
 }
 
 }  // namespace slim

@@ -3,10 +3,14 @@
 #include "slim/model/polynomial.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 namespace slim {
+
+/// Place of phi_i phi_j among the monomials in basis order.
+std::size_t product_index(std::size_t i, std::size_t j);
 
 /// One Cholesky factor serves every degree: the leading block of degree d is the factor of degree d
 /// (NUMERICS 2.2).
@@ -21,6 +25,9 @@ public:
     int rank_degree() const { return rank_degree_; }
     double sq_residual(int degree) const;
     std::array<double, kMaxCoefficients> coefficients(int degree) const;
+    /// Diagonal of A^-1, A the block of `degree`: times the variance of the heights' noise (and
+    /// sum G^2 / sum G) it is the variance of the coefficients.
+    std::array<double, kMaxCoefficients> inverse_diagonal(int degree) const;
 
 private:
     int rank_degree_ = -1;  ///< -1: not even a constant (no weight)

@@ -120,9 +120,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     double least_upper = INFINITY;
     std::size_t level = 0;
     int coarsest = finest + 1;
+    bool folded = false;
     for (int r = finest; r >= 0; --r) {
         rungs[r] = evaluate(r, level, center, normal, work);
-        if (!rungs[r]) break;
+        folded = !rungs[r];
+        if (folded) break;
         coarsest = r;
         level = rungs[r]->level;
         least_upper = std::min(least_upper, rungs[r]->upper);
@@ -133,10 +135,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;
     const bool saturated = chosen == 0;
+    const bool limited = folded && chosen == coarsest;
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
-    if (saturated || lo == hi) return {rung_radius(chosen), saturated, false};
-    return {refine(*rungs[chosen], lo, hi, center, normal, work), false, false};
+    if (saturated || lo == hi) return {rung_radius(chosen), saturated, false, false, limited};
+    return {refine(*rungs[chosen], lo, hi, center, normal, work), false, false, false, limited};
 }
 
 }  // namespace slim

@@ -26,6 +26,7 @@ struct RadiusChoice {
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
+    bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the ladder, not E
 };
 
 /// Workspace of one thread and the counts it keeps.

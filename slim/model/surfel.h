@@ -18,6 +18,9 @@ struct Surfel {
 
 /// The share of rho in which stage 1 looks for the first hit (alpha, paper sec. 3).
 inline constexpr double kTrim = 2.0 / 3.0;
+/// The share of rho up to which a point belongs to a surfel: one farther off is neither covered by it nor
+/// blended with it, however poor its fit.
+inline constexpr double kBelongs = 0.3;
 /// Least overlap of a covered point (gamma, paper sec. 2).
 inline constexpr double kCoverage = 0.1;
 /// Golden ratio g of the radius ladder (paper eq. (5)).

@@ -84,6 +84,25 @@ TEST(XyzReader, HoldsAPtsCountAgainstTheRows) {
     EXPECT_NE(reading_error(folder.write("e.txt", "20\n30\n0 0 0\n")).find("PTX"), std::string::npos);
 }
 
+TEST(XyzReader, RefusesDecimalCommasByName) {
+    const TempFolder folder;
+    for (const char* text : {"1,5 2,0 3,1\n", "1,5;2,0;3,1\n", "1;2;3,5\n", "x y z\n-1,5\t2\t3,1e1\n"}) {
+        const std::string error = reading_error(folder.write("comma.xyz", text));
+        EXPECT_NE(error.find("decimal commas"), std::string::npos) << text << ": " << error;
+        EXPECT_NE(error.find("sed 's/,/./g' " + folder.file("comma.xyz")), std::string::npos) << error;
+    }
+    for (const char* text : {"1,2,3\n", "1, 2, 3\n", "1.5,2,3\n", "1,2,3 0,0,1\n", "1.5;2;3\n"})
+        EXPECT_EQ(read_all(folder.write("a.xyz", text), 1).size(), 1u) << text;
+}
+
+TEST(CloudKind, NamesTheFilesInTheCommandThatConverts) {
+    const TempFolder folder;
+    const std::string error = reading_error(folder.write("hill.laz", "LASF and more"));
+    EXPECT_NE(error.find("pdal translate " + folder.file("hill.laz") + " " + folder.file("hill.ply") + " "),
+              std::string::npos)
+        << error;
+}
+
 TEST(XyzReader, NamesTheLine) {
     const TempFolder folder;
     EXPECT_NE(reading_error(folder.write("a.xyz", "1 2 3\n# c\n1 2\n")).find("line 3"),

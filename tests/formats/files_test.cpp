@@ -9,11 +9,13 @@
 #include "formats/truth_file.h"
 
 #include <csignal>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <string>
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 namespace slim::test {
 namespace {
@@ -131,6 +133,15 @@ TEST(AtomicFile, IsInvisibleUntilCommitted) {
     file.commit();
     EXPECT_EQ(read_bytes(path), "hello world!");
     EXPECT_EQ(folder.n_files(), 1u);
+}
+
+TEST(AtomicFile, TemporaryNamesDifferBetweenHosts) {
+    const TempFolder folder;
+    char host[256] = {};
+    ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
+    AtomicFile file(folder.file("a"));
+    EXPECT_TRUE(std::filesystem::exists(folder.file("a") + temporary_suffix()));
+    EXPECT_TRUE(temporary_suffix().starts_with(std::string(".tmp.") + host + "." + std::to_string(getpid())));
 }
 
 TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {

@@ -1,6 +1,7 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
+#include "pipeline/manifest.h"
 #include "slim/model/surfel_tree.h"
 #include "tests/pipeline/fit_stages_support.h"
 
@@ -92,6 +93,25 @@ TEST_F(FitStage, SlicesMayBeFittedOneByOneInAnyOrder) {
         fit(config);
     }
     for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(read_bytes(fit_path(file("work"), i).string()) == together[i]);
+    config.slice = kAllSlices;
+    EXPECT_TRUE(fit(config).contains("up_to_date")) << "which slice was asked for is no setting of the fit";
+}
+
+TEST_F(FitStage, CoarseLevelsMayBeFittedAlone) {
+    slice(write(sampled("bumpy", 10000), "c.ply"), 2);
+    normals();
+    FitConfig config;
+    config.coarse = true;
+    const auto coarse = fit(config);
+    EXPECT_GT(coarse.at("sample"), 0);
+    EXPECT_TRUE(fs::exists(coarse_fit_path(file("work"))));
+    EXPECT_FALSE(fs::exists(fit_path(file("work"), 0)));
+    EXPECT_TRUE(fit(config).contains("up_to_date"));
+    config.coarse = false;
+    config.slice = 1;
+    const auto time = fs::last_write_time(manifest_path(coarse_fit_path(file("work"))));
+    fit(config);
+    EXPECT_EQ(fs::last_write_time(manifest_path(coarse_fit_path(file("work")))), time) << "fitted again";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pipeline/job.h"
 
 #include "pipeline/index_page.h"
+#include "pipeline/makefile.h"
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>
@@ -121,6 +122,25 @@ TEST(Job, SaysWhatIsLeftOut) {
         EXPECT_EQ(demo.find(part), std::string::npos) << part;
 }
 
+TEST(Job, IsChangedBySettings) {
+    const fs::path file = write_job(kDemo);
+    const Job job = read_job(file, {"fit.degree=1", "fit.t_mdl=0.02", "render.size=64x64", "input.scan.noise=0"});
+    EXPECT_TRUE(has(job.steps[0], "--noise=0"));
+    EXPECT_TRUE(has(job.steps[1], "--degree=1"));
+    EXPECT_TRUE(has(job.steps[1], "--t-mdl=0.02"));
+    EXPECT_TRUE(has(job.steps[3], "--size=64x64"));
+    for (const auto& [setting, message] :
+         {std::pair{"degree=1", "expected TABLE.KEY=VALUE"}, std::pair{"fit.degre=1", "did you mean 'degree'"},
+          std::pair{"fit.degree=9", "--set: degree: expected"}, std::pair{"view.size=3x3", "is a list"},
+          std::pair{"ftt.degree=1", "did you mean 'fit'"}})
+        try {
+            read_job(file, {setting});
+            ADD_FAILURE() << setting << " was accepted";
+        } catch (const ConfigError& error) {
+            EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+        }
+}
+
 TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
     const std::string start = "[input]\nfiles = ['a.ply']\n";
     const std::pair<const char*, const char*> cases[] = {
@@ -130,6 +150,11 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[fit]\ndegree = 9\n", ":4: degree: expected a number in [1, 3]; found 9"},
         {"[[view]]\ncamra = 'front'\n", ":4: unknown key 'camra' (did you mean 'camera'?)"},
         {"[[view]]\naovs = ['men']\n", ""},
+        {"[[view]]\nname = 'a'\nsize = '64'\n", ":5: size: "},
+        {"[render]\nsize = '0x3'\n", ":4: size: "},
+        {"[render]\nsize = '9x9'\n[[view]]\ncamera = 'fromt'\n", ":6: camera: "},
+        {"[[view]]\ncamera = '0,0,1,0,0,1'\n", ":4: camera: "},
+        {"[[view]]\nbackground = 'pink'\n", ":4: background: "},
         {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
         {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
         {"[fit.more]\n", "unknown table [more]"},
@@ -152,14 +177,34 @@ TEST(Makefile, NamesEveryStepsOutputAndWhatItNeeds) {
     const std::string folder = job.folder.string();
     EXPECT_NE(text.find(folder + "/model.slim.work/slice.done.json: " + folder + "/cloud.ply.done.json"),
               std::string::npos);
-    EXPECT_NE(text.find(folder + "/model.slim.done.json: " + folder + "/model.slim.work/fit.json"),
-              std::string::npos);
     EXPECT_NE(text.find(folder + "/front.png.done.json: " + folder + "/model.slim.done.json"),
               std::string::npos);
-    EXPECT_NE(text.find("'/opt/a b/slim-fit' '" + folder + "/model.slim.work' '--degree=3'"),
-              std::string::npos);
-    EXPECT_EQ(text.find("slim-build"), std::string::npos);
-    EXPECT_NE(text.find("--json > '" + folder + "/measure.json'.tmp"), std::string::npos);
+    EXPECT_NE(text.find("$(wildcard " + folder + "/front.k1.png)"), std::string::npos);
+    EXPECT_NE(text.find("'/opt/a b/slim-build' '" + folder + "/cloud.ply' '--degree=3'"), std::string::npos);
+    EXPECT_NE(text.find("\nall: " + folder + "/run.done.json\n"), std::string::npos);
+    EXPECT_NE(text.find("\ninclude " + folder + "/.make/slices.mk\n"), std::string::npos);
+}
+
+TEST(Makefile, HasARuleForEachSlice) {
+    const Job job = read_job(write_job(kDemo));
+    SlicePlan plan;
+    plan.slices.resize(3);
+    plan.has_normals = true;
+    const std::string work = job.folder.string() + "/model.slim.work/";
+    const std::string normals_1 = work + "slice_0001/oriented.slice.done.json: ";
+    const std::string normals_0 = work + "slice_0000/oriented.slice.done.json ";
+    const std::string free = slice_rules_of(job, plan, "/bin");
+    EXPECT_NE(free.find(normals_1 + work + "slice.done.json"), std::string::npos);
+    EXPECT_EQ(free.find(normals_1 + work + "slice.done.json " + normals_0), std::string::npos);
+    EXPECT_NE(free.find("'--degree=3' '--coarse'"), std::string::npos);
+    for (const char* slice : {"'--degree=3' '--slice=0'", "'--degree=3' '--slice=1'", "'--degree=3' '--slice=2'"})
+        EXPECT_NE(free.find(slice), std::string::npos) << slice;
+    // Estimated normals take their signs from the slice before.
+    plan.has_normals = false;
+    const std::string in_order = slice_rules_of(job, plan, "/bin");
+    EXPECT_NE(in_order.find(normals_1 + work + "slice.done.json " + normals_0), std::string::npos);
+    plan.slices.resize(1);
+    EXPECT_EQ(slice_rules_of(job, plan, "/bin").find("--coarse"), std::string::npos);
 }
 
 TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {

@@ -1,11 +1,13 @@
 #include "pipeline/measure_stage.h"
 
+#include "slim/base/frame.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 namespace slim::test {
 namespace {
@@ -70,6 +72,20 @@ TEST_F(MeasureStage, FlippedNormalsAreCountedAsOpposed) {
     EXPECT_LT(m["normal_rms_deg"].get<double>(), 0.5);
 }
 
+TEST_F(MeasureStage, ASupportedPointWithANormalAlongTheSurfaceIsAstrayNotMissed) {
+    // Lifted off the sphere, the lines along their tangents miss it.
+    Cloud tangent = cloud_;
+    for (std::size_t i = 0; i < tangent.size(); i += 4) {
+        const Vec3d outwards = normalized(to_double(cloud_.normals[i]));
+        tangent.positions[i] += outwards * 0.01;
+        tangent.normals[i] = to_float(frame_from_normal(outwards).u_axis);
+    }
+    const auto m = measure(file("m.slim"), write(tangent, "tangent.ply"));
+    EXPECT_EQ(m["missed"], 0);
+    EXPECT_EQ(m["astray"], 5000);
+    EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 0.01, 1e-3);
+}
+
 TEST_F(MeasureStage, WithoutNormalsItProjectsAlongTheModels) {
     const auto with = measure(file("m.slim"), path_);
     const auto m = measure(file("m.slim"), write(cloud_, "bare.ply", false));
@@ -92,6 +108,24 @@ TEST_F(MeasureStage, TruthOfAnotherLengthIsRefused) {
 TEST_F(MeasureStage, NoFinitePointIsRefused) {
     const std::string bad = folder_.write("bad.xyz", "nan 0 0\n");
     EXPECT_EQ(code_of([&] { measure(file("m.slim"), bad); }), ExitCode::bad_data);
+}
+
+TEST_F(MeasureStage, KeepsItsResultAndMeasuresAgainOnlyWhatChanged) {
+    const std::string cloud = write(sampled("sphere", 3000), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    MeasureConfig c;
+    c.model = file("m.slim");
+    c.cloud = cloud;
+    c.output = file("measure.json");
+    const auto first = run_as("measure", c, run_measure, listener_);
+    EXPECT_FALSE(first.contains("up_to_date"));
+    std::ifstream in(c.output);
+    EXPECT_EQ(nlohmann::json::parse(in), first);
+    const auto second = run_as("measure", c, run_measure, listener_);
+    EXPECT_TRUE(second.contains("up_to_date"));
+    EXPECT_EQ(second.at("l2"), first.at("l2"));
+    write(sampled("sphere", 3100), "c.ply");
+    EXPECT_FALSE(run_as("measure", c, run_measure, listener_).contains("up_to_date"));
 }
 
 }  // namespace

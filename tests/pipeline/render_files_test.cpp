@@ -30,6 +30,17 @@ TEST_F(RenderFiles, SeveralPicturesAreNamedByAov) {
     EXPECT_EQ(result["files"].size(), 3u);
 }
 
+TEST_F(RenderFiles, ALegendIsNamedAfterItsPictureAndAovOnce) {
+    RenderConfig c = config("top.mean.png");
+    c.aov = {"mean"};
+    run(c);
+    EXPECT_TRUE(exists("top.mean.legend.svg"));
+    EXPECT_FALSE(exists("top.mean.mean.legend.svg"));
+    c.output = file("x.png");
+    run(c);
+    EXPECT_TRUE(exists("x.mean.legend.svg"));
+}
+
 TEST_F(RenderFiles, AFolderTakesViewAndAov) {
     RenderConfig c = config("pictures");
     c.camera = "iso";

@@ -39,6 +39,33 @@ TEST_F(RenderStage, DrawsASphereOfTheRightSize) {
     EXPECT_EQ(image.height, 100);
 }
 
+TEST_F(RenderStage, ZoomEnlargesAboutTheMiddle) {
+    RenderConfig c = config("x.png");
+    c.ortho_width = 8;
+    const double plain = run(c)["covered_pixels"];
+    c.zoom = 2;
+    EXPECT_NEAR(run(c)["covered_pixels"].get<double>() / plain, 4, 0.15);
+}
+
+TEST_F(RenderStage, CurvatureOfPlanesIsWarnedOf) {
+    struct : Reporter {
+        void warn(const std::string& text) override { warnings += text; }
+        std::string warnings;
+    } listener;
+    const auto warnings_of = [&](int degree, const char* aov) {
+        write_model(file("m.slim"), test::sphere_model(1, 600, degree), "{}");
+        RenderConfig c = config("x.png");
+        c.aov = {aov};
+        listener.warnings.clear();
+        StageContext context{listener, 1, true, "render", "", "", ""};
+        run_render(c, context);
+        return listener.warnings;
+    };
+    EXPECT_NE(warnings_of(1, "mean").find("--degree 2"), std::string::npos);
+    EXPECT_EQ(warnings_of(1, "shaded").find("--degree 2"), std::string::npos);
+    EXPECT_EQ(warnings_of(2, "mean").find("--degree 2"), std::string::npos);
+}
+
 // Whatever an option is called: a picture that ignores it fails here.
 TEST_F(RenderStage, EveryOptionChangesThePicture) {
     struct Case {
@@ -57,6 +84,11 @@ TEST_F(RenderStage, EveryOptionChangesThePicture) {
         {"ortho", nothing, [](RenderConfig& c) { c.ortho = true; }},
         {"ortho_width", nothing, [](RenderConfig& c) { c.ortho_width = 9; }},
         {"up", [](RenderConfig& c) { c.aov = {"position"}; }, [](RenderConfig& c) { c.up = "z"; }},
+        {"up, other way", [](RenderConfig& c) { c.up = "y", c.aov = {"position"}; },
+         [](RenderConfig& c) { c.up = "-y"; }},
+        {"zoom", nothing, [](RenderConfig& c) { c.zoom = 2; }},
+        {"zoom, orthographic", [](RenderConfig& c) { c.ortho = true; },
+         [](RenderConfig& c) { c.zoom = 2; }},
         {"aov", nothing, [](RenderConfig& c) { c.aov = {"normal"}; }},
         {"supersample", nothing, [](RenderConfig& c) { c.supersample = 2; }},
         {"range", mean, [](RenderConfig& c) { c.range = {"7"}; }},

@@ -38,11 +38,11 @@ TEST(Camera, PixelsRunFromTheTopLeftAndUpIsUp) {
 
 TEST(Camera, NamedViewsFrameTheBox) {
     for (const char* name : {"front", "back", "left", "right", "top", "bottom", "iso"})
-        for (const bool z_up : {false, true})
+        for (const UpAxis up : {UpAxis::y, UpAxis::z, UpAxis::minus_x})
             for (const bool orthographic : {false, true})
                 for (const double aspect : {0.5, 1.0, 2.0}) {
                     Framing framing;
-                    framing.z_up = z_up, framing.orthographic = orthographic;
+                    framing.up = up, framing.orthographic = orthographic;
                     const int height = 100, width = static_cast<int>(height * aspect);
                     const PixelView v =
                         pixel_view(named_camera(name, unit_box(), aspect, framing), width, height);
@@ -117,11 +117,27 @@ TEST(Camera, FrontLooksAlongMinusZOrInATerrainAlongY) {
     Camera camera = named_camera("front", unit_box(), 1);
     EXPECT_GT(camera.eye.z, 0.5);
     EXPECT_EQ(camera.up, (Vec3d{0, 1, 0}));
-    camera = named_camera("front", unit_box(), 1, {.z_up = true});
+    camera = named_camera("front", unit_box(), 1, {.up = UpAxis::z});
     EXPECT_LT(camera.eye.y, -2);
     EXPECT_EQ(camera.up.z, 1);
     camera = named_camera("right", unit_box(), 1);
     EXPECT_GT(camera.eye.x, 1);
+}
+
+TEST(Camera, EveryAxisMayBeUpAndViewsAreNeverMirrored) {
+    for (const UpAxis up : {UpAxis::y, UpAxis::z, UpAxis::x, UpAxis::minus_y, UpAxis::minus_z, UpAxis::minus_x}) {
+        const Vec3d axis = up_vector(up);
+        EXPECT_EQ(length(axis), 1);
+        const auto towards = [&](const char* name) {
+            const Camera c = named_camera(name, unit_box(), 1, {.up = up});
+            return normalized(c.eye - c.target);
+        };
+        EXPECT_EQ(named_camera("front", unit_box(), 1, {.up = up}).up, axis);
+        EXPECT_NEAR(dot(towards("top"), axis), 1, 1e-12);
+        EXPECT_NEAR(dot(towards("front"), axis), 0, 1e-12);
+        // Seen from the front, right is to the right: up x front.
+        EXPECT_NEAR(dot(cross(axis, towards("front")), towards("right")), 1, 1e-12);
+    }
 }
 
 TEST(Camera, AnUnknownNameIsAConfigErrorThatListsTheKnown) {

@@ -76,6 +76,22 @@ TEST(RaySurfel, FirstHitLiesOnTheSurfelInsideTheTrimmedBall) {
     EXPECT_GT(hits, 200);
 }
 
+TEST(Blend, ASheetFartherOffThanPointsBelongToIsNotBlended) {
+    // Two parallel planes, both facing up, whose balls hold the point between them.
+    const Frame<double> up = frame_from_normal(Vec3d{0, 0, 1});
+    const Surfel here{{0, 0, 0}, 1, up, {}, 1};
+    for (const double gap : {0.25, 0.35}) {
+        SCOPED_TRACE(gap);
+        const Surfel other{{0.2, 0, gap}, 1, up, {}, 1};
+        const Surfel* both[] = {&here, &other};
+        const auto hit = project_along({0.1, 0, 0}, {0, 0, 1}, both);
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->n_supporters, gap < kBelongs ? 2 : 1);
+        if (gap > kBelongs) EXPECT_EQ(hit->t, 0);
+        else EXPECT_GT(hit->t, 0.05);
+    }
+}
+
 TEST(Curvature, OfATorusMatchesItsClosedForm) {
     const double big = 2, small = 0.5;
     for (double b = 0.1; b < 6.2; b += 0.37) {

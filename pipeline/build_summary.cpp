@@ -1,0 +1,84 @@
+#include "pipeline/build_summary.h"
+
+#include "formats/model_file.h"
+#include "pipeline/memory_size.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+
+namespace slim {
+namespace {
+
+constexpr double kManySaturated = 0.1;  // of the leaves: a larger t_mdl no longer makes them larger
+
+std::uint64_t count(const nlohmann::json& of, const char* key) {
+    return of.value(key, std::uint64_t{0});
+}
+
+std::string costs(const nlohmann::json& stages) {
+    std::string text = "seconds:";
+    double memory = 0;
+    for (const char* name : {"slice", "normals", "fit", "tree"}) {
+        text += fmt::format(" {} {:.2f},", name, stages.at(name).value("seconds", 0.0));
+        memory = std::max(memory, stages.at(name).value("peak_memory_bytes", 0.0));
+    }
+    text.back() = ';';
+    return text + " peak memory " + memory_size_text(static_cast<std::uint64_t>(memory)) + "\n";
+}
+
+/// What a user may want to know of a cloud that was not as it should be; empty if it was.
+std::string remarks(const nlohmann::json& result) {
+    std::string text;
+    const auto& slice = result.at("stages").at("slice");
+    const auto& fit = result.at("stages").at("fit");
+    if (const auto n = count(slice, "dropped"))
+        text += fmt::format("not finite, dropped: {} points\n", n);
+    if (const auto n = count(result, "normals_estimated"))
+        text += fmt::format("normals estimated: {}\n", n);
+    if (const auto n = count(result, "normals_turned"))
+        text += fmt::format("normals turned: {}\n", n);
+    if (const auto n = count(result, "dropped"))
+        text += fmt::format("strays, left out: {} points\n", n);
+    const std::uint64_t leaves = count(result, "leaves"), saturated = count(fit, "saturated");
+    if (static_cast<double>(saturated) > kManySaturated * static_cast<double>(leaves))
+        text += fmt::format(
+            "{} of {} leaves are as large as they may be: the scan's noise, or t_mdl, outweighs "
+            "their fit error; a larger t_mdl changes little, a smaller one shows more detail\n",
+            saturated, leaves);
+    return text;
+}
+
+}  // namespace
+
+double leaf_error_rms(const std::string& model) {
+    const ModelFile file = ModelFile::open(model);
+    double sum = 0, n = 0;
+    for (const TreeNode& node : file.tree().nodes()) {
+        if (!node.is_leaf() || file.header().n_leaves == 0) continue;
+        const double points = node.n_points, error = static_cast<double>(node.fit_error);
+        sum += points * error * error;
+        n += points;
+    }
+    return n > 0 ? std::sqrt(sum / n) / file.header().diagonal : 0;
+}
+
+std::string build_summary(const std::string& model, const std::vector<std::string>& clouds,
+                          const nlohmann::json& result) {
+    // The standard deviation that lambda stands for: below it no fit tells detail from noise.
+    const double noise = std::sqrt(result.value("noise_variance", 0.0)) /
+                         result.at("stages").at("slice").at("diagonal").get<double>();
+    std::string text = fmt::format(
+        "{}: {} points, {} leaves, {}; of the diagonal: fit error {:.2g} (RMS), noise {:.2g}\n",
+        model, count(result, "points"), count(result, "leaves"),
+        memory_size_text(count(result, "bytes")), result.value("leaf_error_rms", 0.0), noise);
+    text += costs(result.at("stages")) + remarks(result);
+    const std::string picture = std::filesystem::path(model).replace_extension(".png").string();
+    return text + fmt::format("next: slim render {0} -o {1}\n      slim measure {0} {2}\n", model,
+                              picture, clouds.at(0));
+}
+
+}  // namespace slim

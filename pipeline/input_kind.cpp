@@ -1,0 +1,55 @@
+#include "pipeline/input_kind.h"
+
+#include "formats/point_source.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool begins_with(const std::string& path, const std::string& magic) {
+    std::string head(magic.size(), '\0');
+    std::ifstream in(path, std::ios::binary);
+    return in.read(head.data(), static_cast<std::streamsize>(head.size())) && head == magic;
+}
+
+bool has_a_point(const std::string& path) {
+    try {
+        PointChunk chunk;
+        return open_cloud(path)->read(chunk, 1);
+    } catch (const std::exception&) {
+        return false;
+    }
+}
+
+}  // namespace
+
+InputKind input_kind(const std::string& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) return InputKind::missing;
+    if (fs::is_directory(path, error)) return InputKind::folder;
+    if (begins_with(path, "SLIMTREE")) return InputKind::model;
+    return has_a_point(path) ? InputKind::cloud : InputKind::other;
+}
+
+void require_model(const std::string& path) {
+    const InputKind kind = input_kind(path);
+    if (kind == InputKind::folder)
+        throw FormatError(path +
+                          ": is a folder; expected a model (model.slim), as `slim build` writes");
+    if (kind != InputKind::cloud) return;
+    fs::path model = fs::path(path).filename();
+    if (model.extension() == ".gz") model.replace_extension();
+    model.replace_extension(".slim");
+    throw FormatError(
+        fmt::format("{0}: a point cloud, not a model; build it first: slim build {0} -o {1}", path,
+                    model.string()));
+}
+
+}  // namespace slim

@@ -1,0 +1,253 @@
+#include "pipeline/makefile.h"
+
+#include "pipeline/fit_stage.h"
+#include "pipeline/manifest.h"
+#include "pipeline/normals_stage.h"
+#include "pipeline/version.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHeader = R"(# A Makefile for GNU make, made by 'slim plan {0} --format make'.
+#
+# make      does what 'slim run' does, the model slice by slice; a second time it does nothing, and
+#           after a kill it goes on where it was.
+# make -j2  works on slices, views and measures side by side (share the cores: SLIM_THREADS=1).
+#           Slices whose normals are estimated take their signs from the slice before: in order.
+#
+# Paths are absolute: run it from any folder, with make -f FILE or make -C FOLDER. It remakes itself when
+# the job file changes; print it anew when the job or the programs have moved. A step runs again when its
+# options, its inputs or the program's version have changed, or when a file it makes is missing.
+# The rules of the slices ({1})
+# are known after slicing and included: even make -n slices the clouds first.
+)";
+
+/// A word of a recipe: quoted for the shell, its dollars for make.
+std::string recipe_word(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) {
+        if (c == '\'')
+            out += "'\\''";
+        else if (c == '$')
+            out += "$$";
+        else
+            out += c;
+    }
+    return out + "'";
+}
+
+/// A path as target or prerequisite.
+std::string make_path(const fs::path& path) {
+    std::string out;
+    for (const char c : path.string()) {
+        if (std::string_view(" #:%*?[").find(c) != std::string_view::npos) out += '\\';
+        out += c;
+        if (c == '$') out += '$';
+    }
+    return out;
+}
+
+/// A prerequisite that is out of date as long as the file is missing; commas would part arguments.
+std::string unless_there(const fs::path& file) {
+    std::string path = make_path(file);
+    for (std::size_t at = 0; (at = path.find(',', at)) != std::string::npos; at += 8)
+        path.replace(at, 1, "$(comma)");
+    return " $(if $(wildcard " + path + "),,FORCE)";
+}
+
+using Words = std::vector<std::string>;
+
+/// One rule: target, what must be there, the command.
+struct Rule {
+    fs::path target;
+    std::vector<fs::path> needs;
+    std::vector<fs::path> products;
+    Words command;
+};
+
+class Rules {
+public:
+    Rules(const Job& job, const fs::path& programs)
+        : marks_(job.folder / ".make"), programs_(programs) {}
+
+    Words command(const char* verb, const Words& arguments) const {
+        Words words = {(programs_ / (std::string("slim-") + verb)).string()};
+        words.insert(words.end(), arguments.begin(), arguments.end());
+        return words;
+    }
+
+    /// The rule that makes the stamp of these options; returns the stamp. `id` is the step's, alike for
+    /// every slice of a stage.
+    fs::path stamp(std::string id, const std::string& options) {
+        std::replace(id.begin(), id.end(), '/', '_');
+        const fs::path folder = marks_ / id;
+        const fs::path file = folder / hash_text(program_version() + options).substr(0, 16);
+        const std::string at = recipe_word(folder.string());
+        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file),
+                             at, at, recipe_word(file.string()));
+        return file;
+    }
+
+    /// A step that has its stamp to itself.
+    void step(const std::string& id, Rule rule) {
+        rule.needs.push_back(stamp(id, fmt::format("{}", fmt::join(rule.command, "\n"))));
+        add(rule);
+    }
+
+    /// A step that is up to date leaves its manifest as it was: touched, it is newer than its inputs.
+    void add(const Rule& rule) {
+        text_ += "\n" + make_path(rule.target) + ":";
+        for (const fs::path& need : rule.needs) text_ += " " + make_path(need);
+        for (const fs::path& product : rule.products) text_ += unless_there(product);
+        text_ += "\n\t";
+        for (const std::string& word : rule.command) text_ += recipe_word(word) + " ";
+        text_.back() = '\n';
+        text_ += "\t@touch " + recipe_word(rule.target.string()) + "\n";
+    }
+
+    void append(const std::string& text) { text_ += text; }
+    const std::string& text() const { return text_; }
+    fs::path slices_file() const { return marks_ / "slices.mk"; }
+
+private:
+    fs::path marks_, programs_;
+    std::string text_;
+};
+
+/// The manifest of what makes a file, or the file itself if no step does.
+fs::path made_by(const fs::path& file, const Job& job) {
+    for (const JobStep& step : job.steps)
+        if (step.output == file) return step.target;
+    return file;
+}
+
+Rule rule_of(const JobStep& step, const Job& job, const Rules& rules) {
+    Rule rule{step.target, {}, step.products, rules.command(step.verb.c_str(), step.arguments)};
+    for (const fs::path& input : step.inputs) rule.needs.push_back(made_by(input, job));
+    return rule;
+}
+
+/// Slicing, and the build that joins what the slices' rules have made: it finds them up to date.
+void add_build(const JobStep& step, const Job& job, Rules& rules) {
+    Rule slice = rule_of(step, job, rules);
+    slice.target = job.stages.slice_target;
+    slice.products = {plan_path(job.stages.work)};
+    slice.command = rules.command("slice", job.stages.slice);
+    rules.step("slice", slice);
+    Rule build = rule_of(step, job, rules);
+    build.needs = {job.stages.slice_target};
+    build.command.push_back("--work=" + job.stages.work.string());
+    rules.step("build", build);
+}
+
+/// The job and what was changed of it, as words for run and plan.
+Words job_words(const Job& job) {
+    Words words = {job.file.string()};
+    for (const std::string& setting : job.settings) words.push_back("--set=" + setting);
+    return words;
+}
+
+/// Prints to a file only if that succeeds.
+std::string printing_recipe(const fs::path& programs, const Job& job, const char* format,
+                            const std::string& file) {
+    std::string words = recipe_word((programs / "slim-plan").string());
+    for (const std::string& word : job_words(job)) words += " " + recipe_word(word);
+    return fmt::format("\t@{} --format={} > {}.tmp && mv {}.tmp {}\n", words, format, file, file,
+                       file);
+}
+
+std::string slices_part(const Job& job, const Rules& rules, const fs::path& programs) {
+    const fs::path file = rules.slices_file();
+    const std::string job_file = make_path(job.file);
+    return fmt::format("\n{0}: {1} {2} $(wildcard $(this))\n", make_path(file),
+                       make_path(job.stages.slice_target), job_file) +
+           printing_recipe(programs, job, "slices", recipe_word(file.string())) +
+           "\nifneq ($(wildcard $(this)),)\n$(this): " + job_file + "\n" +
+           printing_recipe(programs, job, "make", "$(this)") +
+           "else\n$(warning cannot tell its own file: print it anew after a change of the "
+           "job)\nendif\n" +
+           // A file that is to be remade first must not slice by what the job was before.
+           "\nifeq ($(shell test " + recipe_word(job.file.string()) +
+           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file) +
+           "\nendif\n";
+}
+
+}  // namespace
+
+std::string makefile_of(const Job& job, const fs::path& programs) {
+    Rules rules(job, programs);
+    std::vector<fs::path> goals;
+    std::string all_commands = job.title;
+    for (const JobStep& step : job.steps) {
+        goals.push_back(step.target);
+        all_commands += fmt::format("\n{}", fmt::join(step.arguments, "\n"));
+        if (step.verb == "build")
+            add_build(step, job, rules);
+        else
+            rules.step(step.name, rule_of(step, job, rules));
+    }
+    if (job.html) {
+        Rule page{page_target(job),
+                  goals,
+                  {job.folder / "index.html"},
+                  rules.command("run", job_words(job))};
+        page.needs.push_back(rules.stamp("page", all_commands));
+        rules.add(page);
+        goals = {page.target};
+    }
+    std::string text = fmt::format(kHeader, job.file.string(), rules.slices_file().string());
+    text += "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\n\nall:";
+    for (const fs::path& goal : goals) text += " " + make_path(goal);
+    return text + "\n.PHONY: all FORCE\nFORCE:\n" + rules.text() +
+           slices_part(job, rules, programs);
+}
+
+std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path& programs) {
+    const BuildStages& stages = job.stages;
+    const bool in_order = stages.estimate_normals || !plan.has_normals;
+    Rules rules(job, programs);
+    const auto add = [&](const char* verb, const Words& arguments, const std::string& part,
+                         const fs::path& output, std::vector<fs::path> needs,
+                         const fs::path& mark) {
+        Words command = rules.command(verb, arguments);
+        if (!part.empty()) command.push_back(part);
+        needs.push_back(mark);
+        rules.add({manifest_path(output), std::move(needs), {output}, command});
+        return manifest_path(output);
+    };
+    rules.append("# The slices of " + job.file.string() + "\n");
+    const fs::path normals_mark =
+        rules.stamp("normals", fmt::format("{}", fmt::join(stages.normals, "\n")));
+    const fs::path fit_mark = rules.stamp("fit", fmt::format("{}", fmt::join(stages.fit, "\n")));
+    std::vector<fs::path> oriented, fits;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        std::vector<fs::path> needs = {stages.slice_target};
+        // Estimated normals take their signs from the slice before.
+        if (in_order && i > 0) needs.push_back(oriented.back());
+        oriented.push_back(add("normals", stages.normals, fmt::format("--slice={}", i),
+                               oriented_points_path(stages.work, i), needs, normals_mark));
+    }
+    // lambda is a mean over all slices: the coarse levels wait for all normals, and every slice for them.
+    if (plan.slices.size() > 1)
+        fits.push_back(
+            add("fit", stages.fit, "--coarse", coarse_fit_path(stages.work), oriented, fit_mark));
+    const std::vector<fs::path> before = fits.empty() ? oriented : fits;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i)
+        fits.push_back(add("fit", stages.fit, fmt::format("--slice={}", i),
+                           fit_path(stages.work, i), before, fit_mark));
+    for (const JobStep& step : job.steps) {
+        if (step.verb != "build") continue;
+        rules.append("\n" + make_path(step.target) + ":");
+        for (const fs::path& fit : fits) rules.append(" " + make_path(fit));
+    }
+    return rules.text() + "\n";
+}
+
+}  // namespace slim
