@@ -10,6 +10,7 @@ namespace {
 
 /// The radius ladder shrinks by the golden ratio: 64 rungs are a factor of 1e13.
 constexpr int kMostLevels = 64;
+constexpr double kRounding = 1e-6;  // of bounds kept as floats
 
 ModelFault check_header(const SurfelTree& tree) {
     const ModelHeader& h = tree.header();
@@ -71,6 +72,18 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
     return {};
 }
 
+/// A node's bound encloses those of its children: culling a subtree relies on it.
+ModelFault check_bounds(const SurfelTree& tree, std::size_t i) {
+    const TreeNode& node = tree.node(i);
+    const double bound = static_cast<double>(node.bound_radius) * (1 + kRounding);
+    for (std::size_t child = node.first_child; child < node.first_child + node.n_children; ++child)
+        if (length(tree.center(child) - tree.center(i)) +
+                static_cast<double>(tree.node(child).bound_radius) > bound)
+            return {"nodes", i, message("bound radius ", node.bound_radius,
+                                        " does not hold the ball of child ", child)};
+    return {};
+}
+
 }  // namespace
 
 ModelFault check_model(const SurfelTree& tree) {
@@ -85,6 +98,9 @@ ModelFault check_model(const SurfelTree& tree) {
         if (ModelFault f = check_record(tree, i); !f.chunk.empty()) return f;
         n_leaves += tree.node(i).is_leaf() ? 1 : 0;
     }
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
+        if (tree.node(i).n_children > 0)
+            if (ModelFault f = check_bounds(tree, i); !f.chunk.empty()) return f;
     if (n_leaves != tree.header().n_leaves)
         return {"header", 0, message("says ", tree.header().n_leaves, " leaves, found ", n_leaves)};
     return {};

@@ -15,7 +15,7 @@ struct ModelFault {
 
 /// Checks what rendering relies on: the arrays fit together; children lie in bounds and behind their
 /// parent, every node but the root has exactly one (so there is no cycle); records are finite, radii
-/// positive, every bound at least as large as its ball; level and degree in range; as many leaves as
+/// positive, every bound holds its ball and its children's bounds; level and degree in range; as many leaves as
 /// the header says.
 /// cost O(nodes), reads every record
 ModelFault check_model(const SurfelTree& tree);

@@ -20,6 +20,9 @@ namespace fs = std::filesystem;
 
 // Radii, curvatures and their squares are floats in models and pictures.
 constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
+// Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of the diagonal
+// that is a usual fit's error.
+constexpr double kCoarseQuantum = 2.5e-5;
 
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
@@ -157,6 +160,11 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));
     }
+    if (plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
+        reporter.warn(fmt::format(
+            "the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: finer detail is "
+            "lost; store them as doubles, or relative to a nearby origin",
+            plan.coordinate_quantum, plan.diagonal));
 }
 
 nlohmann::json summary(const SlicePlan& plan) {

@@ -293,7 +293,7 @@ TEST(ModelFile, SeesEveryFlippedByteAndEveryTruncation) {
                                 [](const std::string& path) { ModelFile::open(path); });
 }
 
-TEST(ModelFile, RefusesTreesThatAreNone) {
+TEST(ModelFile, Row44RefusesTreesThatAreNone) {
     const TempFolder folder;
     const auto refusal = [&](const std::function<void(SurfelTreeData&)>& spoil) {
         SurfelTreeData data = some_model();
@@ -315,6 +315,9 @@ TEST(ModelFile, RefusesTreesThatAreNone) {
     expect("has another parent", [](auto& d) { d.nodes[1].first_child = 2, d.nodes[1].n_children = 1; });
     expect("is not finite", [&](auto& d) { d.records[12] = nan; });
     expect("support radius 0", [](auto& d) { d.records[12 + 3] = 0; });
+    expect("node 0: bound radius 1 does not hold the ball of child 1", [](auto& d) {
+        d.nodes[0].bound_radius = 1, d.records[3] = 1;
+    });
     expect("node 1: bound radius", [](auto& d) { d.nodes[1].bound_radius = 0.25f; });
     expect("bound radius", [&](auto& d) { d.nodes[1].bound_radius = nan; });
     expect("level 65", [](auto& d) { d.nodes[1].level = 65; });

@@ -136,7 +136,7 @@ TEST(SliceStage, IdsCountAllPointsOfAllInputsAndScansStayApart) {
     EXPECT_EQ(block.normal[10], (Vec3f{0, 0, 0}));
 }
 
-TEST(SliceStage, QuantumIsTheStepOfStoredFloats) {
+TEST(SliceStage, Row05QuantumIsTheStepOfStoredFloats) {
     CloudInfo info;
     const Bbox box{{1000, 0, -1}, {1030, 5, 1}};
     info.coordinates = CoordinateType::float32;

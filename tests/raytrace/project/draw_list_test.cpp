@@ -90,7 +90,7 @@ TEST(LodCut, DescendsWhileTheProjectedBallIsLarger) {
     EXPECT_EQ(lod_cut(model.view(), view, window, 0, visited).size(), 900u);
 }
 
-TEST(LodCut, RefusesACycle) {
+TEST(LodCut, Row44RefusesACycle) {
     auto model = test::two_level_sphere(1, 10, 40);
     model.nodes[3].first_child = 2;
     Camera camera;

@@ -84,7 +84,7 @@ double median_radius(const std::vector<FittedSurfel>& leaves) {
     return radii[radii.size() / 2];
 }
 
-TEST(LevelCover, LeavesOfASphereHaveTheOptimalRadius) {
+TEST(LevelCover, Row11LeavesOfASphereHaveTheOptimalRadius) {
     const PointBlock block = block_of(sampled("sphere", 100000));
     const CoverRules rules = rules_for(block, 0.02);
     const Cover c = cover(block, rules);
@@ -105,7 +105,7 @@ TEST(LevelCover, LeavesOfASphereHaveTheOptimalRadius) {
     }
 }
 
-TEST(LevelCover, APlaneIsSaturatedLeavesAtTheRoot) {
+TEST(LevelCover, Row09APlaneIsSaturatedLeavesAtTheRoot) {
     const PointBlock block = graph_points(20000, 1, 1, [](double, double) { return 0.0; });
     const Cover c = cover(block, rules_for(block));
     ASSERT_GT(c.counts.leaves, 0u);
@@ -118,9 +118,10 @@ TEST(LevelCover, APlaneIsSaturatedLeavesAtTheRoot) {
         EXPECT_NEAR(s.surfel.support_radius, root, 1e-7);  // radii are kept as floats
         EXPECT_LT(s.fit_error, 1e-12 * box_of(block).diagonal());
     }
-    // About C_ov area / (pi rho^2), C_ov 5.4 to 6.3, more at the border.
-    EXPECT_GT(c.counts.leaves, 60u);
-    EXPECT_LT(c.counts.leaves, 210u);
+    // About C_ov area / (pi rho^2), C_ov 5.4 to 6.3 (NUMERICS 3.4); balls of the border lie half outside.
+    const double balls = std::numbers::pi * root * root, side = 2 + 2 * root;
+    EXPECT_GT(static_cast<double>(c.counts.leaves), 0.8 * 5.4 * 4 / balls);
+    EXPECT_LT(static_cast<double>(c.counts.leaves), 6.3 * side * side / balls);
 }
 
 TEST(LevelCover, IsTheSameForAnyNumberOfThreads) {
@@ -213,7 +214,7 @@ TEST(LevelCover, LinearLeavesAreManyMoreAndCubicFewer) {
     EXPECT_GT(leaves[2], leaves[3]);
 }
 
-TEST(LevelCover, AThinSheetsLeavesStayOnTheirSide) {
+TEST(LevelCover, Row20AThinSheetsLeavesStayOnTheirSide) {
     // Two planes 0.004 apart, points 0.014 apart.
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
@@ -236,7 +237,7 @@ TEST(LevelCover, AThinSheetsLeavesStayOnTheirSide) {
     EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
 }
 
-TEST(LevelCover, AStrayPointMakesNoLeaf) {
+TEST(LevelCover, Row26AStrayPointMakesNoLeaf) {
     PointBlock block = graph_points(10000, 1, 2, [](double, double) { return 0.0; });
     for (const double height : {0.05, 0.1, 0.2, 0.3, 0.5, 2.0, 100.0}) {
         SCOPED_TRACE(height);
@@ -328,7 +329,7 @@ TEST(LevelCover, AFewPointsMakeAFewDiscs) {
     }
 }
 
-TEST(LevelCover, BothExtremesOfTheThresholdEnd) {
+TEST(LevelCover, Row34BothExtremesOfTheThresholdEnd) {
     const PointBlock block = block_of(sampled("bumpy", 20000));
     CoverRules rules = rules_for(block, 1e-9);
     const Cover finest = cover(block, rules);

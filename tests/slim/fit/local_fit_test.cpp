@@ -57,7 +57,7 @@ void expect_coefficients(const LocalFit& fit, const Polynomial<double>& truth, d
         EXPECT_NEAR(fit.polynomial.a[k], truth.a[k], tolerance) << "coefficient " << k;
 }
 
-TEST(LocalFit, RecoversANoiselessHeightFieldOfItsDegree) {
+TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
     for (int degree = 1; degree <= 3; ++degree)
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
             SCOPED_TRACE(testing::Message() << "degree " << degree << " seed " << seed);
@@ -213,7 +213,7 @@ void expect_degree_by_lines() {
         }
 }
 
-TEST(LocalFit, ScanLinesLowerTheDegreeWhateverTheirDirection) {
+TEST(LocalFit, Row08ScanLinesLowerTheDegreeWhateverTheirDirection) {
     // Degree d needs d + 1 lines (NUMERICS 2.4).
     expect_degree_by_lines<double>();
     expect_degree_by_lines<float>();

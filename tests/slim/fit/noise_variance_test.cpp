@@ -30,14 +30,14 @@ TEST(NoiseVariance, OfAPlaneWithSmallNoiseIsItsVarianceLessThePlanesFreedom) {
     EXPECT_NEAR(noise.value / 1e-6, 0.65, 0.07);
 }
 
-TEST(NoiseVariance, OfAnExactPlaneIsZeroUpToRounding) {
+TEST(NoiseVariance, Row35OfAnExactPlaneIsZeroUpToRounding) {
     const NoiseVariance noise = noise_of(noisy_plane(5000, 0));
     EXPECT_LT(noise.value, 1e-30);
     EXPECT_GE(noise.value, 0);
     EXPECT_EQ(noise.n_sampled, 5000u);
 }
 
-TEST(NoiseVariance, DuplicatesGiveWhatTheUniqueSetGives) {
+TEST(NoiseVariance, Row07DuplicatesGiveWhatTheUniqueSetGives) {
     const std::vector<Vec3d> unique = sampled("sphere", 4000).positions;
     const NoiseVariance reference = noise_of(unique);
     for (const int copies : {2, 3, 12, 100}) {

@@ -59,7 +59,7 @@ double median_radius(const RadiusLadder& ladder, const Ground& ground) {
     return median(radii);
 }
 
-TEST(RadiusLadder, FindsTheOptimumOfASphere) {
+TEST(RadiusLadder, Row11FindsTheOptimumOfASphere) {
     // NUMERICS 3.2, R = 1: quadratic rho^10 = 16 lambda T^2 L^2 / c4^2, linear rho^6 = 2 lambda T^2 L^2 / c2^2.
     constexpr double sq_c4 = 4.1003e-4, sq_c2 = 0.013015;
     const Ground& g = sphere();
