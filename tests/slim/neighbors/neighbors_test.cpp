@@ -27,7 +27,8 @@ PointBlock random_cube(std::size_t n, std::uint64_t seed) {
     return block_of(std::move(positions), std::move(normals));
 }
 
-/// Clouds that a tree may stumble over: sizes about a bucket and about a node, equal points, a line.
+/// Clouds that a tree may stumble over: sizes about a bucket and about a node, equal points, a
+/// line.
 std::vector<PointBlock> hard_blocks() {
     std::vector<PointBlock> blocks;
     for (const std::size_t n : {1u, 2u, 15u, 16u, 17u, 64u, 65u, 257u, 3000u})

@@ -141,7 +141,8 @@ TEST(Orient, KnownSignsSpreadOverTheirComponent) {
 TEST(Orient, TowardsTheSensorOfTheScan) {
     PointBlock block = along_curve(block_of(sampled("sphere", 4000)));
     const std::vector<Vec3f> truth = block.normal;
-    // Two scanners, one within the sphere: its points shall face inwards. A third scan has no sensor.
+    // Two scanners, one within the sphere: its points shall face inwards. A third scan has no
+    // sensor.
     for (std::size_t i = 0; i < block.size(); ++i) {
         block.scan.push_back(i % 5 == 0 ? 2 : block.position[i].x > 0 ? 0 : 1);
         if (i % 2) block.normal[i] = -block.normal[i];
