@@ -77,9 +77,9 @@ public:
         return {static_cast<const T*>(data), count};
     }
 
-    /// Calls body(first, piece) for an array in pieces from front to back, checks its checksum on the way and
-    /// leaves no page of it mapped: for files larger than memory. body sees values before they are
-    /// verified; the end of the call tells.
+    /// Calls body(first, piece) for an array in pieces from front to back, checks its checksum on
+    /// the way and leaves no page of it mapped: for files larger than memory. body sees values
+    /// before they are verified; the end of the call tells.
     /// throws as array() and verify()
     template <class T, class Body>
     void for_pieces(std::string_view name, Body&& body) const {

@@ -9,13 +9,15 @@
 
 namespace slim {
 
-/// Writes the points of one slice as they come, in order of their ids, without holding them: their
-/// number is known from the first pass. Throws as AtomicFile.
+/// Writes the points of one slice as they come (points.slice: in order of their ids,
+/// oriented.slice: along the Morton curve) without holding them: their number is known from the
+/// first pass. Throws as AtomicFile.
 class SliceWriter {
 public:
     SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
                 bool has_normals, bool has_scans);
-    /// Columns as the constructor announced (a SLIM_CHECK); the origin of the block is not looked at.
+    /// Columns as the constructor announced (a SLIM_CHECK); the origin of the block is not looked
+    /// at.
     void append(const PointBlock& block);
     /// All announced points must have come (a SLIM_CHECK).
     void commit() { chunks_.commit(); }
@@ -32,7 +34,8 @@ void write_slice(const std::string& path, const PointBlock& block);
 /// throws FormatError naming file, place and reason; IoError
 PointBlock read_slice(const std::string& path);
 
-/// The points of a slice with lo <= coordinate `axis` <= hi, in its order; a bit a point of the slice besides.
+/// The points of a slice with lo <= coordinate `axis` <= hi, in its order; a bit a point of the
+/// slice besides.
 /// throws as read_slice
 PointBlock read_slice_part(const std::string& path, int axis, double lo, double hi);
 

@@ -22,8 +22,9 @@
 namespace slim {
 namespace {
 
-// Points that lambda is the mean over. The smallest eigenvalue deviates from its mean by 0.8 (happy_stand_raw)
-// to 2.8 times (igea, autzen_stadium) that: 60,000 give the mean to 1 %, which is 0.2 % of a radius.
+// Points that lambda is the mean over. The smallest eigenvalue deviates from its mean by 0.8
+// (happy_stand_raw) to 2.8 times (igea, autzen_stadium) that: 60,000 give the mean to 1 %, which is
+// 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr double kRim = 0.01;  // of L: how much of the slice before anchors the signs of the next
@@ -149,8 +150,8 @@ NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& cente
     return report;
 }
 
-/// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which number of
-/// neighbours counts is decided for all slices together: a job of several measures each.
+/// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
+/// number of neighbours counts is decided for all slices together: a job of several measures each.
 std::vector<NoiseVariance> noise_of(const PointBlock& points, const SlicePlan& plan) {
     const double rate = kSamples / static_cast<double>(plan.n_points);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;

@@ -39,14 +39,16 @@ std::filesystem::path oriented_points_path(const std::filesystem::path& work, st
 /// --slice of a stage called inside another: all, whatever array job the whole build is part of.
 inline constexpr int kAllSlices = -2;
 
-/// Slices to work on: `slice` if >= 0; -1: the index an array job was given (SLURM_ARRAY_TASK_ID, ...),
-/// else all. ConfigError if there is no such slice.
+/// Slices to work on: `slice` if >= 0; -1: the index an array job was given (SLURM_ARRAY_TASK_ID,
+/// ...), else all. ConfigError if there is no such slice.
 std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan);
 
-/// Writes oriented.slice of each slice. Where all normals are estimated, a slice takes their signs from the one
-/// before (IncompleteError if that one is missing), so that an object cut in slices has one outside. The result counts, per cause, what was kept, turned and estimated,
-/// and holds the slice's share of lambda (noise).
-/// Cost: auto on oriented clouds 1 us a point and core; estimation 4 us.
+/// Writes oriented.slice of each slice, its points along the Morton curve of the whole job's box.
+/// Where all normals are estimated, a slice takes their signs from the one before (IncompleteError
+/// if that one is missing), so that an object cut in slices has one outside. The result counts, per
+/// cause, what was kept, turned and estimated, and holds the slice's share of lambda (noise).
+/// Cost: a core works 0.4 us a point on oriented clouds and 1.5 us where normals are estimated;
+/// memory: 81 and 136 bytes a point of a slice.
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context);
 
 }  // namespace slim

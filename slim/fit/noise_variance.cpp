@@ -54,7 +54,8 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
     return std::end(kNoiseNeighbors)[-1];
 }
 
-/// The samples with each replaced by the first point at its place, and every place once, at its highest priority.
+/// The samples with each replaced by the first point at its place, and every place once, at its
+/// highest priority.
 std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
                                            std::span<const std::uint32_t> samples) {
     std::vector<std::uint32_t> first(search.size());

@@ -9,8 +9,8 @@
 
 namespace slim {
 
-/// lambda of Ohtake 2005 eq. (3): the mean over points of the smallest eigenvalue of the covariance of
-/// their k nearest neighbours at distinct places.
+/// lambda of Ohtake 2005 eq. (3): the mean over points of the smallest eigenvalue of the covariance
+/// of their k nearest neighbours at distinct places.
 struct NoiseVariance {
     double value = 0;     ///< length^2
     double flatness = 0;  ///< mean of smallest / middle eigenvalue; above 0.1 the neighbourhood is no longer flat
@@ -22,10 +22,10 @@ struct NoiseVariance {
 inline constexpr std::size_t kNoiseNeighbors[] = {10, 20, 40, 80, 160};
 inline constexpr double kFlat = 0.1;
 
-/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS 3.2).
-/// Points with fewer than three distinct neighbours are left out; none left gives value 0.
-/// samples: points of the search by falling priority, of which the first serve where fewer do; those that
-/// lie at one place count once. Cost: one k-NN query a sample, fewer the larger k.
+/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
+/// 3.2). Points with fewer than three distinct neighbours are left out; none left gives value 0.
+/// samples: points of the search by falling priority, of which the first serve where fewer do;
+/// those that lie at one place count once. Cost: one k-NN query a sample, fewer the larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors);
 

@@ -13,8 +13,9 @@
 
 namespace slim {
 
-/// An implicit tree of boxes over points in Morton order: 16 points a bucket, 4 boxes a node. It keeps
-/// the boxes alone (4 bytes a point), not the points. Built once, read by any number of threads.
+/// An implicit tree of boxes over points in Morton order: 16 points a bucket, 4 boxes a node. It
+/// keeps the boxes alone (4 bytes a point), not the points. Built once, read by any number of
+/// threads.
 class BoxTree {
 public:
     static constexpr std::size_t kBucket = 16;
@@ -42,7 +43,8 @@ public:
     std::size_t n_buckets() const { return n_buckets_; }
     Bbox bucket(std::size_t i) const { return levels_[0][i / kFanout].get(i % kFanout); }
 
-    /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's points.
+    /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's
+    /// points.
     template <class Body>
     void for_buckets_in_ball(const Vec3d& center, double radius, Body&& body) const {
         for_buckets_near({center, center}, radius, body);

@@ -62,7 +62,8 @@ private:
     }
 };
 
-/// The candidates within some radius of a query, distances and indices in arrays padded to whole lanes.
+/// The candidates within some radius of a query, distances and indices in arrays padded to whole
+/// lanes.
 struct Hits {
     std::vector<double> sq;
     std::vector<std::uint32_t> index;
@@ -93,7 +94,8 @@ struct Hits {
     /// Leaves the k nearest.
     void keep_nearest(std::size_t k) {
         if (n <= k) return;
-        // In the plane the number of points grows with the square of the radius: a secant finds the k-th fast.
+        // In the plane the number of points grows with the square of the radius: a secant finds the
+        // k-th fast.
         double lo = 0, hi = farthest();
         std::size_t n_lo = 0, n_hi = n;
         for (int step = 0; step < kMostSteps; ++step) {
@@ -155,8 +157,8 @@ public:
     Searcher(const NearestSearch& search, std::size_t k, const NearestSearch::Visit& visit)
         : search_(search), visit_(visit), k_(k) {}
 
-    /// wanted: points of one bucket, which are the w-th of all wanted and those after it. A bucket that
-    /// straddles a jump of the curve is dealt with in parts.
+    /// wanted: points of one bucket, which are the w-th of all wanted and those after it. A bucket
+    /// that straddles a jump of the curve is dealt with in parts.
     void bucket(std::span<const std::uint32_t> wanted, std::size_t w) {
         if (!(reach_ > 0)) reach_ = std::sqrt(bound_from_near_buckets(wanted[0]));
         Bbox box;

@@ -11,9 +11,9 @@
 
 namespace slim {
 
-/// Exact k nearest neighbours at distinct places of points in Morton order (sort_along_curve): of points
-/// that coincide only the first is anybody's neighbour. The points of one bucket share the walk down the
-/// tree of boxes; distances are doubles, scanned by lanes (notes/0001).
+/// Exact k nearest neighbours at distinct places of points in Morton order (sort_along_curve): of
+/// points that coincide only the first is anybody's neighbour. The points of one bucket share the
+/// walk down the tree of boxes; distances are doubles, scanned by lanes (notes/0001).
 class NearestSearch {
 public:
     /// Keeps the view and builds the boxes over it; 4 bytes a point.
@@ -27,9 +27,10 @@ public:
     /// Whether a bucket holds a repeat.
     bool has_repeats(std::size_t bucket) const { return has_repeats_[bucket] != 0; }
 
-    /// Calls visit(w, neighbours) once for each wanted[w], by several threads at once. The neighbours are
-    /// the point itself (or the first of its repeats) and the nearest others, k in all, or as many as there
-    /// are; in no order, but in the same one always. Of two as far the one of lower index is taken.
+    /// Calls visit(w, neighbours) once for each wanted[w], by several threads at once. The
+    /// neighbours are the point itself (or the first of its repeats) and the nearest others, k in
+    /// all, or as many as there are; in no order, but in the same one always. Of two as far the one
+    /// of lower index is taken.
     /// wanted: rising indices; repeats are better left out: each costs a scan of all of its kind
     /// Cost: 0.5 us a point and core at k = 16 where all points are wanted, 1 us where few are
     using Visit = std::function<void(std::size_t w, std::span<const std::uint32_t> neighbors)>;

@@ -12,13 +12,14 @@
 
 namespace slim {
 
-/// Points in Morton order as flat arrays under a tree of boxes: answers ball queries by ranges of the
-/// arrays. Built once, read by any number of threads.
+/// Points in Morton order as flat arrays under a tree of boxes: answers ball queries by ranges of
+/// the arrays. Built once, read by any number of threads.
 class PointTree {
 public:
     static constexpr std::size_t kBucket = BoxTree::kBucket;
 
-    /// Takes the chosen points of a block, which must be in Morton order already (morton_order below).
+    /// Takes the chosen points of a block, which must be in Morton order already (morton_order
+    /// below).
     PointTree(const PointBlock& block, std::span<const std::uint32_t> chosen);
 
     std::size_t size() const { return source_.size(); }
@@ -27,7 +28,8 @@ public:
     /// Index in the block of the tree's i-th point.
     std::uint32_t source(std::size_t i) const { return source_[i]; }
 
-    /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's points.
+    /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's
+    /// points.
     template <class Body>
     void for_buckets_in_ball(const Vec3d& center, double radius, Body&& body) const {
         boxes_.for_buckets_in_ball(center, radius, std::forward<Body>(body));

@@ -29,7 +29,8 @@ Spread spread_of(std::span<const Vec3d> positions, std::span<const std::uint32_t
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(c);
     const Eigen::Vector3d n = solver.eigenvectors().col(0).normalized();
-    // The trigonometric formula leaves 1e-16 of the largest in the smallest; the Rayleigh quotient does not.
+    // The trigonometric formula leaves 1e-16 of the largest in the smallest; the Rayleigh quotient
+    // does not.
     return {std::max(n.dot(c * n), 0.0), std::max(solver.eigenvalues()[1], 0.0),
             std::max(solver.eigenvalues()[2], 0.0), {n.x(), n.y(), n.z()}};
 }

@@ -13,8 +13,8 @@ struct Spread {
     Vec3d normal;                                  ///< unit eigenvector of the smallest
 };
 
-/// Closed form (Eigen's computeDirect), some 150 ns; eigenvalues are good to 1e-15 of the largest, and the
-/// smallest is exactly zero for points of a plane z = const.
+/// Closed form (Eigen's computeDirect), some 150 ns; eigenvalues are good to 1e-15 of the largest,
+/// and the smallest is exactly zero for points of a plane z = const.
 /// points: at least one
 Spread spread_of(std::span<const Vec3d> positions, std::span<const std::uint32_t> points);
 

@@ -73,9 +73,10 @@ float weight_of(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
     return 1 - std::abs(dot(points.normal[a], points.normal[b]));
 }
 
-/// Kruskal's algorithm on classes of rising weight, so that no list of all edges is needed. Normals within 2.6
-/// degrees are joined as they come; of later classes only the edges between trees are listed and sorted. (With
-/// 11 degrees 16 % of happy_stand_raw were turned the wrong way instead of 7 %.)
+/// Kruskal's algorithm on classes of rising weight, so that no list of all edges is needed. Normals
+/// within 2.6 degrees are joined as they come; of later classes only the edges between trees are
+/// listed and sorted. (With 11 degrees 16 % of happy_stand_raw were turned the wrong way instead of
+/// 7 %.)
 constexpr float kClasses[] = {1e-3f, 2e-3f, 4e-3f, 0.01f, 0.03f, 0.1f, 0.3f, 2.0f};
 
 void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, SignedForest& forest) {
@@ -115,7 +116,8 @@ SignedForest spanning_forest(const PointBlock& points, const NeighborGraph& grap
     return forest;
 }
 
-/// The trees of the forest: which one each point is in, and whether its sign differs from the root's.
+/// The trees of the forest: which one each point is in, and whether its sign differs from the
+/// root's.
 struct Components {
     std::vector<std::uint32_t> of;
     std::vector<bool> flipped;
@@ -178,7 +180,8 @@ std::vector<Shape> shapes_of(const PointBlock& points, const Components& compone
 
 bool has_outside(const Shape& s) { return std::abs(s.flux) > kClearFlux * s.reach; }
 
-/// A scene whose main part has no outside is a terrain or a wall: all its parts are seen from one side.
+/// A scene whose main part has no outside is a terrain or a wall: all its parts are seen from one
+/// side.
 bool is_flat_scene(const std::vector<Shape>& shapes) {
     const auto largest = std::max_element(shapes.begin(), shapes.end(), [](auto& a, auto& b) {
         return a.n < b.n;

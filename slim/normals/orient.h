@@ -18,21 +18,22 @@ struct OrientReport {
     std::size_t components = 0;    ///< of the neighbour graph without a known sign
 };
 
-/// Turns the normals of `wanted` towards their scan's sensor (frame of the block). Points of scans without
-/// an entry in `sensors` are left.
+/// Turns the normals of `wanted` towards their scan's sensor (frame of the block). Points of scans
+/// without an entry in `sensors` are left.
 std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t> wanted,
                               std::span<const Vec3d> sensors);
 
-/// Gives the points with unknown sign (`known[i]` false) a consistent one: a minimum spanning forest of the
-/// neighbour graph, edge weight 1 - |n_i . n_j| (Hoppe et al. 1992), carries signs from points whose sign
-/// is known. A component without one is turned so that its flux about its centroid is outwards; where
-/// the flux says nothing (a terrain, a wall), upwards (+z); where moreover four of five normals are less than 60
-/// degrees steep (airborne scans), each of those by itself. `center`, if given, stands for the centroids: that of
-/// the whole object where the points are a slab of it.
-/// hints: normals that are wrong here and there; where they agree on a component's side by more than chance, it
-/// is theirs.
-/// Own code, not CGAL's mst_orient_normals: linear memory, no re-search of neighbours, deterministic, and fast
-/// enough for every point of a slice (the sort of the edges is the cost).
+/// Gives the points with unknown sign (`known[i]` false) a consistent one: a minimum spanning
+/// forest of the neighbour graph, edge weight 1 - |n_i . n_j| (Hoppe et al. 1992), carries signs
+/// from points whose sign is known. A component without one is turned so that its flux about its
+/// centroid is outwards; where the flux says nothing (a terrain, a wall), upwards (+z); where
+/// moreover four of five normals are less than 60 degrees steep (airborne scans), each of those by
+/// itself. `center`, if given, stands for the centroids: that of the whole object where the points
+/// are a slab of it.
+/// hints: normals that are wrong here and there; where they agree on a component's side by more
+/// than chance, it is theirs. Own code, not CGAL's mst_orient_normals: linear memory, no re-search
+/// of neighbours, deterministic, and fast enough for every point of a slice (the sort of the edges
+/// is the cost).
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known,
                                  const std::optional<Vec3d>& center = std::nullopt,

@@ -24,8 +24,8 @@ constexpr std::size_t kGrain = 256;  // buckets a task
 
 constexpr std::size_t kBucket = BoxTree::kBucket;
 
-/// A bucket's points relative to the low corner of its box, and their normals, as flat arrays: ready to be
-/// copied into the surroundings of every bucket near.
+/// A bucket's points relative to the low corner of its box, and their normals, as flat arrays:
+/// ready to be copied into the surroundings of every bucket near.
 struct LocalBucket {
     float x[kBucket], y[kBucket], z[kBucket], nx[kBucket], ny[kBucket], nz[kBucket];
 
@@ -87,7 +87,8 @@ private:
 };
 static_assert(kBucket % kLanes == 0);
 
-/// Mean of the normals within a radius of p, the point's own (`own`) left out; zero if they are too few.
+/// Mean of the normals within a radius of p, the point's own (`own`) left out; zero if they are too
+/// few.
 Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float radius) {
     FloatV sum_x = 0, sum_y = 0, sum_z = 0, count = 0;
     const auto lanes = [](const std::vector<float>& a, std::size_t k) {
@@ -132,7 +133,8 @@ void compare_signs(const Surroundings& s, const Vec3f& p, const Vec3f& own, floa
     audit.across_size += stdx::reduce(across_size);
 }
 
-/// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather thousands of
+/// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather
+/// thousands of
 /// points. Twice the median serves all but the sparsest 1 %.
 double usual_diagonal(const BoxTree& tree) {
     std::vector<double> diagonals(tree.n_buckets());
@@ -143,8 +145,8 @@ double usual_diagonal(const BoxTree& tree) {
     return *middle;
 }
 
-/// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those that are
-/// mended go to `mended`.
+/// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those
+/// that are mended go to `mended`.
 void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
                   double radius, const Surroundings& around, std::vector<Vec3f>& mended,
                   NormalAudit& audit) {
@@ -169,8 +171,8 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
     }
 }
 
-/// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of the curve are
-/// taken in parts.
+/// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of
+/// the curve are taken in parts.
 void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
                  double radius, double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
                  NormalAudit& audit) {

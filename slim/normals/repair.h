@@ -18,18 +18,19 @@ struct NormalAudit {
     double across = 0;         ///< sum over opposed pairs of n_i . (p_j - p_i) ...
     double across_size = 0;    ///< ... and of its size
 
-    /// Whether signs are mixed up: more pairs are opposed than a tenth of flipped normals explains (2 f (1 - f)),
-    /// and it is no thin sheet or crack, of which one side lies behind or before the other.
+    /// Whether signs are mixed up: more pairs are opposed than a tenth of flipped normals explains
+    /// (2 f (1 - f)), and it is no thin sheet or crack, of which one side lies behind or before the
+    /// other.
     bool has_mixed_signs() const {
         return opposed > 0.2 * compared && std::abs(across) < 0.5 * across_size;
     }
 };
 
 /// Gives the points whose normal opposes a clear majority of their neighbours the direction of that
-/// majority: single-view scans see some points from behind a silhouette, registered clouds hold 0.4 to
-/// 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
-/// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count as missing
-/// and stay. The block must be in Morton order (sort_along_curve).
+/// majority: single-view scans see some points from behind a silhouette, registered clouds hold 0.4
+/// to 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
+/// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count
+/// as missing and stay. The block must be in Morton order (sort_along_curve).
 /// Cost: one walk of the tree a bucket and some hundred distance tests a point; parallel.
 NormalAudit repair_contrary_normals(PointBlock& points);
 

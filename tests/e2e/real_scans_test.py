@@ -37,6 +37,14 @@ sliced = build_and_measure(data / "clouds/igea.ply", "--t-mdl", "0.02", "--slice
 check(abs(sliced["leaves"] / igea["leaves"] - 1) < 0.02, f"igea in 3 slices: {sliced['leaves']} leaves")
 check(abs(sliced["l2"] / igea["l2"] - 1) < 0.03, f"igea in 3 slices: l2 {sliced['l2']:.3g}")
 
+# Slices and normals stay within the memory, where all normals are estimated too.
+airborne = run("slim-build", data / "clouds/autzen_stadium.ply", "-o", "autzen.slim", "--memory", "64MiB",
+               "--json", seconds=300)
+check(airborne.code == 0, f"autzen_stadium: build ends with {airborne.code}: {airborne.err[-300:]}")
+for stage in ("slice", "normals"):
+    peak = airborne.json()["stages"][stage]["peak_memory_bytes"] / 2**20
+    check(peak <= 64 * 1.1, f"autzen_stadium in 64 MiB: {stage} took {peak:.0f} MiB")
+
 # Both renderers see the same pixels.
 covered = {}
 for mode in ("forward", "brute"):

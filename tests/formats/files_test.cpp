@@ -243,6 +243,32 @@ TEST(SliceFile, RoundTripsWithAndWithoutOptionalColumns) {
         }
 }
 
+TEST(SliceFile, IsReadInPartAndSeesDamageThere) {
+    const TempFolder folder;
+    PointBlock block;  // several pieces of 1 MiB
+    for (std::size_t i = 0; i < 150000; ++i) {
+        block.position.push_back({1, double(i % 1000), 2});
+        block.id.push_back(i);
+        block.normal.push_back({0, 0, float(i)});
+    }
+    const std::string path = folder.file("s");
+    write_slice(path, block);
+    const PointBlock part = read_slice_part(path, 1, 990, 991);
+    ASSERT_EQ(part.size(), 300u);
+    for (std::size_t k = 0; k < part.size(); ++k) {
+        const std::size_t i = 1000 * (k / 2) + 990 + k % 2;
+        ASSERT_EQ(part.id[k], i);
+        ASSERT_EQ(part.position[k], block.position[i]);
+        ASSERT_EQ(part.normal[k], block.normal[i]);
+    }
+    EXPECT_TRUE(read_slice_part(path, 1, 2000, 3000).empty());
+    std::string bytes = read_bytes(path);
+    bytes[2000000] = static_cast<char>(bytes[2000000] ^ 4);  // of a position that is not asked for or is
+    const std::string damaged = folder.write("d", bytes);
+    EXPECT_NE(error_of([&] { read_slice_part(damaged, 1, 5, 6); }).find("chunk position"), std::string::npos);
+    EXPECT_NE(error_of([&] { read_slice(damaged); }).find("does not match its checksum"), std::string::npos);
+}
+
 TEST(FitFile, RoundTripsAndSeesDamage) {
     const TempFolder folder;
     const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4)};

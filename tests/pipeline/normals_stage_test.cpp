@@ -65,7 +65,8 @@ TEST_F(NormalsStage, TurnsAFewAndEstimatesAllWhereManyAreWrong) {
 }
 
 TEST_F(NormalsStage, NormalsThatAreMostlyRightSayWhichSideIsOut) {
-    // A bowl seen from inside, a third of it flipped: the rule of flux would turn all of it outwards.
+    // A bowl seen from inside, a third of it flipped: the rule of flux would turn all of it
+    // outwards.
     const Cloud cloud = sampled("sphere", 20000);
     Cloud bowl;
     for (std::size_t i = 0; i < cloud.size(); ++i) {

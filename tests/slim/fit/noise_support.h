@@ -11,7 +11,8 @@
 
 namespace slim::test {
 
-/// The noise of a cloud as its points show it, at most so many of them, chosen by a hash of their ids.
+/// The noise of a cloud as its points show it, at most so many of them, chosen by a hash of their
+/// ids.
 inline NoiseVariance measured_noise(const std::vector<Vec3d>& points, std::size_t neighbors = 0,
                                     std::size_t most_samples = 1000000) {
     const PointBlock block = along_curve(block_of(points, std::vector<Vec3f>(points.size())));

@@ -21,8 +21,8 @@ std::vector<Vec3d> noisy_plane(std::size_t n, double sigma) {
 }
 
 TEST(NoiseVariance, OfAPlaneWithSmallNoiseIsItsVarianceLessThePlanesFreedom) {
-    // Spacing 2 / 200 = 0.01, noise a tenth of it. Covariances divide by k = 10, a plane takes 3: 0.7
-    // sigma^2, a little less for the tilt that the eigenvector finds.
+    // Spacing 2 / 200 = 0.01, noise a tenth of it. Covariances divide by k = 10, a plane takes 3:
+    // 0.7 sigma^2, a little less for the tilt that the eigenvector finds.
     const NoiseVariance noise = noise_of(noisy_plane(40000, 1e-3));
     EXPECT_EQ(noise.neighbors, 10u);
     EXPECT_EQ(noise.n_sampled, 40000u);

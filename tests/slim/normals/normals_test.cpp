@@ -66,6 +66,23 @@ TEST(EstimateNormals, CountsNeighboursThatSpanNoPlane) {
     }
 }
 
+TEST(EstimateNormals, DuplicatesGiveTheNormalsOfTheUniqueSet) {
+    const Cloud cloud = sampled("torus", 3000);
+    Cloud copies;
+    for (int c = 0; c < 12; ++c)
+        copies.positions.insert(copies.positions.end(), cloud.positions.begin(), cloud.positions.end());
+    PointBlock once = along_curve(block_of(cloud));
+    PointBlock twelve =
+        along_curve(block_of(copies.positions, std::vector<Vec3f>(copies.positions.size())));
+    std::size_t degenerate = 0;
+    estimate_normals(once, all_of(once), 16, degenerate);
+    estimate_normals(twelve, all_of(twelve), 16, degenerate);
+    std::vector<Vec3f> normals(cloud.size());
+    for (std::size_t i = 0; i < once.size(); ++i) normals[once.id[i]] = once.normal[i];
+    for (std::size_t i = 0; i < twelve.size(); ++i)
+        ASSERT_GT(std::abs(dot(twelve.normal[i], normals[twelve.id[i] % cloud.size()])), 0.99999f);
+}
+
 TEST(EstimateNormals, TouchesTheWantedOnly) {
     PointBlock block = along_curve(block_of(sampled("sphere", 2000)));
     const std::vector<Vec3f> before = block.normal;
@@ -141,7 +158,8 @@ TEST(Orient, KnownSignsSpreadOverTheirComponent) {
 TEST(Orient, TowardsTheSensorOfTheScan) {
     PointBlock block = along_curve(block_of(sampled("sphere", 4000)));
     const std::vector<Vec3f> truth = block.normal;
-    // Two scanners, one within the sphere: its points shall face inwards. A third scan has no sensor.
+    // Two scanners, one within the sphere: its points shall face inwards. A third scan has no
+    // sensor.
     for (std::size_t i = 0; i < block.size(); ++i) {
         block.scan.push_back(i % 5 == 0 ? 2 : block.position[i].x > 0 ? 0 : 1);
         if (i % 2) block.normal[i] = -block.normal[i];
