@@ -8,6 +8,7 @@
 #include "slim/tree/tree_builder.h"
 #include "tests/slim/extremes/third_order.h"
 #include "tests/slim/fit/fit_support.h"
+#include "tests/slim/fit/noise_support.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,11 +56,7 @@ inline CoverRules usual_rules(const PointBlock& block, double mdl_threshold, int
     rules.mdl_threshold = mdl_threshold;
     rules.diagonal = box_of(block).diagonal();
     rules.least_radius = rules.diagonal * epsilon;
-    const std::span<const Vec3d> all(block.position);
-    const double measured =
-        estimate_noise_variance(KnnIndex(block.position), block.position,
-                                all.first(std::min<std::size_t>(all.size(), 10000)), 0)
-            .value;
+    const double measured = measured_noise(block.position, 0, 10000).value;
     const double quantum = rules.diagonal * epsilon;
     rules.noise_variance = std::max(measured, 16 * quantum * quantum);
     return rules;
