@@ -296,12 +296,12 @@ std::optional<std::uint32_t> LevelCover::nearest_point(const Vec3d& p, double ra
     std::optional<std::uint32_t> best;
     double best_sq = radius * radius;
     const PointTree& tree = pyramid_.all();
-    tree.for_buckets_in_ball(p, radius, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const double sq = sq_length(tree.position(i) - p);
+    tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
+        for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
+            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} - p);
             if (sq >= best_sq) continue;
             best_sq = sq;
-            best = static_cast<std::uint32_t>(i);
+            best = static_cast<std::uint32_t>(first + k);
         }
     });
     return best;

@@ -1,5 +1,8 @@
 #include "slim/fit/ball_points.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace slim {
 namespace {
 
@@ -23,29 +26,53 @@ void pad(BallPoints<T>& out) {
     }
 }
 
+using DoubleV = stdx::native_simd<double>;
+constexpr std::size_t kBucket = PointBucket::kSize;
+
+/// A bucket's points relative to a centre, times a scale.
+struct alignas(64) Offsets {
+    double x[kBucket], y[kBucket], z[kBucket], sq[kBucket];
+
+    /// Returns bit i: point i is nearer than 1.
+    std::uint32_t fill(const PointBucket& b, const Vec3d& c, double scale) {
+        std::uint32_t inside = 0;
+        for (std::size_t i = 0; i < kBucket; i += DoubleV::size()) {
+            const DoubleV dx = (DoubleV(b.x + i, stdx::vector_aligned) - c.x) * scale;
+            const DoubleV dy = (DoubleV(b.y + i, stdx::vector_aligned) - c.y) * scale;
+            const DoubleV dz = (DoubleV(b.z + i, stdx::vector_aligned) - c.z) * scale;
+            const DoubleV s = dx * dx + dy * dy + dz * dz;
+            dx.copy_to(x + i, stdx::vector_aligned), dy.copy_to(y + i, stdx::vector_aligned);
+            dz.copy_to(z + i, stdx::vector_aligned), s.copy_to(sq + i, stdx::vector_aligned);
+            inside |= static_cast<std::uint32_t>(lane_bits(s < 1.0)) << i;
+        }
+        return inside;
+    }
+};
+
+template <class T>
+void take(const PointBucket& b, const Offsets& d, std::size_t i, std::size_t first, std::size_t n,
+          BallPoints<T>& out) {
+    out.x[n] = static_cast<T>(d.x[i]), out.y[n] = static_cast<T>(d.y[i]);
+    out.z[n] = static_cast<T>(d.z[i]), out.sq[n] = static_cast<T>(d.sq[i]);
+    out.nx[n] = b.nx[i], out.ny[n] = b.ny[i], out.nz[n] = b.nz[i];
+    out.index[n] = static_cast<std::uint32_t>(first + i);
+}
+
 }  // namespace
 
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
-    const double scale = 1 / radius;
-    tree.for_buckets_in_ball(c, radius, [&](std::size_t begin, std::size_t end) {
-        reserve_points(out, out.n + (end - begin) + 1);
-        std::size_t n = out.n;
-        for (std::size_t i = begin; i < end; ++i) {
-            // Written at the end, kept only if inside: no branch. Centred in doubles, then scaled.
-            const double dx = (tree.x()[i] - c.x) * scale;
-            const double dy = (tree.y()[i] - c.y) * scale;
-            const double dz = (tree.z()[i] - c.z) * scale;
-            const double sq = dx * dx + dy * dy + dz * dz;
-            out.x[n] = static_cast<T>(dx), out.y[n] = static_cast<T>(dy);
-            out.z[n] = static_cast<T>(dz), out.sq[n] = static_cast<T>(sq);
-            out.nx[n] = tree.nx()[i], out.ny[n] = tree.ny()[i], out.nz[n] = tree.nz()[i];
-            out.index[n] = static_cast<std::uint32_t>(i);
-            n += sq < 1 ? 1u : 0u;
-        }
-        out.n = n;
+    Offsets offsets;
+    // Centred in doubles, then scaled.
+    tree.for_buckets_in_ball(c, radius, [&](std::size_t first, const PointBucket& bucket) {
+        std::uint32_t inside = offsets.fill(bucket, c, 1 / radius);
+        if (inside == 0) return;
+        reserve_points(out, out.n + kBucket);
+        for (; inside != 0; inside &= inside - 1)
+            take(bucket, offsets, static_cast<std::size_t>(std::countr_zero(inside)), first,
+                 out.n++, out);
     });
     pad(out);
 }
@@ -57,28 +84,23 @@ void list_sq_distances(const PointTree& tree, const Vec3d& c, double radius,
                        std::vector<double>& out) {
     out.clear();
     const double sq_radius = radius * radius;
-    tree.for_buckets_in_ball(c, radius, [&](std::size_t begin, std::size_t end) {
-        std::size_t n = out.size();
-        out.resize(n + (end - begin));
-        for (std::size_t i = begin; i < end; ++i) {
-            const double sq = sq_length(tree.position(i) - c);
-            out[n] = sq;
-            n += sq < sq_radius ? 1u : 0u;
-        }
-        out.resize(n);
+    Offsets offsets;
+    tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
+        offsets.fill(bucket, c, 1);
+        for (const double sq : offsets.sq)
+            if (sq < sq_radius) out.push_back(sq);
     });
 }
 
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
                           std::size_t enough) {
     std::size_t n = 0;
-    const double sq_radius = radius * radius;
-    tree.for_buckets_in_ball(c, radius, [&](std::size_t begin, std::size_t end) {
-        if (n >= enough) return;
-        for (std::size_t i = begin; i < end; ++i)
-            n += sq_length(tree.position(i) - c) < sq_radius ? 1u : 0u;
+    Offsets offsets;
+    tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
+        if (n < enough)
+            n += static_cast<std::size_t>(std::popcount(offsets.fill(bucket, c, 1 / radius)));
     });
-    return n < enough ? n : enough;
+    return std::min(n, enough);
 }
 
 }  // namespace slim

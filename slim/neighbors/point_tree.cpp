@@ -19,17 +19,25 @@ constexpr std::size_t kGrain = 16384;
 PointTree::PointTree(const PointBlock& block, std::span<const std::uint32_t> chosen)
     : source_(chosen.begin(), chosen.end()) {
     const std::size_t n = chosen.size();
-    for (auto* a : {&x_, &y_, &z_}) a->resize(n);
-    for (auto* a : {&nx_, &ny_, &nz_}) a->resize(n);
-    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d& p = block.position[chosen[i]];
-            x_[i] = p.x, y_[i] = p.y, z_[i] = p.z;
-            const Vec3f m = block.has_normals() ? block.normal[chosen[i]] : Vec3f{};
-            nx_[i] = m.x, ny_[i] = m.y, nz_[i] = m.z;
-        }
+    buckets_.resize((n + kBucket - 1) / kBucket);
+    parallel_blocks(buckets_.size(), kGrain / kBucket, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) fill_bucket(block, chosen, b);
     });
     boxes_ = BoxTree(n, [&](std::size_t i) { return position(i); });
+}
+
+void PointTree::fill_bucket(const PointBlock& block, std::span<const std::uint32_t> chosen,
+                            std::size_t bucket) {
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+    PointBucket& out = buckets_[bucket];
+    for (std::size_t k = 0; k < kBucket; ++k) {
+        const std::size_t i = bucket * kBucket + k;
+        const bool is_point = i < chosen.size();
+        const Vec3d p = is_point ? block.position[chosen[i]] : Vec3d{kNowhere, kNowhere, kNowhere};
+        const Vec3f n = is_point && block.has_normals() ? block.normal[chosen[i]] : Vec3f{};
+        out.x[k] = p.x, out.y[k] = p.y, out.z[k] = p.z;
+        out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
+    }
 }
 
 namespace {

@@ -12,42 +12,51 @@
 
 namespace slim {
 
-/// Points in Morton order as flat arrays under a tree of boxes: answers ball queries by ranges of
-/// the arrays. Built once, read by any number of threads.
+/// The points of one bucket side by side: a ball query reads them in one stretch of memory, by lanes.
+struct alignas(64) PointBucket {
+    static constexpr std::size_t kSize = BoxTree::kBucket;
+    double x[kSize], y[kSize], z[kSize];  ///< infinite beyond the last point: in no ball
+    float nx[kSize], ny[kSize], nz[kSize];
+};
+
+/// Points in Morton order in buckets under a tree of boxes: answers ball queries by buckets.
+/// Built once, read by any number of threads. 40 bytes a point.
 class PointTree {
 public:
-    static constexpr std::size_t kBucket = BoxTree::kBucket;
+    static constexpr std::size_t kBucket = PointBucket::kSize;
 
-    /// Takes the chosen points of a block, which must be in Morton order already (morton_order
-    /// below).
+    /// Takes the chosen points of a block, which must be in Morton order already (morton_order below).
     PointTree(const PointBlock& block, std::span<const std::uint32_t> chosen);
 
     std::size_t size() const { return source_.size(); }
-    Vec3d position(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
-    Vec3f normal(std::size_t i) const { return {nx_[i], ny_[i], nz_[i]}; }
+    Vec3d position(std::size_t i) const {
+        const PointBucket& b = buckets_[i / kBucket];
+        return {b.x[i % kBucket], b.y[i % kBucket], b.z[i % kBucket]};
+    }
+    Vec3f normal(std::size_t i) const {
+        const PointBucket& b = buckets_[i / kBucket];
+        return {b.nx[i % kBucket], b.ny[i % kBucket], b.nz[i % kBucket]};
+    }
     /// Index in the block of the tree's i-th point.
     std::uint32_t source(std::size_t i) const { return source_[i]; }
 
-    /// Calls body(begin, end) for every bucket whose box meets the ball; a superset of the ball's
-    /// points.
+    /// Calls body(first, bucket) for every bucket whose box meets the ball, `first` being the index of its
+    /// first point; a superset of the ball's points.
     template <class Body>
     void for_buckets_in_ball(const Vec3d& center, double radius, Body&& body) const {
-        boxes_.for_buckets_in_ball(center, radius, std::forward<Body>(body));
+        boxes_.for_buckets_in_ball(center, radius, [&](std::size_t begin, std::size_t) {
+            body(begin, buckets_[begin / kBucket]);
+        });
     }
-
-    const double* x() const { return x_.data(); }
-    const double* y() const { return y_.data(); }
-    const double* z() const { return z_.data(); }
-    const float* nx() const { return nx_.data(); }
-    const float* ny() const { return ny_.data(); }
-    const float* nz() const { return nz_.data(); }
 
     /// Edge length that 16 neighbours of point i share, a first guess of the density there.
     double bucket_diagonal(std::size_t i) const { return boxes_.bucket(i / kBucket).diagonal(); }
 
 private:
-    std::vector<double> x_, y_, z_;
-    std::vector<float> nx_, ny_, nz_;
+    void fill_bucket(const PointBlock& block, std::span<const std::uint32_t> chosen,
+                     std::size_t bucket);
+
+    std::vector<PointBucket> buckets_;
     std::vector<std::uint32_t> source_;
     BoxTree boxes_;
 };

@@ -57,10 +57,14 @@ TEST(PointTree, BucketsInABallHoldEveryPointOfIt) {
             const Vec3d c = q % 2 ? random_in_cube(99, q) : block.position[q % block.size()];
             const double radius = 0.02 * static_cast<double>(q * q);
             std::set<std::uint32_t> offered;
-            tree.for_buckets_in_ball(c, radius, [&](std::size_t begin, std::size_t end) {
-                ASSERT_LE(end - begin, PointTree::kBucket);
-                for (std::size_t i = begin; i < end; ++i)
+            tree.for_buckets_in_ball(c, radius, [&](std::size_t first, const PointBucket& bucket) {
+                for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
+                    const std::size_t i = first + k;
+                    ASSERT_EQ(i < tree.size(), std::isfinite(bucket.x[k]));
+                    if (i >= tree.size()) continue;
+                    EXPECT_EQ(tree.position(i).x, bucket.x[k]);
                     EXPECT_TRUE(offered.insert(tree.source(i)).second) << "a bucket came twice";
+                }
             });
             for (const std::uint32_t i : brute_ball(block, c, radius)) EXPECT_TRUE(offered.contains(i));
         }
