@@ -18,6 +18,7 @@ namespace {
 /// (leaves at T 0.01 of igea's T 0.02, bunny_raw, happy_stand_raw: 6,458, 5,837, 19,081 against 5,956,
 /// 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
+constexpr double kGuess = 0.4;  // of the diagonal of a bucket of 16 points: a ball with enough for the finest rung
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
@@ -249,7 +250,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
         c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
     } else {
-        const double guess = pyramid_.all().bucket_diagonal(place_[c.point]);
+        const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
         c.choice = ladder_.choose(center, normal, guess, work.ladder);
         // Rounded here, so that a search remembered gives the same surfel as a fresh one.
         c.choice.radius = static_cast<float>(c.choice.radius);
@@ -323,7 +324,7 @@ std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Works
     const Vec3d normal = normalized(to_double(tree.normal(*place)));
     if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
     const RadiusChoice choice =
-        ladder_.choose(center, normal, tree.bucket_diagonal(*place), work.ladder);
+        ladder_.choose(center, normal, kGuess * tree.bucket_diagonal(*place), work.ladder);
     ++work.searches;
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);

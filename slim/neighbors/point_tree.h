@@ -44,9 +44,22 @@ public:
     /// first point; a superset of the ball's points.
     template <class Body>
     void for_buckets_in_ball(const Vec3d& center, double radius, Body&& body) const {
+        // Memory is what a ball waits for: its buckets are fetched while the walk goes on.
+        constexpr std::size_t kAhead = 24;
+        std::size_t waiting[kAhead];
+        std::size_t n = 0;
+        const auto serve = [&] {
+            for (std::size_t k = 0; k < n; ++k) body(waiting[k] * kBucket, buckets_[waiting[k]]);
+            n = 0;
+        };
         boxes_.for_buckets_in_ball(center, radius, [&](std::size_t begin, std::size_t) {
-            body(begin, buckets_[begin / kBucket]);
+            const std::size_t b = begin / kBucket;
+            for (std::size_t line = 0; line < sizeof(PointBucket); line += 64)
+                __builtin_prefetch(reinterpret_cast<const char*>(&buckets_[b]) + line);
+            waiting[n++] = b;
+            if (n == kAhead) serve();
         });
+        serve();
     }
 
     /// Edge length that 16 neighbours of point i share, a first guess of the density there.
