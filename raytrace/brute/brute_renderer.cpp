@@ -43,9 +43,10 @@ FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf
 BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<const Leaf*>& row,
                        bool want_hessian, RenderStats& stats) {
     BlendSums sums;
+    const Gate gate(hit.gradient, hit.leaf->surfel.sharp != nullptr);
     for (const Leaf* leaf : row) {
         ++stats.distance_tests;
-        add_supporter(ray, hit.t, hit.gradient, leaf->surfel, want_hessian, sums);
+        add_supporter(ray, hit.t, gate, leaf->surfel, want_hessian, sums);
     }
     return sums;
 }

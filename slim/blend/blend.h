@@ -19,11 +19,28 @@ struct BlendSums {
     int count = 0;              ///< supporters that took part
 };
 
+/// Cosine that two gradients must have where an edge or a corner is near: less than the least angle between
+/// the sheets of a surfel (slim/fit/sharp_clusters.h), so that faces are not blended over their edge.
+inline constexpr double kSharpGate = 0.866;
+
+/// Which supporters belong to what is seen: those whose gradient agrees with this one (NUMERICS 4.4).
+struct Gate {
+    Vec3d gradient;
+    bool sharp = false;  ///< of a sharp surfel: supporters must agree within kSharpGate
+
+    Gate(const Vec3d& g, bool of_sharp = false) : gradient(g), sharp(of_sharp) {}
+    bool admits(const Vec3d& g, bool of_sharp) const {
+        const double agreement = dot(g, gradient);
+        if (!sharp && !of_sharp) return agreement > 0;
+        return agreement > kSharpGate * length(g) * length(gradient);
+    }
+};
+
 /// Adds one surfel to the blend around the ray point of parameter t_guess. The surfel takes part if the
 /// guess lies in its ball, if f has a root on the ray inside the *full* ball (the one nearest the guess
-/// counts) and if its gradient there agrees with `gate` (dot product > 0, NUMERICS 4.4). G at
+/// counts; of a sharp surfel on the joined surface) and if the gate admits its gradient there. G at
 /// |q_i - c_i| / rho_i. Returns whether it took part.
-bool add_supporter(const Ray& ray, double t_guess, const Vec3d& gate, const Surfel& surfel,
+bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
                    bool want_hessian, BlendSums& sums);
 
 /// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
@@ -44,7 +61,8 @@ struct Projection {
 
 /// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
 /// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
-/// n . grad f > 0. `supporters` may hold more surfels than support p; order fixes the last bits.
+/// n . grad f > 0. Where a sharp surfel supports p, its root nearest t = 0 says which side of the edge counts
+/// (Gate). `supporters` may hold more surfels than support p; order fixes the last bits.
 /// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         std::span<const Surfel* const> supporters,

@@ -2,6 +2,7 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/mdl_energy.h"
+#include "slim/fit/sharp_fit.h"
 #include "slim/neighbors/point_pyramid.h"
 
 #include <optional>
@@ -26,13 +27,19 @@ struct RadiusChoice {
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
+    double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
 };
+
+/// Whether so many of n points may disagree: what noise explains, mean + 3 sigma of a Poisson count.
+bool within_noise(std::size_t count, std::size_t n, double share);
 
 /// Workspace of one thread and the counts it keeps.
 struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
-    std::size_t rungs = 0, point_visits = 0, refinements = 0;
+    SharpWork<float> sharp;
+    double spread = 0;  ///< normal_spread of the last rung of the last search
+    std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
 };
 
 /// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
@@ -59,7 +66,6 @@ private:
         double energy, upper;
     };
     std::size_t least_points() const;
-    bool is_height_field(std::size_t contrary, std::size_t n) const;
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
