@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace slim {
 
 inline constexpr std::size_t kMostSheets = 3;
+
+/// A sheet reaches beyond the edge by this share of rho, for rounding: else a ray through the very edge could
+/// find each sheet ended just before the other begins.
+inline constexpr double kEdgeTolerance = 1e-6;
 
 /// One height field of a surfel: f(x) = w - P(u, v), (u, v, w) = frame.local_from_world(x - center) / rho.
 struct Sheet {
@@ -46,7 +51,7 @@ struct SharpSheets {
     /// Whether a point on sheet i is on the joined surface: F stays 0 with f_i set to exactly 0.
     bool on_surface(std::size_t i, std::array<double, kMostSheets> f) const {
         f[i] = 0;
-        return joined(f) == 0;
+        return std::abs(joined(f)) <= kEdgeTolerance;
     }
     /// The sheet that F takes its value from.
     std::size_t active(const std::array<double, kMostSheets>& f) const {
