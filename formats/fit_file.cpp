@@ -85,7 +85,8 @@ std::shared_ptr<const SharpSheets> unpack_sheets(std::uint8_t joins,
     out->n_extra = records.size();
     out->outer = joins & 4 ? Join::min : Join::max;
     out->inner = joins & 8 ? Join::min : Join::max;
-    for (std::size_t k = 0; k < records.size(); ++k) {
+    // The bound of the array is said twice: g++ 12 does not see that there are at most two records.
+    for (std::size_t k = 0; k < std::min(records.size(), out->extra.size()); ++k) {
         out->extra[k].frame = take_frame(records[k].axes);
         std::copy(records[k].coefficients, records[k].coefficients + kMaxCoefficients,
                   out->extra[k].polynomial.a.begin());

@@ -97,6 +97,7 @@ private:
     static LadderRules ladder_rules(const CoverRules& rules) {
         LadderRules ladder = rules.ladder;
         if (rules.first_level > 1) ladder.above_root = 0;
+        ladder.look_for_edges = rules.sharp;
         return ladder;
     }
     static Bbox box_of(const PointBlock& points) {

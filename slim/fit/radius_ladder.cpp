@@ -114,7 +114,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess);
-    work.spread = 0;
+    work.edge_in_sight = false;
     if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
     if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
     const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
@@ -130,8 +130,8 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
-    work.spread = normal_spread(work.ball);
-    if (coarsest > finest) return {rung_radius(finest), false, true, false, forced_energy};
+    work.edge_in_sight = rules_.look_for_edges && shows_edge(work.ball);
+    if (coarsest > finest) return {rung_radius(finest), false, true, false, forced_energy, rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;
@@ -139,8 +139,10 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     const double energy = rungs[chosen]->energy;
-    if (saturated || lo == hi) return {rung_radius(chosen), saturated, false, false, energy};
-    return {refine(*rungs[chosen], lo, hi, center, normal, work), false, false, false, energy};
+    const double radius = saturated || lo == hi
+                              ? rung_radius(chosen)
+                              : refine(*rungs[chosen], lo, hi, center, normal, work);
+    return {radius, saturated, false, false, energy, rung_radius(finest)};
 }
 
 }  // namespace slim

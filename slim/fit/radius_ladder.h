@@ -2,6 +2,7 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/mdl_energy.h"
+#include "slim/fit/sharp_clusters.h"
 #include "slim/fit/sharp_fit.h"
 #include "slim/neighbors/point_pyramid.h"
 
@@ -17,6 +18,7 @@ struct LadderRules {
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
     double contrary_share = 0;            ///< of the cloud's normals that noise turns: as many off the sheet are tolerated
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
 };
 
@@ -28,6 +30,7 @@ struct RadiusChoice {
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
     double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
+    double finest = 0;       ///< radius of the finest admissible rung
 };
 
 /// Whether so many of n points may disagree: what noise explains, mean + 3 sigma of a Poisson count.
@@ -38,7 +41,7 @@ struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
     SharpWork<float> sharp;
-    double spread = 0;  ///< normal_spread of the last rung of the last search
+    bool edge_in_sight = false;  ///< shows_edge of the last rung of the last search
     std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
 };
 

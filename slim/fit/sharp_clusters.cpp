@@ -10,18 +10,22 @@ constexpr double kClosest = 0.866;     // cos of the least angle between two clu
 constexpr std::size_t kLeastMembers = 6;  // a plane's worth
 constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
+constexpr double kLeastSpread = 0.03;
+constexpr double kSpreadWithin2 = 0.4, kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
+constexpr std::size_t kJudged = 48;
 
 template <class T>
 Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
     return {p.nx[i], p.ny[i], p.nz[i]};
 }
 
-/// The normal whose largest cosine to any of the first `k` normals is smallest.
+/// The normal whose largest cosine to any of the first `k` normals is smallest, of every `stride`-th point.
 template <class T>
-Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& from, std::size_t k) {
+Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& from, std::size_t k,
+               std::size_t stride) {
     Vec3d best;
     double least = 2;
-    for (std::size_t i = 0; i < p.n; ++i) {
+    for (std::size_t i = 0; i < p.n; i += stride) {
         const Vec3d n = normal_of(p, i);
         if (!(sq_length(n) > 0)) continue;
         double nearest = -1;
@@ -32,12 +36,38 @@ Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& fro
 }
 
 template <class T>
-void seed(const BallPoints<T>& p, std::size_t k, std::array<Vec3d, kMostSheets>& normal) {
+void seed(const BallPoints<T>& p, std::size_t k, std::array<Vec3d, kMostSheets>& normal,
+          std::size_t stride = 1) {
     Vec3d sum;
-    for (std::size_t i = 0; i < p.n; ++i) sum += normal_of(p, i);
+    for (std::size_t i = 0; i < p.n; i += stride) sum += normal_of(p, i);
     normal[0] = normalized(sum);
-    normal[0] = farthest(p, normal, 1);
-    for (std::size_t c = 1; c < k; ++c) normal[c] = farthest(p, normal, c);
+    normal[0] = farthest(p, normal, 1, stride);
+    for (std::size_t c = 1; c < k; ++c) normal[c] = farthest(p, normal, c, stride);
+}
+
+/// normal_spread of every `stride`-th point within its group, after k-means into k groups.
+template <class T>
+double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) {
+    std::array<Vec3d, kMostSheets> normal{};
+    seed(p, k, normal, stride);
+    double n = 0, along = 0;
+    for (int round = 0; round < 3; ++round) {
+        std::array<Vec3d, kMostSheets> sum{};
+        n = 0, along = 0;
+        for (std::size_t i = 0; i < p.n; i += stride) {
+            const Vec3d x = normal_of(p, i);
+            std::size_t best = 0;
+            for (std::size_t c = 1; c < k; ++c)
+                if (dot(x, normal[c]) > dot(x, normal[best])) best = c;
+            sum[best] += x;
+            n += sq_length(x);
+        }
+        for (std::size_t c = 0; c < k; ++c) {
+            along += length(sum[c]);
+            if (sq_length(sum[c]) > 0) normal[c] = normalized(sum[c]);
+        }
+    }
+    return n > 0 ? 1 - along / n : 0;
 }
 
 /// Bit of the cluster that a normal clearly belongs to, or 0.
@@ -54,6 +84,26 @@ unsigned cluster_of(const Vec3d& n, const std::array<Vec3d, kMostSheets>& normal
 }
 
 }  // namespace
+
+template <class T>
+double normal_spread(const BallPoints<T>& p) {
+    float x = 0, y = 0, z = 0, n = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        x += p.nx[i], y += p.ny[i], z += p.nz[i];
+        n += p.nx[i] * p.nx[i] + p.ny[i] * p.ny[i] + p.nz[i] * p.nz[i];
+    }
+    const double sum = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+    return n > 0 ? 1 - sum / static_cast<double>(n) : 0;
+}
+
+template <class T>
+bool shows_edge(const BallPoints<T>& p) {
+    const double spread = normal_spread(p);
+    if (spread < kLeastSpread) return false;
+    const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
+    return spread_within(p, 2, stride) < kSpreadWithin2 * spread ||
+           spread_within(p, 3, stride) < kSpreadWithin3 * spread;
+}
 
 template <class T>
 bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clusters,
@@ -88,6 +138,10 @@ bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clus
     return true;
 }
 
+template double normal_spread(const BallPoints<float>&);
+template double normal_spread(const BallPoints<double>&);
+template bool shows_edge(const BallPoints<float>&);
+template bool shows_edge(const BallPoints<double>&);
 template bool cluster_normals(const BallPoints<float>&, std::size_t, NormalClusters&,
                               std::vector<std::uint8_t>&);
 template bool cluster_normals(const BallPoints<double>&, std::size_t, NormalClusters&,

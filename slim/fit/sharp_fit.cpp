@@ -241,23 +241,11 @@ Surfel SharpFit::surfel(const Vec3d& center, double radius) const {
 }
 
 template <class T>
-double normal_spread(const BallPoints<T>& p) {
-    float x = 0, y = 0, z = 0, n = 0;
-    for (std::size_t i = 0; i < p.n; ++i) {
-        x += p.nx[i], y += p.ny[i], z += p.nz[i];
-        n += p.nx[i] * p.nx[i] + p.ny[i] * p.ny[i] + p.nz[i] * p.nz[i];
-    }
-    return n > 0 ? 1 - std::sqrt(static_cast<double>(x * x + y * y + z * z)) / static_cast<double>(n) : 0;
-}
-
-template <class T>
 std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_sheets, int degree,
                                   double noise_variance, SharpWork<T>& work) {
     return SharpFitter<T>(points, degree, noise_variance, work).run(n_sheets);
 }
 
-template double normal_spread(const BallPoints<float>&);
-template double normal_spread(const BallPoints<double>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<float>&, std::size_t, int, double,
                                            SharpWork<float>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<double>&, std::size_t, int, double,

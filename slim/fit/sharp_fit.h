@@ -36,11 +36,6 @@ struct SharpWork {
     std::vector<std::uint8_t> sheets;  ///< of each point of the ball: bit i, it belongs to sheet i
 };
 
-/// Weight of a ball's points turned away from the mean normal: 1 - |sum n| / n over the points that have one;
-/// 0 on a plane, 0.29 on both sides of a right-angled edge. Cost: one pass, a few flops a point.
-template <class T>
-double normal_spread(const BallPoints<T>& points);
-
 /// Fits `n_sheets` (2 or 3) height fields of up to `degree`, each to its own points: clusters of normals at
 /// least 30 degrees apart (points between two clusters, as an edge's own vertices with averaged normals,
 /// belong to neither at first), then twice the points that a sheet explains by place and normal.

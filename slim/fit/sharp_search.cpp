@@ -9,7 +9,6 @@
 namespace slim {
 namespace {
 
-constexpr double kLeastSpread = 0.03;  // of normals, of an edge of 30 degrees through the middle
 constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
 constexpr double kRoughest = 0.1;      // eps over rho: beyond it sheets explain nothing
 
@@ -29,12 +28,14 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
     ++work.sharp_rungs;
     work.point_visits += work.ball.n;
     std::optional<Rung> best;
+    const double t = energy_.length / radius;
     for (std::size_t k = 2; k <= kMostSheets; ++k) {
+        const double price = sharp_price(k) * energy_.noise_variance * t * t;
+        if (best && best->energy <= price) break;
         const auto fit = fit_sharp(work.ball, k, degree_, energy_.noise_variance, work.sharp);
         if (!fit || fit->sq_error > kRoughest * kRoughest * radius * radius) continue;
         if (!within_noise(fit->n_off, work.ball.n, rules_.contrary_share)) continue;
-        const double t = energy_.length / radius;
-        const double energy = fit->sq_error + sharp_price(k) * energy_.noise_variance * t * t;
+        const double energy = fit->sq_error + price;
         const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);
         const double upper = energy + 2 * fit->sq_error * std::sqrt(2 / freedom);
         if (!best || energy < best->energy) best = Rung{{radius, k}, energy, upper};
@@ -45,16 +46,17 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
 std::optional<SharpSearch::Choice> SharpSearch::choose(const Vec3d& center,
                                                        const RadiusChoice& smooth,
                                                        LadderWork& work) const {
-    if (smooth.saturated || smooth.isolated || work.spread < kLeastSpread) return std::nullopt;
+    if (smooth.isolated || !work.edge_in_sight) return std::nullopt;
     const double step = 1 / std::sqrt(kGoldenRatio);
     std::optional<Rung> best;
     double least_upper = smooth.energy;
     std::size_t level = 0;
     int failures = 0;
-    for (double r = smooth.radius; r <= root_radius_ * 1.000001 && failures < kMostFailures; r *= step) {
+    // Planes need fewer points than the ladder's finest rung holds: one rung below it may do.
+    for (double r = kGoldenRatio * smooth.finest; r <= root_radius_ * 1.000001; r *= step) {
         const auto rung = evaluate(r, level, center, work);
         if (!rung || rung->energy > least_upper) {
-            ++failures;
+            if (++failures >= kMostFailures && r > smooth.radius) break;
             if (rung && best && rung->energy > rules_.give_up * least_upper) break;
             continue;
         }

@@ -14,7 +14,8 @@ namespace slim {
 double sharp_price(std::size_t n_sheets);
 
 /// Searches a radius at which two or three joined sheets beat the single height field that the ladder found
-/// (notes/0002): E = eps^2 + lambda (T L / rho)^2 price, at steps of sqrt(1/g) upwards of the ladder's radius.
+/// (notes/0002): E = eps^2 + lambda (T L / rho)^2 price, at steps of sqrt(1/g) upwards of the finest
+/// radius that holds enough points.
 class SharpSearch {
 public:
     struct Choice {
@@ -27,7 +28,8 @@ public:
         : points_(points), energy_(energy), root_radius_(root_radius), degree_(degree), rules_(rules) {}
 
     /// The largest radius whose energy is no higher than the least upper bound of all tried, if that is below
-    /// the energy of the smooth choice. Cost: nothing on a smooth surface but the look at work.spread.
+    /// the energy of the smooth choice. `work` is as RadiusLadder::choose left it, with look_for_edges. Cost: nothing
+    /// where no edge is in sight, else about ten balls.
     std::optional<Choice> choose(const Vec3d& center, const RadiusChoice& smooth,
                                  LadderWork& work) const;
 

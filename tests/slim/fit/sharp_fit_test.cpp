@@ -1,5 +1,6 @@
 #include "slim/fit/sharp_fit.h"
 
+#include "slim/fit/sharp_clusters.h"
 #include "tests/slim/fit/fit_support.h"
 
 #include <gtest/gtest.h>
@@ -166,6 +167,7 @@ TEST(SharpFit, OneSheetAndOppositeFoldsAreNoEdge) {
     const PointBlock plane = graph_points(500, 1, 3, [](double, double) { return 0.0; });
     gather_ball(tree_of(plane), {}, 1, ball);
     EXPECT_EQ(normal_spread(ball), 0);
+    EXPECT_FALSE(shows_edge(ball));
     EXPECT_FALSE(fit_sharp(ball, 2, 2, 0, work));
     // A step: two level planes and a wall have two normals, but no two sheets.
     const Corner floor{{{0, 0, 1}, {1, 0, 0}, {0, 0, 1}}, {0.3, 0, -0.3}, [](const auto& f) {
@@ -175,12 +177,31 @@ TEST(SharpFit, OneSheetAndOppositeFoldsAreNoEdge) {
     EXPECT_TRUE(!step || step->n_off > 50 || step->sq_error > 0.01 * 0.25 * 0.25);
 }
 
-TEST(SharpFit, SpreadOfNormalsIsThatOfAnEdge) {
+TEST(SharpClusters, SpreadOfNormalsIsThatOfAnEdge) {
     const PointBlock block = edge(90, true).sample(4000, 3);
     BallPoints<float> ball;
     gather_ball(tree_of(block), {0, 0, 0}, 1, ball);
     // A tenth of the points has the mean normal: 1 - (0.9 / sqrt 2 + 0.1) = 0.264 for faces of equal area.
     EXPECT_NEAR(normal_spread(ball), 0.264, 0.05);
+}
+
+TEST(SharpClusters, EdgesAndCornersShowButCapsAndCylindersDoNot) {
+    BallPoints<float> ball;
+    for (const double angle : {40.0, 90.0, 150.0}) {
+        gather_ball(tree_of(edge(angle, true).sample(600, 3)), {}, 1, ball);
+        EXPECT_TRUE(shows_edge(ball)) << angle;
+    }
+    const Corner corner{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, [](const auto& f) {
+                            return std::max({f[0], f[1], f[2]});
+                        }};
+    gather_ball(tree_of(corner.sample(600, 3)), {}, 1, ball);
+    EXPECT_TRUE(shows_edge(ball));
+    for (const char* shape : {"sphere", "cylinder"})
+        for (const double radius : {0.2, 0.3, 0.4}) {
+            const Cloud cloud = sampled(shape, 4000);
+            gather_ball(tree_of(block_of(cloud)), cloud.positions[0], radius, ball);
+            EXPECT_FALSE(shows_edge(ball)) << shape << ' ' << radius;
+        }
 }
 
 TEST(SharpFit, ASampleInFloatsFindsTheSameSheets) {
