@@ -7,7 +7,7 @@ namespace slim {
 namespace {
 
 constexpr double kClosest = 0.866;     // cos of the least angle between two clusters
-constexpr std::size_t kLeastMembers = 6;  // a plane's worth
+constexpr std::size_t kLeastMembers = 3;  // a plane's worth
 constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
 constexpr double kLeastSpread = 0.03;

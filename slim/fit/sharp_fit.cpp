@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace slim {
@@ -16,6 +17,9 @@ constexpr double kWorthADegree = 1.5;   // eps^2 of the plane over that of the f
 constexpr double kExplained = 4;        // residuals up to this many eps belong to a sheet
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
 constexpr int kRefits = 2;
+constexpr double kLeastGap = 0.25;      // of the radius: places on a sheet have a point as near as that,
+constexpr double kFacing = 0.5;         // whose normal has at least this cosine to the sheet's
+constexpr int kGrid = 3;                // places from the middle of a sheet to the core's rim
 
 template <class T>
 Vec3d place_of(const BallPoints<T>& p, std::size_t i) {
@@ -96,7 +100,7 @@ private:
         for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
             gather_part(p_, work_.sheets, k, work_.part);
             LocalFit best = fit_ball(work_.part, 1, fit_.frame[k], 1);
-            if (best.degree < 1) return false;
+            if (!(best.n_effective > 0)) return false;
             if (degree_ > 1) {
                 const LocalFit full = fit_ball(work_.part, 1, fit_.frame[k], degree_);
                 if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
@@ -227,6 +231,15 @@ private:
     std::array<double, kMostSheets> error_{};  // eps of each sheet, relative
 };
 
+/// Whether a point that faces along `normal` lies within `gap` of x.
+template <class T>
+bool has_point_near(const BallPoints<T>& p, const Vec3d& x, const Vec3d& normal, double gap) {
+    for (std::size_t i = 0; i < p.n; ++i)
+        if (sq_length(place_of(p, i) - x) <= gap * gap && dot(normal_of(p, i), normal) > kFacing)
+            return true;
+    return false;
+}
+
 }  // namespace
 
 Surfel SharpFit::surfel(const Vec3d& center, double radius) const {
@@ -246,6 +259,25 @@ std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_she
     return SharpFitter<T>(points, degree, noise_variance, work).run(n_sheets);
 }
 
+template <class T>
+bool is_filled(const SharpFit& fit, const BallPoints<T>& points) {
+    const Surfel s = fit.surfel({}, 1);
+    const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(points.n));
+    const double gap = std::max(kLeastGap, 2.5 * spacing);
+    for (std::size_t k = 0; k < fit.n_sheets; ++k)
+        for (int i = -kGrid; i <= kGrid; ++i)
+            for (int j = -kGrid; j <= kGrid; ++j) {
+                const double u = kTrim * i / kGrid, v = kTrim * j / kGrid;
+                const Vec3d x = fit.frame[k].world_from_local({u, v, fit.polynomial[k].value(u, v)});
+                if (sq_length(x) >= kTrim * kTrim) continue;
+                if (!s.sharp->on_surface(k, s.sheet_values(x))) continue;
+                if (!has_point_near(points, x, normalized(s.sheet_gradient(k, x)), gap)) return false;
+            }
+    return true;
+}
+
+template bool is_filled(const SharpFit&, const BallPoints<float>&);
+template bool is_filled(const SharpFit&, const BallPoints<double>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<float>&, std::size_t, int, double,
                                            SharpWork<float>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<double>&, std::size_t, int, double,

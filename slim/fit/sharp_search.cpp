@@ -38,7 +38,8 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
         const double energy = fit->sq_error + price;
         const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);
         const double upper = energy + 2 * fit->sq_error * std::sqrt(2 / freedom);
-        if (!best || energy < best->energy) best = Rung{{radius, k}, energy, upper};
+        if (best && energy >= best->energy) continue;
+        if (is_filled(*fit, work.ball)) best = Rung{{radius, k}, energy, upper};
     }
     return best;
 }
