@@ -89,7 +89,7 @@ ModelFault check_all_sharp(const SurfelTree& tree) {
     std::size_t n_flagged = 0, n_sheets = 0;
     for (const TreeNode& node : tree.nodes()) n_flagged += (node.flags & kSharp) != 0;
     if (n_flagged != tree.sharp().size())
-        return {"sharp", 0, message(n_flagged, " nodes are sharp, found ", tree.sharp().size())};
+        return {"nodes", 0, message(n_flagged, " nodes are sharp, found ", tree.sharp().size())};
     for (std::size_t i = 0; i < tree.sharp().size(); ++i)
         if (ModelFault f = check_sharp(tree, i, n_sheets); !f.chunk.empty()) return f;
     const auto stride = static_cast<std::size_t>(floats_per_sheet(tree.header().degree));
