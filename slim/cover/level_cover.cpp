@@ -231,7 +231,11 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
 /// The exact fit must confirm them, here and not later, so that the smooth choice is still at hand.
 void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) const {
     auto found = sharp_.choose(center, c.choice, work.ladder);
-    if (!found) return;
+    if (!found) {
+        const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+        c.choice.radius = static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
+        return;
+    }
     found->radius = static_cast<float>(found->radius);
     auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.degree,
                                    rules_.noise_variance, work.exact, work.sharp);

@@ -130,11 +130,14 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
-    work.edge_in_sight = rules_.look_for_edges && shows_edge(work.ball);
+    if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
     if (coarsest > finest) return {rung_radius(finest), false, true, false, forced_energy, rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;
+    // Where even the finest ball but one is poor, the last one may be too large to show an edge.
+    if (rules_.look_for_edges && chosen == finest)
+        work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
     const bool saturated = chosen == 0;
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);

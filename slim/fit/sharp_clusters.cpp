@@ -10,7 +10,6 @@ constexpr double kClosest = 0.866;     // cos of the least angle between two clu
 constexpr std::size_t kLeastMembers = 3;  // a plane's worth
 constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
-constexpr double kLeastSpread = 0.03;
 constexpr double kSpreadWithin2 = 0.4, kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
 constexpr std::size_t kJudged = 48;
 

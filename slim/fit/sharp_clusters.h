@@ -19,8 +19,10 @@ inline constexpr double kAmbiguous = 0.4;
 template <class T>
 double normal_spread(const BallPoints<T>& points);
 
-/// Whether it may pay to look for sheets: the normals spread by more than 0.03 (an edge of 30 degrees through
-/// the middle), and two or three groups of them hold most of that spread, which those of a curved surface
+/// The spread of normals of an edge of 30 degrees through the middle of a ball.
+inline constexpr double kLeastSpread = 0.03;
+
+/// Whether it may pay to look for sheets: the normals spread by more than kLeastSpread, and two or three groups of them hold most of that spread, which those of a curved surface
 /// do not (two halves of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
 template <class T>
 bool shows_edge(const BallPoints<T>& points);

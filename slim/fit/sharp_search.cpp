@@ -10,6 +10,7 @@ namespace slim {
 namespace {
 
 constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
+constexpr double kCleanNormals = 1e-3; // share of contrary ones up to which one of them says "edge"
 constexpr double kRoughest = 0.1;      // eps over rho: beyond it sheets explain nothing
 
 }  // namespace
@@ -67,6 +68,18 @@ std::optional<SharpSearch::Choice> SharpSearch::choose(const Vec3d& center,
     }
     if (!best || best->energy > least_upper) return std::nullopt;
     return best->choice;
+}
+
+double SharpSearch::clear_radius(const Vec3d& center, const Vec3d& normal,
+                                 const RadiusChoice& smooth, LadderWork& work) const {
+    if (!smooth.forced || smooth.isolated || !work.edge_in_sight ||
+        rules_.contrary_share >= kCleanNormals)
+        return smooth.radius;
+    gather_ball(points_.all(), center, smooth.radius, work.ball);
+    set_contrary_aside(work.ball, normal, work.aside);
+    double least = 1;
+    for (const SetAside<float>& a : work.aside) least = std::min(least, std::sqrt(double{a.sq}));
+    return smooth.radius * std::max(least, kGoldenRatio * kGoldenRatio);
 }
 
 }  // namespace slim
