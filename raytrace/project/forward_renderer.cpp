@@ -99,7 +99,7 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     const TileCounts counts =
         draw_tiles({tree, view, window, grid, list, bins},
                    choose(tree.header().degree, (request.wanted & kCurvatureChannel) != 0,
-                          list.has_sharp()),
+                          !tree.sharp().empty()),
                    out);
     stats.draw_ms = clock.lap_ms();
     stats.root_tests = counts.root_tests;

@@ -38,7 +38,6 @@ struct TileBuffers {
     TilePlane z;                         ///< q^: +inf before a hit, -inf outside the window
     TilePlane winner;                    ///< position in the tile's list, -1 without a hit
     TilePlane gx, gy, gz;                ///< gradient of the winner
-    TilePlane least_cos;                 ///< of supporters with the winner's gradient; only in models with sharp surfels
     TilePlane weight, offset, count;     ///< sum G, sum G (z_i - z), number of supporters
     TilePlane sum_x, sum_y, sum_z;       ///< sum G grad f
     TilePlane hessian[6];                ///< sum G Hess f, only if curvature is wanted

@@ -91,17 +91,16 @@ inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDept
     keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found));
 }
 
-/// Lanes whose gradient agrees with that of q^ (NUMERICS 4.4; Gate in slim/blend/blend.h): in a model with sharp
-/// surfels closely if q^ or the supporter is on one.
-template <bool kSharpModel, bool kSharpSupporter>
+/// Lanes whose gradient agrees with that of q^ (NUMERICS 4.4), in a model with sharp surfels closely (Gate in
+/// slim/blend/blend.h).
+template <bool kSharpModel>
 inline FloatV::mask_type admitted(const GradientLanes<FloatV>& g, std::size_t i,
                                   const TileBuffers& t) {
     const FloatV x = t.gx.load(i), y = t.gy.load(i), z = t.gz.load(i);
     const FloatV agreement = g.x * x + g.y * y + g.z * z;
     if constexpr (!kSharpModel) return agreement > 0.0f;
     const FloatV size = stdx::sqrt((g.x * g.x + g.y * g.y + g.z * g.z) * (x * x + y * y + z * z));
-    if constexpr (kSharpSupporter) return agreement > static_cast<float>(kSharpGate) * size;
-    return agreement > t.least_cos.load(i) * size;
+    return agreement > static_cast<float>(kSharpGate) * size;
 }
 
 /// Adds roots of one group to the sums; depths are averaged as differences from q^, where floats are finest.
@@ -139,7 +138,7 @@ inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, in
         nearest_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray), guess, s, inside);
     const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
-    const auto taken = root.hit && admitted<kSharpModel, false>(g, i, t);
+    const auto taken = root.hit && admitted<kSharpModel>(g, i, t);
     if (stdx::none_of(taken)) return;
     const FloatV dz = r.radius * rays.dz * (root.t - guess);
     add_to_sums(t, i, taken, ball.sq_distance + root.t * root.t, dz, g, [&](const FloatV& w) {
@@ -168,7 +167,7 @@ inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int til
     const auto found = best_joined_root<Degree, FloatV>(
         s, f, -half, half, inside, [&](const FloatV& x) { return stdx::abs(x - guess); });
     const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
-    const auto taken = found.root.hit && admitted<true, true>(g, i, t);
+    const auto taken = found.root.hit && admitted<true>(g, i, t);
     if (stdx::none_of(taken)) return;
     const FloatV& x = found.root.t;
     add_to_sums(t, i, taken, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
@@ -203,22 +202,10 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
     }
 }
 
-/// How closely supporters must agree at each pixel: where q^ is on a sharp surfel, within kSharpGate.
-inline void mark_sharp_winners(const DrawList& list, std::span<const std::uint32_t> entries,
-                               TileBuffers& t) {
-    for (std::size_t i = 0; i < kTilePixels; ++i) {
-        const float winner = t.winner.v[i];
-        const bool sharp =
-            winner >= 0 && list.sharp_at(entries[static_cast<std::size_t>(winner)]) != nullptr;
-        t.least_cos.v[i] = sharp ? static_cast<float>(kSharpGate) : 0.0f;
-    }
-}
-
 /// Stage 2 of a tile. A group is skipped if the ball cannot reach the depths of its q^.
 template <int Degree, bool kWantHessian, bool kSharpModel>
 void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
     if (!t.update_group_ranges()) return;
-    if constexpr (kSharpModel) mark_sharp_winners(list, entries, t);
     for (const std::uint32_t entry : entries) {
         const DrawRecord& r = list.records[entry];
         const RecordDepths depth(r, t);

@@ -69,7 +69,7 @@ Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supp
         const double t = std::abs(root->t_base + s->support_radius * root->t);
         if (!(dot(g, n) > 0) || !(t < nearest)) continue;
         nearest = t;
-        gate = Gate(g, s->sharp != nullptr);
+        gate = Gate(g, true);
     }
     return gate;
 }
@@ -81,7 +81,7 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
     const auto root = nearest_root(ray, t_guess, surfel);
     if (!root) return false;
     const Vec3d gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
-    if (!gate.admits(gradient, surfel.sharp != nullptr)) return false;
+    if (!gate.admits(gradient)) return false;
     const double weight = weight_kernel(sq_length(root->local));
     sums.weight += weight;
     sums.t += weight * (root->t_base + surfel.support_radius * root->t);

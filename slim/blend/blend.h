@@ -23,16 +23,16 @@ struct BlendSums {
 /// the sheets of a surfel (slim/fit/sharp_clusters.h), so that faces are not blended over their edge.
 inline constexpr double kSharpGate = 0.866;
 
-/// Which supporters belong to what is seen: those whose gradient agrees with this one (NUMERICS 4.4).
+/// Which supporters belong to what is seen: those whose gradient agrees with this one (NUMERICS 4.4), closely in
+/// models with sharp surfels: there the leaves of two faces meet at an edge, and either may reach beyond it.
 struct Gate {
     Vec3d gradient;
-    bool sharp = false;  ///< of a sharp surfel: supporters must agree within kSharpGate
+    bool close = false;  ///< within kSharpGate
 
-    Gate(const Vec3d& g, bool of_sharp = false) : gradient(g), sharp(of_sharp) {}
-    bool admits(const Vec3d& g, bool of_sharp) const {
+    Gate(const Vec3d& g, bool closely = false) : gradient(g), close(closely) {}
+    bool admits(const Vec3d& g) const {
         const double agreement = dot(g, gradient);
-        if (!sharp && !of_sharp) return agreement > 0;
-        return agreement > kSharpGate * length(g) * length(gradient);
+        return close ? agreement > kSharpGate * length(g) * length(gradient) : agreement > 0;
     }
 };
 
@@ -61,8 +61,7 @@ struct Projection {
 
 /// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
 /// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
-/// n . grad f > 0. Where a sharp surfel supports p, its root nearest t = 0 says which side of the edge counts
-/// (Gate). `supporters` may hold more surfels than support p; order fixes the last bits.
+/// n . grad f > 0. Where one of them is sharp, the root nearest p says which face counts (Gate). `supporters` may hold more surfels than support p; order fixes the last bits.
 /// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         std::span<const Surfel* const> supporters,

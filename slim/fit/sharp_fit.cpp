@@ -16,6 +16,7 @@ constexpr double kOffSheet = 5;         // times the noise, as in the ladder
 constexpr double kWorthADegree = 1.5;   // eps^2 of the plane over that of the full degree
 constexpr double kExplained = 4;        // residuals up to this many eps belong to a sheet
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
+constexpr double kFollows = 0.9;         // mean cosine of a sheet's gradients to its points' normals
 constexpr int kRefits = 2;
 constexpr double kLeastGap = 0.25;      // of the radius: places on a sheet have a point as near as that,
 constexpr double kFacing = 0.5;         // whose normal has at least this cosine to the sheet's
@@ -106,11 +107,40 @@ private:
                 if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
             }
             fit_.polynomial[k] = best.polynomial;
+            if (!follows_normals(k)) best = level(k);
             error_[k] = std::sqrt(best.sq_error) / p_.radius;
             fit_.degree = std::max(fit_.degree, best.degree);
             fit_.n_coefficients += n_coefficients(best.degree);
         }
         return true;
+    }
+
+    /// Whether a sheet's gradients are the normals of the points that are its alone. A plane through a few points
+    /// of a narrow strip may lean away from them.
+    bool follows_normals(std::size_t k) const {
+        double sum = 0, n = 0;
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            const Vec3d normal = normal_of(p_, i);
+            if (work_.sheets[i] != 1u << k || !(sq_length(normal) > 0)) continue;
+            sum += cosine(k, place_of(p_, i), normal);
+            ++n;
+        }
+        return sum >= kFollows * n;
+    }
+
+    /// The plane across the mean normal through the mean of the sheet's points (those in work_.part).
+    LocalFit level(std::size_t k) {
+        double sum = 0, squares = 0, weight = 0;
+        for (std::size_t i = 0; i < work_.part.n; ++i) {
+            const double w = dot(fit_.frame[k].normal, place_of(work_.part, i));
+            const double g = static_cast<double>(weight_kernel(work_.part.sq[i]));
+            sum += g * w, squares += g * w * w, weight += g;
+        }
+        LocalFit fit;
+        fit.polynomial.a[0] = sum / weight;
+        fit.sq_error = p_.radius * p_.radius * std::max(0.0, squares / weight - std::pow(sum / weight, 2));
+        fit_.polynomial[k] = fit.polynomial;
+        return fit;
     }
 
     /// Points go to the sheet whose normal they have, and to every other that is nearly as good and that
