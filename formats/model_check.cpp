@@ -77,10 +77,12 @@ ModelFault check_sharp(const SurfelTree& tree, std::size_t i, std::size_t& next_
     const auto fault = [&](auto... parts) { return ModelFault{"sharp", i, message(parts...)}; };
     if (e.node >= tree.n_nodes() || !(tree.node(e.node).flags & kSharp))
         return fault("node ", e.node, " is not a sharp one");
-    if (i > 0 && e.node <= tree.sharp()[i - 1].node) return fault("node ", e.node, " is out of order");
+    if (i > 0 && e.node <= tree.sharp()[i - 1].node)
+        return fault("node ", e.node, " is out of order");
     if (e.n_extra < 1 || e.n_extra >= kMostSheets) return fault(int{e.n_extra}, " further sheets");
     if (e.outer > 1 || e.inner > 1) return fault("join ", int{e.outer}, ", ", int{e.inner});
-    if (e.first_sheet != next_sheet) return fault("first sheet ", e.first_sheet, ", not ", next_sheet);
+    if (e.first_sheet != next_sheet)
+        return fault("first sheet ", e.first_sheet, ", not ", next_sheet);
     next_sheet += e.n_extra;
     return {};
 }
@@ -94,8 +96,8 @@ ModelFault check_all_sharp(const SurfelTree& tree) {
         if (ModelFault f = check_sharp(tree, i, n_sheets); !f.chunk.empty()) return f;
     const auto stride = static_cast<std::size_t>(floats_per_sheet(tree.header().degree));
     if (tree.sheets().size() != n_sheets * stride)
-        return {"sheets", 0, message(n_sheets, " sheets need ", n_sheets * stride, " floats, found ",
-                                     tree.sheets().size())};
+        return {"sheets", 0, message(n_sheets, " sheets need ", n_sheets * stride,
+                                     " floats, found ", tree.sheets().size())};
     for (std::size_t k = 0; k < tree.sheets().size(); ++k)
         if (!std::isfinite(tree.sheets()[k]) || (k % stride < 2 && std::abs(tree.sheets()[k]) > 1))
             return {"sheets", k, message("number ", tree.sheets()[k], " is no part of a sheet")};

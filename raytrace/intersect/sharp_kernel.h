@@ -67,7 +67,8 @@ inline SharpRoot<V> best_joined_root(const SharpRecord& s, const SharpRays<V>& r
         const RootCandidates<V> found = all_roots<Degree, V>(rays.f[i], lo, hi, active);
         for (std::size_t k = 0; k < found.n; ++k) {
             const V& t = found.root[k].t;
-            const auto better = found.root[k].hit && (!best.root.hit || cost(t) < cost(best.root.t));
+            const auto better =
+                found.root[k].hit && (!best.root.hit || cost(t) < cost(best.root.t));
             if (stdx::none_of(better)) continue;
             const auto taken = better && on_joined_surface(s, rays, i, t);
             best.root.t = select<V>(taken, t, best.root.t);

@@ -91,7 +91,8 @@ DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t shee
     r.u_axis = to_camera(view, s.sheet_frame(sheet).u_axis);
     r.v_axis = to_camera(view, s.sheet_frame(sheet).v_axis);
     r.normal = to_camera(view, s.sheet_frame(sheet).normal);
-    for (std::size_t k = 0; k < r.a.size(); ++k) r.a[k] = static_cast<float>(s.sheet_polynomial(sheet).a[k]);
+    for (std::size_t k = 0; k < r.a.size(); ++k)
+        r.a[k] = static_cast<float>(s.sheet_polynomial(sheet).a[k]);
     r.node = node;
     r.z_base = grid.z_base;
     r.z_center = c.z;

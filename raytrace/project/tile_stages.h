@@ -83,8 +83,8 @@ inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDept
     const FloatV half = stdx::sqrt(stdx::max(kSqTrim - ball.sq_distance, FloatV(0.0f)));
     const FloatV at_near = (t.near_z - depth.base) * r.inv_radius * rays.inv_dz + ball.along;
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
-    const auto found = best_joined_root<Degree, FloatV>(s, f, stdx::max(-half, at_near), half, active,
-                                                        [](const FloatV& x) { return x; });
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
     const FloatV z_root = depth.base + r.radius * (found.root.t - ball.along) * rays.dz;
     const auto nearer = found.root.hit && z_root < t.z.load(i);
     if (stdx::none_of(nearer)) return;

@@ -59,8 +59,8 @@ std::optional<SheetRoot> nearest_root(const Ray& ray, double t_guess, const Surf
 /// supporter is sharp: there every one on n's side counts.
 Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supporters) {
     Gate gate(n);
-    if (std::none_of(supporters.begin(), supporters.end(), [](const Surfel* s) { return !!s->sharp; }))
-        return gate;
+    const auto is_sharp = [](const Surfel* s) { return s->sharp != nullptr; };
+    if (std::none_of(supporters.begin(), supporters.end(), is_sharp)) return gate;
     double nearest = INFINITY;
     for (const Surfel* s : supporters) {
         const auto root = nearest_root({p, n}, 0, *s);
