@@ -10,7 +10,9 @@
 namespace slim {
 namespace {
 
-constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 1};
+/// Version 2 has further sheets of sharp surfels; a file without them is still version 1.
+constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
+constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 2};
 
 /// A fitted surfel with no gaps between its members, so that equal surfels are equal bytes.
 struct Record {
@@ -21,20 +23,37 @@ struct Record {
     double fit_error;
     std::uint64_t point_id;
     std::uint32_t n_points;
-    std::uint8_t degree, level, flags, reserved;
+    std::uint8_t degree, level, flags;
+    std::uint8_t sharp;  ///< further sheets, + 4 if the outer join is min, + 8 if the inner one is
 };
 static_assert(sizeof(Record) == 8 * (3 + 1 + 9 + kMaxCoefficients + 2) + 8);
 
+/// A further sheet; those of the sharp surfels stand one after another.
+struct SheetRecord {
+    double axes[9];
+    double coefficients[kMaxCoefficients];
+};
+
 void put(const Vec3d& v, double* out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 Vec3d take(const double* v) { return {v[0], v[1], v[2]}; }
+
+void put(const Frame<double>& frame, double* out) {
+    put(frame.u_axis, out);
+    put(frame.v_axis, out + 3);
+    put(frame.normal, out + 6);
+}
+Frame<double> take_frame(const double* v) { return {take(v), take(v + 3), take(v + 6)}; }
+
+std::uint8_t pack_joins(const SharpSheets& s) {
+    return static_cast<std::uint8_t>(s.n_extra + (s.outer == Join::min ? 4u : 0u) +
+                                     (s.inner == Join::min ? 8u : 0u));
+}
 
 Record pack(const FittedSurfel& f) {
     Record r{};
     put(f.surfel.center, r.center);
     r.support_radius = f.surfel.support_radius;
-    put(f.surfel.frame.u_axis, r.axes);
-    put(f.surfel.frame.v_axis, r.axes + 3);
-    put(f.surfel.frame.normal, r.axes + 6);
+    put(f.surfel.frame, r.axes);
     std::copy(f.surfel.polynomial.a.begin(), f.surfel.polynomial.a.end(), r.coefficients);
     r.fit_error = f.fit_error;
     r.point_id = f.point_id;
@@ -42,13 +61,43 @@ Record pack(const FittedSurfel& f) {
     r.degree = static_cast<std::uint8_t>(f.surfel.degree);
     r.level = f.level;
     r.flags = f.flags;
+    if (f.surfel.sharp) r.sharp = pack_joins(*f.surfel.sharp);
     return r;
+}
+
+std::vector<SheetRecord> pack_sheets(std::span<const FittedSurfel> surfels) {
+    std::vector<SheetRecord> out;
+    for (const FittedSurfel& f : surfels) {
+        if (!f.surfel.sharp) continue;
+        for (std::size_t k = 0; k < f.surfel.sharp->n_extra; ++k) {
+            const Sheet& s = f.surfel.sharp->extra[k];
+            SheetRecord& r = out.emplace_back();
+            put(s.frame, r.axes);
+            std::copy(s.polynomial.a.begin(), s.polynomial.a.end(), r.coefficients);
+        }
+    }
+    return out;
+}
+
+std::shared_ptr<const SharpSheets> unpack_sheets(std::uint8_t joins,
+                                                 std::span<const SheetRecord> records) {
+    auto out = std::make_shared<SharpSheets>();
+    out->n_extra = records.size();
+    out->outer = joins & 4 ? Join::min : Join::max;
+    out->inner = joins & 8 ? Join::min : Join::max;
+    // The bound of the array is said twice: g++ 12 does not see that there are at most two records.
+    for (std::size_t k = 0; k < std::min(records.size(), out->extra.size()); ++k) {
+        out->extra[k].frame = take_frame(records[k].axes);
+        std::copy(records[k].coefficients, records[k].coefficients + kMaxCoefficients,
+                  out->extra[k].polynomial.a.begin());
+    }
+    return out;
 }
 
 FittedSurfel unpack(const Record& r) {
     FittedSurfel f{{take(r.center),
                     r.support_radius,
-                    {take(r.axes), take(r.axes + 3), take(r.axes + 6)},
+                    take_frame(r.axes),
                     {},
                     r.degree}};
     std::copy(r.coefficients, r.coefficients + kMaxCoefficients, f.surfel.polynomial.a.begin());
@@ -62,7 +111,7 @@ FittedSurfel unpack(const Record& r) {
 
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
-           r.degree <= kMaxDegree;
+           r.degree <= kMaxDegree && (r.sharp & 3) < kMostSheets;
 }
 
 }  // namespace
@@ -71,9 +120,11 @@ void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
                const std::string& header_json) {
     std::vector<Record> records(surfels.size());
     std::transform(surfels.begin(), surfels.end(), records.begin(), pack);
-    ChunkWriter writer(path, kFitKind);
+    const std::vector<SheetRecord> sheets = pack_sheets(surfels);
+    ChunkWriter writer(path, sheets.empty() ? kSmoothFitKind : kFitKind);
     writer.add("header_json", std::span<const char>(header_json));
     writer.add("surfels", std::span<const Record>(records));
+    if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
     writer.commit();
 }
 
@@ -82,15 +133,27 @@ FitFile read_fit(const std::string& path) {
     file.verify_all();
     const auto json = file.array<char>("header_json");
     const auto records = file.array<Record>("surfels");
+    std::span<const SheetRecord> sheets;
+    if (file.has("sheets")) sheets = file.array<SheetRecord>("sheets");
     FitFile fit{{json.begin(), json.end()}, {}};
     fit.surfels.reserve(records.size());
     for (std::size_t i = 0; i < records.size(); ++i) {
         if (!is_sound(records[i]))
             throw FormatError(message(path, ": byte ", file.offset("surfels") + i * sizeof(Record),
-                                      ": surfel ", i, " has no finite ball or degree ",
-                                      int{records[i].degree}));
+                                      ": surfel ", i, " has no finite ball, or degree ",
+                                      int{records[i].degree}, " or sheets ",
+                                      int{records[i].sharp} & 3));
         fit.surfels.push_back(unpack(records[i]));
+        const std::size_t extra = records[i].sharp & 3u;
+        if (extra == 0) continue;
+        if (extra > sheets.size())
+            throw FormatError(message(path, ": surfel ", i, " needs ", extra,
+                                      " further sheets, found ", sheets.size()));
+        fit.surfels.back().surfel.sharp = unpack_sheets(records[i].sharp, sheets.first(extra));
+        sheets = sheets.subspan(extra);
     }
+    if (!sheets.empty())
+        throw FormatError(message(path, ": ", sheets.size(), " sheets belong to no surfel"));
     return fit;
 }
 

@@ -84,6 +84,39 @@ ModelFault check_bounds(const SurfelTree& tree, std::size_t i) {
     return {};
 }
 
+/// Whether entry i of the sharp nodes is one, in order, and its sheets are the next in the array.
+ModelFault check_sharp(const SurfelTree& tree, std::size_t i, std::size_t& next_sheet) {
+    const SharpEntry& e = tree.sharp()[i];
+    const auto fault = [&](auto... parts) { return ModelFault{"sharp", i, message(parts...)}; };
+    if (e.node >= tree.n_nodes() || !(tree.node(e.node).flags & kSharp))
+        return fault("node ", e.node, " is not a sharp one");
+    if (i > 0 && e.node <= tree.sharp()[i - 1].node)
+        return fault("node ", e.node, " is out of order");
+    if (e.n_extra < 1 || e.n_extra >= kMostSheets) return fault(int{e.n_extra}, " further sheets");
+    if (e.outer > 1 || e.inner > 1) return fault("join ", int{e.outer}, ", ", int{e.inner});
+    if (e.first_sheet != next_sheet)
+        return fault("first sheet ", e.first_sheet, ", not ", next_sheet);
+    next_sheet += e.n_extra;
+    return {};
+}
+
+ModelFault check_all_sharp(const SurfelTree& tree) {
+    std::size_t n_flagged = 0, n_sheets = 0;
+    for (const TreeNode& node : tree.nodes()) n_flagged += (node.flags & kSharp) != 0;
+    if (n_flagged != tree.sharp().size())
+        return {"nodes", 0, message(n_flagged, " nodes are sharp, found ", tree.sharp().size())};
+    for (std::size_t i = 0; i < tree.sharp().size(); ++i)
+        if (ModelFault f = check_sharp(tree, i, n_sheets); !f.chunk.empty()) return f;
+    const auto stride = static_cast<std::size_t>(floats_per_sheet(tree.header().degree));
+    if (tree.sheets().size() != n_sheets * stride)
+        return {"sheets", 0, message(n_sheets, " sheets need ", n_sheets * stride,
+                                     " floats, found ", tree.sheets().size())};
+    for (std::size_t k = 0; k < tree.sheets().size(); ++k)
+        if (!std::isfinite(tree.sheets()[k]) || (k % stride < 2 && std::abs(tree.sheets()[k]) > 1))
+            return {"sheets", k, message("number ", tree.sheets()[k], " is no part of a sheet")};
+    return {};
+}
+
 }  // namespace
 
 ModelFault check_model(const SurfelTree& tree) {
@@ -103,7 +136,7 @@ ModelFault check_model(const SurfelTree& tree) {
             if (ModelFault f = check_bounds(tree, i); !f.chunk.empty()) return f;
     if (n_leaves != tree.header().n_leaves)
         return {"header", 0, message("says ", tree.header().n_leaves, " leaves, found ", n_leaves)};
-    return {};
+    return check_all_sharp(tree);
 }
 
 }  // namespace slim

@@ -9,7 +9,9 @@
 namespace slim {
 namespace {
 
-constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 1};
+/// Version 2 has further sheets of sharp surfels; a model without them is still version 1.
+constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
+constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 2};
 
 /// ModelHeader as it stands in the file: no gaps, sizes fixed.
 struct HeaderRecord {
@@ -44,6 +46,8 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
     const std::size_t size = fault.chunk == "nodes"     ? sizeof(TreeNode)
                              : fault.chunk == "pages"   ? sizeof(Vec3d)
                              : fault.chunk == "records" ? stride * sizeof(float)
+                             : fault.chunk == "sharp"   ? sizeof(SharpEntry)
+                             : fault.chunk == "sheets"  ? sizeof(float)
                                                         : 0;
     return file.offset(fault.chunk) + fault.entry * size;
 }
@@ -53,12 +57,16 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json) {
     const HeaderRecord header = pack(data.header);
-    ChunkWriter writer(path, kModelKind);
+    ChunkWriter writer(path, data.sharp.empty() ? kSmoothModelKind : kModelKind);
     writer.add("header", std::span<const HeaderRecord>(&header, 1));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", std::span<const Vec3d>(data.page_origins));
     writer.add("nodes", std::span<const TreeNode>(data.nodes));
     writer.add("records", std::span<const float>(data.records));
+    if (!data.sharp.empty()) {
+        writer.add("sharp", std::span<const SharpEntry>(data.sharp));
+        writer.add("sheets", std::span<const float>(data.sheets));
+    }
     writer.commit();
 }
 
@@ -78,8 +86,14 @@ ModelFile ModelFile::open(const std::string& path) {
 }
 
 SurfelTree ModelFile::tree() const {
+    std::span<const SharpEntry> sharp;
+    std::span<const float> sheets;
+    if (file_.has("sharp")) {
+        sharp = file_.array<SharpEntry>("sharp");
+        sheets = file_.array<float>("sheets");
+    }
     return {header_, file_.array<Vec3d>("pages"), file_.array<float>("records"),
-            file_.array<TreeNode>("nodes")};
+            file_.array<TreeNode>("nodes"), sharp, sheets};
 }
 
 }  // namespace slim

@@ -52,6 +52,7 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     f.degree = c.degree;
     f.t_mdl = c.t_mdl;
     f.lambda = c.lambda;
+    f.sharp = c.sharp;
     f.memory = c.memory;
     f.seed = c.seed;
     return f;

@@ -17,6 +17,7 @@ struct BuildConfig {
     int degree = 2;
     double t_mdl = 0.01;
     double lambda = 0;
+    std::string sharp = "off";
     std::string normals = "auto";
     std::string sensors;
     std::string memory = "1GiB";
@@ -34,6 +35,9 @@ struct BuildConfig {
         field("t_mdl", t_mdl,
               "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12, 1e3);
         field("lambda", lambda, "noise variance of eq. (3), model units squared; 0: measured", 0, 1e300);
+        field.choice("sharp", sharp,
+                     "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
+                     {"on", "off"});
         field.choice("normals", normals,
                      "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones",
                      {"auto", "keep", "estimate"});

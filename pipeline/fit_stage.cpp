@@ -38,6 +38,9 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"forced", c.forced},
             {"normals_disagree", c.normals_disagree},
             {"recentred", c.recentred},
+            {"sharp_edges", c.sharp_edges},
+            {"sharp_corners", c.sharp_corners},
+            {"sharp_rungs", c.sharp_rungs},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
             {"searches", c.evaluated},
@@ -58,6 +61,7 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.least_radius =
         std::max(2 * plan.coordinate_quantum, plan.diagonal * std::numeric_limits<double>::epsilon());
     rules.seed = config.seed;
+    rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
     return rules;
 }
@@ -96,6 +100,7 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},
             {"contrary_share", rules.ladder.contrary_share},
+            {"sharp", rules.sharp},
             {"seed", rules.seed}};
 }
 

@@ -19,6 +19,7 @@ struct FitConfig {
     int degree = 2;
     double t_mdl = 0.01;
     double lambda = 0;
+    std::string sharp = "off";
     std::string memory = "1GiB";
     std::uint64_t seed = 0;
 
@@ -33,6 +34,9 @@ struct FitConfig {
               1e-12, 1e3);
         field("lambda", lambda,
               "noise variance of eq. (3) in model units squared; 0: measured from the points", 0, 1e300);
+        field.choice("sharp", sharp,
+                     "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
+                     {"on", "off"});
         field("memory", memory, "bounds the sample that coarse levels of a job in slices are fitted from");
         field("seed", seed, "chooses among equally good centres");
     }

@@ -62,8 +62,9 @@ json model_info(const std::string& path) {
     const ModelFile file = ModelFile::open(path);
     const ModelHeader& header = file.header();
     const SurfelTree tree = file.tree();
-    Tally levels, degrees;
+    Tally levels, degrees, sheets;
     std::uint64_t saturated = 0, forced = 0;
+    for (const SharpEntry& sharp : tree.sharp()) sheets.add(std::size_t{1} + sharp.n_extra);
     for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
         if (!node.is_leaf()) continue;
         levels.add(node.level);
@@ -85,6 +86,7 @@ json model_info(const std::string& path) {
             {"seed", header.seed},
             {"leaves_by_level", levels.to_json()},
             {"leaves_by_degree", degrees.to_json()},
+            {"sharp_leaves_by_sheets", sheets.to_json()},
             {"health",
              {{"checksums", "ok"}, {"radius_at_the_largest", saturated}, {"radius_not_chosen", forced}}},
             {"provenance", parsed(file.provenance_json())}};

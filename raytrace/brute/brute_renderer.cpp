@@ -41,11 +41,12 @@ FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf
 }
 
 BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<const Leaf*>& row,
-                       bool want_hessian, RenderStats& stats) {
+                       bool sharp_model, bool want_hessian, RenderStats& stats) {
     BlendSums sums;
+    const Gate gate(hit.gradient, sharp_model);
     for (const Leaf* leaf : row) {
         ++stats.distance_tests;
-        add_supporter(ray, hit.t, hit.gradient, leaf->surfel, want_hessian, sums);
+        add_supporter(ray, hit.t, gate, leaf->surfel, want_hessian, sums);
     }
     return sums;
 }
@@ -103,7 +104,8 @@ void render_row(const PixelView& view, const PixelWindow& window, const SurfelTr
         const double t_near = view.near_plane / dot(ray.direction, view.forward);
         const FirstHit hit = nearest_hit(ray, t_near, row, stats);
         if (!hit.leaf) continue;
-        const BlendSums sums = blend_around(ray, hit, row, out.has_any(kCurvatureChannel), stats);
+        const BlendSums sums = blend_around(ray, hit, row, !tree.sharp().empty(),
+                                            out.has_any(kCurvatureChannel), stats);
         write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
         ++stats.covered_pixels;
         if (!(sums.weight > 0)) ++stats.unblended_pixels;

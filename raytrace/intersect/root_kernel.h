@@ -165,4 +165,35 @@ inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, co
     }
 }
 
+/// Every root in [lo, hi], in up to Degree lanes-wide candidates; in ascending order where there are several.
+template <class V>
+struct RootCandidates {
+    std::array<RootLanes<V>, 3> root;
+    std::size_t n = 0;
+};
+
+template <int Degree, class V>
+inline RootCandidates<V> all_roots(const PolynomialLanes<V>& k, const V& lo, const V& hi,
+                                   const typename V::mask_type& active) {
+    RootCandidates<V> out;
+    const auto add = [&](const V& t, const typename V::mask_type& hit) {
+        out.root[out.n++] = masked_root<V>(t, hit);
+    };
+    if constexpr (Degree <= 1) {
+        const V t = -k[0] / k[1];
+        add(t, active && t >= lo && t <= hi);
+    } else if constexpr (Degree == 2) {
+        const RootPair<V> roots = quadratic_pair(k[0], k[1], k[2]);
+        add(roots.near, active && roots.near >= lo && roots.near <= hi);
+        add(roots.far, active && roots.far >= lo && roots.far <= hi);
+    } else {
+        const CubicPieces<V> p = cut_cubic<V>(k, lo, hi);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto has = active && lo <= hi && p.has_root(i);
+            add(solve_piece<V>(k, p.t[i], p.t[i + 1], p.f[i + 1] > p.f[i], has), has);
+        }
+    }
+    return out;
+}
+
 }  // namespace slim

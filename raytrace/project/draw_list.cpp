@@ -71,6 +71,46 @@ std::array<float, 3> to_camera(const PixelView& view, const Vec3d& axis) {
     return {v.x, v.y, v.z};
 }
 
+/// Sheet `sheet` of a surfel in the form of the kernels.
+DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t sheet,
+                        std::uint32_t node) {
+    const Vec3d c = view.camera_from_local(s.center);
+    const PixelGrid grid = grid_of(view, c.z, s.support_radius);
+    const double px = nearest_pixel(view.center_x, c.x, grid.unit_per_px);
+    const double py = nearest_pixel(view.center_y, c.y, grid.unit_per_px);
+    const double inv_radius = 1 / s.support_radius;
+    DrawRecord r{};
+    r.pixel_x = static_cast<float>(px);
+    r.pixel_y = static_cast<float>(py);
+    r.base_x = static_cast<float>(((px + 0.5 - view.center_x) * grid.unit_per_px - c.x) * inv_radius);
+    r.base_y = static_cast<float>(((py + 0.5 - view.center_y) * grid.unit_per_px - c.y) * inv_radius);
+    r.base_z = static_cast<float>((grid.z_base - c.z) * inv_radius);
+    r.step = static_cast<float>(grid.unit_per_px * inv_radius);
+    r.radius = static_cast<float>(s.support_radius);
+    r.inv_radius = static_cast<float>(inv_radius);
+    r.u_axis = to_camera(view, s.sheet_frame(sheet).u_axis);
+    r.v_axis = to_camera(view, s.sheet_frame(sheet).v_axis);
+    r.normal = to_camera(view, s.sheet_frame(sheet).normal);
+    for (std::size_t k = 0; k < r.a.size(); ++k)
+        r.a[k] = static_cast<float>(s.sheet_polynomial(sheet).a[k]);
+    r.node = node;
+    r.z_base = grid.z_base;
+    r.z_center = c.z;
+    return r;
+}
+
+/// Further sheets of what is drawn; nothing at all for smooth models.
+void add_sharp(const PixelView& view, const SurfelTree& tree, DrawList& list) {
+    if (tree.sharp().empty()) return;
+    list.sharp_of.assign(list.records.size(), kSmooth);
+    for (std::size_t i = 0; i < list.records.size(); ++i) {
+        const std::uint32_t node = list.records[i].node;
+        if (!(tree.node(node).flags & kSharp)) continue;
+        list.sharp_of[i] = static_cast<std::uint32_t>(list.sharp.size());
+        list.sharp.push_back(sharp_record(view, tree, node));
+    }
+}
+
 }  // namespace
 
 ScreenRect screen_rect(const PixelView& view, const PixelWindow& w, const Vec3d& c, double radius) {
@@ -94,29 +134,17 @@ ScreenRect screen_rect(const PixelView& view, const PixelWindow& w, const Vec3d&
 }
 
 DrawRecord draw_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node) {
+    return sheet_record(view, tree.surfel(node), 0, node);
+}
+
+SharpRecord sharp_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node) {
     const Surfel s = tree.surfel(node);
-    const Vec3d c = view.camera_from_local(s.center);
-    const PixelGrid grid = grid_of(view, c.z, s.support_radius);
-    const double px = nearest_pixel(view.center_x, c.x, grid.unit_per_px);
-    const double py = nearest_pixel(view.center_y, c.y, grid.unit_per_px);
-    const double inv_radius = 1 / s.support_radius;
-    DrawRecord r{};
-    r.pixel_x = static_cast<float>(px);
-    r.pixel_y = static_cast<float>(py);
-    r.base_x = static_cast<float>(((px + 0.5 - view.center_x) * grid.unit_per_px - c.x) * inv_radius);
-    r.base_y = static_cast<float>(((py + 0.5 - view.center_y) * grid.unit_per_px - c.y) * inv_radius);
-    r.base_z = static_cast<float>((grid.z_base - c.z) * inv_radius);
-    r.step = static_cast<float>(grid.unit_per_px * inv_radius);
-    r.radius = static_cast<float>(s.support_radius);
-    r.inv_radius = static_cast<float>(inv_radius);
-    r.u_axis = to_camera(view, s.frame.u_axis);
-    r.v_axis = to_camera(view, s.frame.v_axis);
-    r.normal = to_camera(view, s.frame.normal);
-    for (std::size_t k = 0; k < r.a.size(); ++k) r.a[k] = static_cast<float>(s.polynomial.a[k]);
-    r.node = node;
-    r.z_base = grid.z_base;
-    r.z_center = c.z;
-    return r;
+    SharpRecord out;
+    out.n_sheets = s.n_sheets();
+    out.outer = s.sharp->outer;
+    out.inner = s.sharp->inner;
+    for (std::size_t i = 0; i < out.n_sheets; ++i) out.sheet[i] = sheet_record(view, s, i, node);
+    return out;
 }
 
 DrawList draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
@@ -148,6 +176,7 @@ DrawList draw_list(const PixelView& view, const PixelWindow& window, const Surfe
                                           kTrim * tree.support_radius(node));
         }
     });
+    add_sharp(view, tree, list);
     return list;
 }
 

@@ -2,6 +2,7 @@
 
 #include "raytrace/camera.h"
 #include "raytrace/intersect/ray_kernel.h"
+#include "raytrace/intersect/sharp_kernel.h"
 #include "raytrace/renderer.h"
 #include "slim/model/surfel_tree.h"
 
@@ -25,11 +26,22 @@ ScreenRect screen_rect(const PixelView& view, const PixelWindow& window, const V
 /// One surfel in the form of the kernels; doubles inside, floats out.
 DrawRecord draw_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node);
 
+/// The same of a sharp surfel, sheet by sheet.
+SharpRecord sharp_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node);
+
+inline constexpr std::uint32_t kSmooth = 0xffffffffu;
+
 /// The cut, ready to draw, nearest first (ties in node order); what misses the window is left out.
 struct DrawList {
     std::vector<DrawRecord> records;
     std::vector<ScreenRect> full;     ///< of the support ball
     std::vector<ScreenRect> trimmed;  ///< of the ball shrunken by kTrim
+    std::vector<SharpRecord> sharp;       ///< the sharp ones, in the same order
+    std::vector<std::uint32_t> sharp_of;  ///< of each record its entry in `sharp` or kSmooth; empty in smooth models
+
+    const SharpRecord* sharp_at(std::uint32_t record) const {
+        return sharp_of[record] == kSmooth ? nullptr : &sharp[sharp_of[record]];
+    }
 };
 
 DrawList draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,

@@ -34,7 +34,7 @@ struct Scene {
     const TileBins& bins;
 };
 
-template <int Degree, bool kWantHessian>
+template <int Degree, bool kWantHessian, bool kSharpModel>
 void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
     const auto entries = scene.bins.of(tile);
     const DrawRecord& nearest = scene.list.records[entries.front()];
@@ -43,17 +43,22 @@ void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& ou
     t.start(scene.view, scene.window, scene.grid.x + column * kTileSize,
             scene.grid.y + row * kTileSize,
             nearest.z_center - kTrim * static_cast<double>(nearest.radius), kWantHessian);
-    run_stage_1<Degree>(scene.list, entries, t);
-    run_stage_2<Degree, kWantHessian>(scene.list, entries, t);
+    run_stage_1<Degree, kSharpModel>(scene.list, entries, t);
+    run_stage_2<Degree, kWantHessian, kSharpModel>(scene.list, entries, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list, entries, t, out);
 }
 
 using DrawTile = void (*)(const Scene&, std::size_t, TileBuffers&, GBuffer&);
 
-DrawTile choose(int degree, bool want_hessian) {
-    if (degree <= 1) return want_hessian ? draw_tile<1, true> : draw_tile<1, false>;
-    if (degree == 2) return want_hessian ? draw_tile<2, true> : draw_tile<2, false>;
-    return want_hessian ? draw_tile<3, true> : draw_tile<3, false>;
+template <int Degree>
+DrawTile choose_of(bool want_hessian, bool sharp) {
+    if (want_hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
+    return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
+}
+
+DrawTile choose(int degree, bool want_hessian, bool sharp) {
+    if (degree <= 1) return choose_of<1>(want_hessian, sharp);
+    return degree == 2 ? choose_of<2>(want_hessian, sharp) : choose_of<3>(want_hessian, sharp);
 }
 
 TileCounts draw_tiles(const Scene& scene, DrawTile draw, GBuffer& out) {
@@ -93,7 +98,9 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     stats.bin_ms = clock.lap_ms();
     const TileCounts counts =
         draw_tiles({tree, view, window, grid, list, bins},
-                   choose(tree.header().degree, (request.wanted & kCurvatureChannel) != 0), out);
+                   choose(tree.header().degree, (request.wanted & kCurvatureChannel) != 0,
+                          !tree.sharp().empty()),
+                   out);
     stats.draw_ms = clock.lap_ms();
     stats.root_tests = counts.root_tests;
     stats.distance_tests = counts.distance_tests;

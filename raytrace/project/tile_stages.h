@@ -1,7 +1,9 @@
 #pragma once
 
+#include "raytrace/intersect/sharp_kernel.h"
 #include "raytrace/project/draw_list.h"
 #include "raytrace/project/tile_buffers.h"
+#include "slim/blend/blend.h"
 #include "slim/model/surfel.h"
 #include "slim/model/weight_kernel.h"
 
@@ -31,6 +33,16 @@ struct RecordDepths {
           center(static_cast<float>(r.z_center - t.z_ref)) {}
 };
 
+/// Writes hits that are nearer than what a group has.
+inline void keep_nearer(TileBuffers& t, std::size_t i, float entry, const FloatV::mask_type& nearer,
+                        const FloatV& z, const GradientLanes<FloatV>& g) {
+    t.z.store(i, select<FloatV>(nearer, z, t.z.load(i)));
+    t.winner.store(i, select<FloatV>(nearer, FloatV(entry), t.winner.load(i)));
+    t.gx.store(i, select<FloatV>(nearer, g.x, t.gx.load(i)));
+    t.gy.store(i, select<FloatV>(nearer, g.y, t.gy.load(i)));
+    t.gz.store(i, select<FloatV>(nearer, g.z, t.gz.load(i)));
+}
+
 /// Stage 1 for one surfel and one group: first root inside the shrunken ball, kept if nearer.
 template <int Degree>
 inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& depth, int tile_y,
@@ -53,15 +65,68 @@ inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& dep
     const auto nearer = root.hit && z_root < z;
     if (stdx::none_of(nearer)) return;
     const auto g = gradient_at<Degree, FloatV>(r, ray.bu + root.t * ray.du, ray.bv + root.t * ray.dv);
-    t.z.store(i, select<FloatV>(nearer, z_root, z));
-    t.winner.store(i, select<FloatV>(nearer, FloatV(entry), t.winner.load(i)));
-    t.gx.store(i, select<FloatV>(nearer, g.x, t.gx.load(i)));
-    t.gy.store(i, select<FloatV>(nearer, g.y, t.gy.load(i)));
-    t.gz.store(i, select<FloatV>(nearer, g.z, t.gz.load(i)));
+    keep_nearer(t, i, entry, nearer, z_root, g);
 }
 
-/// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
-template <int Degree, bool kWantHessian>
+/// The same for a sharp surfel: the first root of its joined function.
+template <int Degree>
+inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDepths& depth,
+                             int tile_y, int group, TileBuffers& t) {
+    constexpr float kSqTrim = static_cast<float>(kTrim * kTrim);
+    const DrawRecord& r = s.sheet[0];
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const auto active = ball.sq_distance < kSqTrim;
+    if (stdx::none_of(active)) return;
+    t.counts.root_tests += s.n_sheets * static_cast<std::uint64_t>(stdx::popcount(active));
+    const FloatV half = stdx::sqrt(stdx::max(kSqTrim - ball.sq_distance, FloatV(0.0f)));
+    const FloatV at_near = (t.near_z - depth.base) * r.inv_radius * rays.inv_dz + ball.along;
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
+    const FloatV z_root = depth.base + r.radius * (found.root.t - ball.along) * rays.dz;
+    const auto nearer = found.root.hit && z_root < t.z.load(i);
+    if (stdx::none_of(nearer)) return;
+    keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found));
+}
+
+/// Lanes whose gradient agrees with that of q^ (NUMERICS 4.4), in a model with sharp surfels closely (Gate in
+/// slim/blend/blend.h).
+template <bool kSharpModel>
+inline FloatV::mask_type admitted(const GradientLanes<FloatV>& g, std::size_t i,
+                                  const TileBuffers& t) {
+    const FloatV x = t.gx.load(i), y = t.gy.load(i), z = t.gz.load(i);
+    const FloatV agreement = g.x * x + g.y * y + g.z * z;
+    if constexpr (!kSharpModel) return agreement > 0.0f;
+    const FloatV size = stdx::sqrt((g.x * g.x + g.y * g.y + g.z * g.z) * (x * x + y * y + z * z));
+    return agreement > static_cast<float>(kSharpGate) * size;
+}
+
+/// Lanes whose root is near enough to q^ to be the same sheet (add_supporter in slim/blend).
+inline FloatV::mask_type belongs(const FloatV& root, const FloatV& guess) {
+    return stdx::abs(root - guess) <= static_cast<float>(kBelongs);
+}
+
+/// Adds roots of one group to the sums; depths are averaged as differences from q^, where floats are finest.
+template <class Hessian>
+inline void add_to_sums(TileBuffers& t, std::size_t i, const FloatV::mask_type& taken,
+                        const FloatV& sq_distance, const FloatV& dz, const GradientLanes<FloatV>& g,
+                        Hessian&& add_hessian) {
+    const FloatV zero(0.0f);
+    const FloatV w = select<FloatV>(taken, weight_kernel<FloatV>(sq_distance), zero);
+    t.weight.add(i, w);
+    t.offset.add(i, w * select<FloatV>(taken, dz, zero));
+    t.count.add(i, select<FloatV>(taken, FloatV(1.0f), zero));
+    t.sum_x.add(i, w * g.x);
+    t.sum_y.add(i, w * g.y);
+    t.sum_z.add(i, w * g.z);
+    add_hessian(w);
+}
+
+/// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter
+/// (slim/blend).
+template <int Degree, bool kWantHessian, bool kSharpModel>
 inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, int group,
                   TileBuffers& t) {
     const std::size_t i = group_index(tile_y, group);
@@ -79,29 +144,49 @@ inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, in
         nearest_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray), guess, s, inside);
     const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
-    const FloatV agreement = g.x * t.gx.load(i) + g.y * t.gy.load(i) + g.z * t.gz.load(i);
-    const auto taken = root.hit && agreement > 0.0f &&
-                       stdx::abs(root.t - guess) <= static_cast<float>(kBelongs);
+    const auto taken = root.hit && belongs(root.t, guess) && admitted<kSharpModel>(g, i, t);
     if (stdx::none_of(taken)) return;
-    const FloatV zero(0.0f);
-    const FloatV w =
-        select<FloatV>(taken, weight_kernel<FloatV>(ball.sq_distance + root.t * root.t), zero);
-    // Depths are averaged as differences from q^, where floats are finest.
-    const FloatV dz = r.radius * rays.dz * select<FloatV>(taken, root.t - guess, zero);
-    t.weight.add(i, w);
-    t.offset.add(i, w * dz);
-    t.count.add(i, select<FloatV>(taken, FloatV(1.0f), zero));
-    t.sum_x.add(i, w * g.x);
-    t.sum_y.add(i, w * g.y);
-    t.sum_z.add(i, w * g.z);
-    if constexpr (kWantHessian) {
+    const FloatV dz = r.radius * rays.dz * (root.t - guess);
+    add_to_sums(t, i, taken, ball.sq_distance + root.t * root.t, dz, g, [&](const FloatV& w) {
+        if constexpr (!kWantHessian) return;
         const auto h = hessian_at<Degree, FloatV>(r, u, v);
         for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
-    }
+    });
+}
+
+/// The same for a sharp surfel: the root of its joined function nearest q^.
+template <int Degree, bool kWantHessian>
+inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int tile_y, int group,
+                        TileBuffers& t) {
+    const DrawRecord& r = s.sheet[0];
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV tau = (t.z.load(i) - depth.base) * r.inv_radius * rays.inv_dz;
+    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
+    t.counts.distance_tests += kLanes;
+    if (stdx::none_of(inside)) return;
+    t.counts.root_tests += s.n_sheets * static_cast<std::uint64_t>(stdx::popcount(inside));
+    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
+    const FloatV guess = tau + ball.along;
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, -half, half, inside, [&](const FloatV& x) { return stdx::abs(x - guess); });
+    const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
+    const auto taken =
+        found.root.hit && belongs(found.root.t, guess) && admitted<true>(g, i, t);
+    if (stdx::none_of(taken)) return;
+    const FloatV& x = found.root.t;
+    add_to_sums(t, i, taken, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
+                [&](const FloatV& w) {
+                    if constexpr (!kWantHessian) return;
+                    const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
+                    for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+                });
 }
 
 /// Stage 1 of a tile: its surfels, nearest first; one behind everything is passed over.
-template <int Degree>
+template <int Degree, bool kSharpModel>
 void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
     constexpr std::size_t kUpdateEvery = 8;
     float farthest = t.farthest();
@@ -111,6 +196,13 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
         if (e % kUpdateEvery == 0) farthest = t.farthest();
         if (depth.center - static_cast<float>(kTrim) * r.radius > farthest) continue;
         const auto entry = static_cast<float>(e);
+        if constexpr (kSharpModel)
+            if (const SharpRecord* s = list.sharp_at(entries[e])) {
+                for_each_group(t, list.trimmed[entries[e]], [&](int y, int group) {
+                    first_sharp_hits<Degree>(*s, entry, depth, y, group, t);
+                });
+                continue;
+            }
         for_each_group(t, list.trimmed[entries[e]], [&](int y, int group) {
             first_hits<Degree>(r, entry, depth, y, group, t);
         });
@@ -118,7 +210,7 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
 }
 
 /// Stage 2 of a tile. A group is skipped if the ball cannot reach the depths of its q^.
-template <int Degree, bool kWantHessian>
+template <int Degree, bool kWantHessian, bool kSharpModel>
 void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
     if (!t.update_group_ranges()) return;
     for (const std::uint32_t entry : entries) {
@@ -130,7 +222,10 @@ void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, T
             const auto g = static_cast<std::size_t>(y * kGroupsPerRow + group);
             if (depth.center - reach > t.group_far[g] || depth.center + reach < t.group_near[g])
                 return;
-            blend<Degree, kWantHessian>(r, depth, y, group, t);
+            if constexpr (kSharpModel)
+                if (const SharpRecord* s = list.sharp_at(entry))
+                    return blend_sharp<Degree, kWantHessian>(*s, depth, y, group, t);
+            blend<Degree, kWantHessian, kSharpModel>(r, depth, y, group, t);
         });
     }
 }

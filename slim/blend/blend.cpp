@@ -1,19 +1,24 @@
 #include "slim/blend/blend.h"
 
+#include "slim/blend/sharp_root.h"
 #include "slim/model/weight_kernel.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace slim {
 namespace {
 
 /// H += weight * Hess f at local (u, v): sum over a, b of -P_ab / rho e_a e_b^T (NUMERICS 5.1).
-void add_hessian(const Surfel& s, double u, double v, double weight, SymmetricMatrix& h) {
+void add_hessian(const Surfel& s, const SheetRoot& root, double weight, SymmetricMatrix& h) {
     const double scale = -weight / s.support_radius;
-    const double uu = scale * s.polynomial.d_uu(u, v);
-    const double uv = scale * s.polynomial.d_uv(u, v);
-    const double vv = scale * s.polynomial.d_vv(u, v);
-    const Vec3d &eu = s.frame.u_axis, &ev = s.frame.v_axis;
+    const double u = root.local.x, v = root.local.y;
+    const Polynomial<double>& p = s.sheet_polynomial(root.sheet);
+    const double uu = scale * p.d_uu(u, v);
+    const double uv = scale * p.d_uv(u, v);
+    const double vv = scale * p.d_vv(u, v);
+    const Frame<double>& frame = s.sheet_frame(root.sheet);
+    const Vec3d &eu = frame.u_axis, &ev = frame.v_axis;
     const Vec3d a = eu * uu + ev * uv, b = eu * uv + ev * vv;  // H = a eu^T + b ev^T
     h[0] += a.x * eu.x + b.x * ev.x;
     h[1] += a.x * eu.y + b.x * ev.y;
@@ -23,24 +28,70 @@ void add_hessian(const Surfel& s, double u, double v, double weight, SymmetricMa
     h[5] += a.z * eu.z + b.z * ev.z;
 }
 
+/// Root of a smooth surfel nearest the guess (local, units of rho).
+std::optional<SheetRoot> nearest_smooth_root(const LocalRay& local, const Surfel& s, double guess) {
+    const double half = local.half_chord();
+    const auto root = ray_roots(ray_polynomial(local, s.polynomial), -half, half).nearest(guess);
+    if (!root) return std::nullopt;
+    return SheetRoot{*root, local.t_base, 0, local.base + local.direction * *root};
+}
+
+/// First root of a smooth surfel at local parameters >= t_lo.
+std::optional<SheetRoot> first_smooth_root(const LocalRay& local, const Surfel& s, double t_lo,
+                                           double trim) {
+    const double half = local.half_chord(trim);
+    const double lo = std::max(-half, t_lo);
+    const auto root = ray_roots(ray_polynomial(local, s.polynomial), lo, half).first();
+    if (!root) return std::nullopt;
+    return SheetRoot{*root, local.t_base, 0, local.base + local.direction * *root};
+}
+
+/// Root of a surfel nearest a parameter of the ray, inside its ball.
+std::optional<SheetRoot> nearest_root(const Ray& ray, double t_guess, const Surfel& s) {
+    const LocalRay local = local_ray(ray, s);
+    const double guess = (t_guess - local.t_base) / s.support_radius;
+    if (!(local.sq_distance + guess * guess < 1)) return std::nullopt;
+    if (!s.sharp) return nearest_smooth_root(local, s, guess);
+    return best_joined_root(ray, s, 1, -INFINITY, [&](double t) { return std::abs(t - guess); });
+}
+
+/// Whether a root is near enough to the guess to be of the same sheet.
+bool belongs(const SheetRoot& root, double t_guess, const Surfel& s) {
+    return std::abs(root.t - (t_guess - root.t_base) / s.support_radius) <= kBelongs;
+}
+
+/// What is seen from p along n: the gradient of the supporter whose root is nearest p. n itself where no
+/// supporter is sharp: there every one on n's side counts.
+Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supporters) {
+    Gate gate(n);
+    const auto is_sharp = [](const Surfel* s) { return s->sharp != nullptr; };
+    if (std::none_of(supporters.begin(), supporters.end(), is_sharp)) return gate;
+    double nearest = INFINITY;
+    for (const Surfel* s : supporters) {
+        const auto root = nearest_root({p, n}, 0, *s);
+        if (!root) continue;
+        const Vec3d g = world_gradient(*s, root->local.x, root->local.y, root->sheet);
+        const double t = std::abs(root->t_base + s->support_radius * root->t);
+        if (!(dot(g, n) > 0) || !(t < nearest)) continue;
+        nearest = t;
+        gate = Gate(g, true);
+    }
+    return gate;
+}
+
 }  // namespace
 
-bool add_supporter(const Ray& ray, double t_guess, const Vec3d& gate, const Surfel& surfel,
+bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
                    bool want_hessian, BlendSums& sums) {
-    const LocalRay local = local_ray(ray, surfel);
-    const double guess = (t_guess - local.t_base) / surfel.support_radius;
-    if (!(local.sq_distance + guess * guess < 1)) return false;
-    const double s = local.half_chord();
-    const auto root = ray_roots(ray_polynomial(local, surfel.polynomial), -s, s).nearest(guess);
-    if (!root || !(std::abs(*root - guess) <= kBelongs)) return false;
-    const Vec3d q = local.base + local.direction * *root;
-    const Vec3d gradient = world_gradient(surfel, q.x, q.y);
-    if (!(dot(gradient, gate) > 0)) return false;
-    const double weight = weight_kernel(sq_length(q));
+    const auto root = nearest_root(ray, t_guess, surfel);
+    if (!root || !belongs(*root, t_guess, surfel)) return false;
+    const Vec3d gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
+    if (!gate.admits(gradient)) return false;
+    const double weight = weight_kernel(sq_length(root->local));
     sums.weight += weight;
-    sums.t += weight * (local.t_base + surfel.support_radius * *root);
+    sums.t += weight * (root->t_base + surfel.support_radius * root->t);
     sums.gradient += gradient * weight;
-    if (want_hessian) add_hessian(surfel, q.x, q.y, weight, sums.hessian);
+    if (want_hessian) add_hessian(surfel, *root, weight, sums.hessian);
     ++sums.count;
     return true;
 }
@@ -49,20 +100,21 @@ std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_m
                                 Vec3d& gradient) {
     const LocalRay local = local_ray(ray, surfel);
     if (!local.meets_ball(trim)) return std::nullopt;
-    const double s = local.half_chord(trim);
-    const double lo = std::max(-s, (t_min - local.t_base) / surfel.support_radius);
-    const auto root = ray_roots(ray_polynomial(local, surfel.polynomial), lo, s).first();
+    const double t_lo = (t_min - local.t_base) / surfel.support_radius;
+    const auto root = surfel.sharp ? best_joined_root(ray, surfel, trim, t_lo,
+                                                      [](double t) { return t; })
+                                   : first_smooth_root(local, surfel, t_lo, trim);
     if (!root) return std::nullopt;
-    const Vec3d q = local.base + local.direction * *root;
-    gradient = world_gradient(surfel, q.x, q.y);
-    return local.t_base + surfel.support_radius * *root;
+    gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
+    return local.t_base + surfel.support_radius * root->t;
 }
 
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         std::span<const Surfel* const> supporters,
                                         bool want_curvature) {
     BlendSums sums;
-    for (const Surfel* s : supporters) add_supporter({p, n}, 0.0, n, *s, want_curvature, sums);
+    const Gate gate = gate_at(p, n, supporters);
+    for (const Surfel* s : supporters) add_supporter({p, n}, 0.0, gate, *s, want_curvature, sums);
     if (!(sums.weight > 0)) return std::nullopt;
     Projection out;
     out.t = sums.t / sums.weight;
@@ -78,9 +130,9 @@ std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
 std::optional<Vec3d> normal_at(const Vec3d& p, std::span<const Surfel* const> supporters) {
     Vec3d sum;
     for (const Surfel* s : supporters) {
-        const Vec3d local = s->frame.local_from_world((p - s->center) / s->support_radius);
-        const double sq = sq_length(local);
-        if (sq < 1) sum += world_gradient(*s, local.x, local.y) * weight_kernel(sq);
+        const Vec3d x = (p - s->center) / s->support_radius;
+        const double sq = sq_length(x);
+        if (sq < 1) sum += s->sheet_gradient(s->active_sheet(x), x) * weight_kernel(sq);
     }
     if (!(sq_length(sum) > 0)) return std::nullopt;
     return normalized(sum);

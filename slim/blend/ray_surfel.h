@@ -31,13 +31,13 @@ struct LocalRay {
     }
 };
 
-/// Set-up of a ray against a surfel (NUMERICS 4.1), in doubles. Error about 1e-16 |o - c| / rho.
-inline LocalRay local_ray(const Ray& ray, const Surfel& s) {
+/// Set-up of a ray against a sheet of a surfel (NUMERICS 4.1), in doubles. Error about 1e-16 |o - c| / rho.
+inline LocalRay local_ray(const Ray& ray, const Surfel& s, std::size_t sheet = 0) {
     const Vec3d to_center = s.center - ray.origin;
     const double t_base = dot(to_center, ray.direction);
     const Vec3d base = (ray.direction * t_base - to_center) / s.support_radius;
-    LocalRay local{s.frame.local_from_world(base), s.frame.local_from_world(ray.direction), 0,
-                   t_base};
+    const Frame<double>& frame = s.sheet_frame(sheet);
+    LocalRay local{frame.local_from_world(base), frame.local_from_world(ray.direction), 0, t_base};
     local.sq_distance = sq_length(local.base);
     return local;
 }
@@ -55,8 +55,9 @@ inline RayPolynomial<double> ray_polynomial(const LocalRay& ray, const Polynomia
 }
 
 /// Gradient of f at local (u, v), in world axes, times rho: of length >= 1, pointing outwards.
-inline Vec3d world_gradient(const Surfel& s, double u, double v) {
-    return s.frame.world_from_local({-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1.0});
+inline Vec3d world_gradient(const Surfel& s, double u, double v, std::size_t sheet = 0) {
+    const Polynomial<double>& p = s.sheet_polynomial(sheet);
+    return s.sheet_frame(sheet).world_from_local({-p.d_u(u, v), -p.d_v(u, v), 1.0});
 }
 
 }  // namespace slim

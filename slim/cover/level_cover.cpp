@@ -35,6 +35,7 @@ struct Candidate {
     std::uint32_t center = 0;  // the point that the leaf is centred at: `point`, or one further inwards
     bool leaf = false;
     RadiusChoice choice;
+    std::size_t n_sheets = 1;            // of the leaf
     CoveringSurfel surfel;               // of the leaf
     FittedSurfel internal;               // otherwise
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
@@ -43,6 +44,7 @@ struct Candidate {
 struct Workspace {
     LadderWork ladder;
     SteadyWork exact;
+    SharpWork<double> sharp;
     std::size_t searches = 0;
 };
 
@@ -78,6 +80,8 @@ public:
           root_radius_(level_radius(rules.diagonal, rules.first_level)),
           ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
                   root_radius_, rules.least_radius, rules.degree, ladder_rules(rules)),
+          sharp_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
+                 root_radius_, rules.degree, rules.ladder),
           weight_(points.size(), 0.0f),
           state_(points.size(), 0),
           stamp_(points.size(), 0),
@@ -106,6 +110,7 @@ public:
         }
         for (const Workspace& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
+            out_.counts.sharp_rungs += w.ladder.sharp_rungs;
             out_.counts.refinements += w.ladder.refinements;
             out_.counts.point_visits += w.ladder.point_visits;
             out_.counts.evaluated += w.searches;
@@ -114,12 +119,16 @@ public:
     }
 
 private:
-    enum State : std::uint8_t { kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16 };
+    enum State : std::uint8_t {
+        kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16,
+        kTwoSheets = 32, kThreeSheets = 64  // found by an earlier search: two sheets, three
+    };
 
     /// Fine levels know no points beyond their halo: their balls must not exceed it.
     static LadderRules ladder_rules(const CoverRules& rules) {
         LadderRules ladder = rules.ladder;
         if (rules.first_level > 1) ladder.above_root = 0;
+        ladder.look_for_edges = rules.sharp;
         return ladder;
     }
     static Bbox box_of(const PointBlock& points) {
@@ -141,6 +150,7 @@ private:
     void run_pass(int level, std::size_t thinning, float most_overlap,
                   std::vector<std::uint32_t>& waiting);
     void search(Candidate& c, int level, std::size_t thinning);
+    void sharpen(Candidate& c, const Vec3d& center, Workspace& work) const;
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
     void make_leaf(Candidate& c, double lower, Workspace& work) const;
     CoveringSurfel fit_leaf(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
@@ -156,6 +166,7 @@ private:
     PointPyramid pyramid_;
     double root_radius_;
     RadiusLadder ladder_;
+    SharpSearch sharp_;
     std::vector<float> weight_;        // sum of G over the leaves so far
     std::vector<std::uint8_t> state_;  // State flags
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
@@ -249,9 +260,11 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (radius_[c.point] > 0) {
         c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
+        c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
     } else {
         const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
         c.choice = ladder_.choose(center, normal, guess, work.ladder);
+        if (rules_.sharp) sharpen(c, center, work);
         // Rounded here, so that a search remembered gives the same surfel as a fresh one.
         c.choice.radius = static_cast<float>(c.choice.radius);
         ++work.searches;
@@ -272,11 +285,36 @@ CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
                       rules_.noise_variance, work.exact.ball);
 }
 
+/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
+/// The exact fit must confirm them, here and not later, so that the smooth choice is still at hand.
+void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) const {
+    auto found = sharp_.choose(center, c.choice, work.ladder);
+    if (!found) {
+        const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+        c.choice.radius = static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
+        return;
+    }
+    found->radius = static_cast<float>(found->radius);
+    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.degree,
+                                   rules_.noise_variance, work.exact.ball, work.sharp);
+    if (!fitted) return;
+    c.surfel = std::move(*fitted);
+    c.choice = {found->radius};
+    c.n_sheets = found->n_sheets;
+}
+
 /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
 /// that is too small for this level: the point waits.
 void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    if (c.n_sheets > 1) {
+        if (!c.surfel.fitted.surfel.sharp)  // the choice was made at an earlier level
+            c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
+                                         rules_.degree, rules_.noise_variance, work.exact.ball,
+                                         work.sharp);
+        return;
+    }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_leaf(center, normal, c.choice, work);
         if (length(c.surfel.lean) <= kBorder) return;
@@ -363,6 +401,7 @@ void LevelCover::accept(Candidate& c, int level) {
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
     if (c.choice.limited) state_[c.point] |= kLimited;
+    if (c.n_sheets > 1) state_[c.point] |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
     if (c.choice.isolated) {
         state_[c.point] |= kClosed;
         ++out_.counts.isolated;
@@ -408,6 +447,8 @@ void LevelCover::count(const CoveringSurfel& leaf) {
     counts.saturated += (leaf.fitted.flags & kSaturated) != 0;
     counts.forced += (leaf.fitted.flags & slim::kForced) != 0;
     counts.normals_disagree += leaf.normals_disagree;
+    counts.sharp_edges += leaf.fitted.surfel.n_sheets() == 2;
+    counts.sharp_corners += leaf.fitted.surfel.n_sheets() == 3;
     ++counts.fallbacks[static_cast<std::size_t>(leaf.fallback)];
     ++counts.degrees[static_cast<std::size_t>(leaf.fitted.surfel.degree)];
 }
@@ -422,6 +463,7 @@ CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
     saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
     unexplained += b.unexplained, isolated += b.isolated;
+    sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred;
     evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
     refinements += b.refinements, point_visits += b.point_visits;

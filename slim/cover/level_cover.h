@@ -23,6 +23,7 @@ struct CoverRules {
     double least_radius = 0;      ///< below it coordinates are rounding
     std::uint64_t seed = 0;
     LadderRules ladder;
+    bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
     std::function<bool(const Vec3d&)> owns;  ///< centres and points to cover; empty: all
     int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
     int last_level = 48;                ///< and those below this one's
@@ -35,6 +36,8 @@ struct CoverCounts {
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
+    std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two and of three sheets
+    std::uint64_t sharp_rungs = 0;  ///< balls that were tried with more than one sheet
     std::uint64_t recentred = 0;    ///< leaves of border points, moved inwards
     std::uint64_t evaluated = 0, discarded = 0, rungs = 0, refinements = 0, point_visits = 0;
     std::array<std::uint64_t, kFallbacks> fallbacks{};

@@ -25,6 +25,12 @@ void take_back(BallPoints<double>& ball, const Vec3d& normal,
     }
 }
 
+/// Whether a point's normal faces the other way than the sheet that it lies nearest to.
+bool faces_away(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
+    const Vec3d g = s.sheet_gradient(s.active_sheet(x), x);
+    return dot(g, normal) < static_cast<double>(kOtherSideCos) * length(g);
+}
+
 /// The ball's points that the surfel explains. Other sheets' points have sq = 2 and are passed over.
 std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double>& ball,
                                   const FittedSurfel& fitted, double noise_variance) {
@@ -36,8 +42,9 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
     std::vector<Covered> covered;
     for (std::size_t i = 0; i < ball.n; ++i) {
         if (ball.sq[i] >= 1) continue;
-        const Vec3d x = s.frame.local_from_world({ball.x[i], ball.y[i], ball.z[i]});
-        if (!(std::abs(x.z - s.polynomial.value(x.x, x.y)) <= tolerance)) continue;
+        const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
+        if (!(std::abs(s.value(x)) <= tolerance)) continue;
+        if (s.sharp && faces_away(s, x, {ball.nx[i], ball.ny[i], ball.nz[i]})) continue;
         covered.push_back({tree.source(ball.index[i]),
                            static_cast<float>(weight_kernel(ball.sq[i])),
                            ball.sq[i] < kTrim * kTrim});
@@ -117,9 +124,27 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
     return cover_by(points.all(), center, fit, noise_variance, work.ball);
 }
 
+std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Vec3d& center,
+                                               const SharpSearch::Choice& choice, int degree,
+                                               double noise_variance, BallPoints<double>& ball,
+                                               SharpWork<double>& sharp) {
+    gather_ball(points, center, choice.radius, ball);
+    const auto fit = fit_sharp(ball, choice.n_sheets, degree, noise_variance, sharp);
+    if (!fit) return std::nullopt;
+    CoveringSurfel out;
+    out.fitted.surfel = fit->surfel(center, choice.radius);
+    out.fitted.fit_error = std::sqrt(fit->sq_error);
+    out.fitted.n_points = static_cast<std::uint32_t>(fit->n_points);
+    out.covered = list_covered(points, ball, out.fitted, noise_variance);
+    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
+    if (!out.explains_center) return std::nullopt;
+    return out;
+}
+
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,
                                     double noise_variance, BallPoints<double>& ball) {
     gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
+    if (fitted.surfel.sharp) return list_covered(points, ball, fitted, noise_variance);
     std::vector<SetAside<double>> aside;
     set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
     take_back(ball, fitted.surfel.frame.normal, aside);

@@ -2,11 +2,13 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/radius_ladder.h"
+#include "slim/fit/sharp_search.h"
 #include "slim/fit/steady_curvature.h"
 #include "slim/model/fitted_surfel.h"
 #include "slim/neighbors/point_pyramid.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace slim {
@@ -47,6 +49,13 @@ struct SteadyWork {
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work);
+
+/// The exact fit of an edge's or a corner's sheets at a chosen radius (SharpSearch), all points of the ball.
+/// Nothing if they do not fall into so many sheets as the search's sample did.
+std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Vec3d& center,
+                                               const SharpSearch::Choice& choice, int degree,
+                                               double noise_variance, BallPoints<double>& work,
+                                               SharpWork<double>& sharp);
 
 /// The tree's points that a surfel made elsewhere covers, by the same rule.
 std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& surfel,

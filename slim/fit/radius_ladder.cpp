@@ -11,9 +11,17 @@ namespace slim {
 namespace {
 
 constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
+constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
+
+/// Clean clouds have no such noise, and one contrary normal ends the ladder; on raw scans one stray
+/// normal would end it at once (happy_stand_raw, T 0.01: 42,000 leaves instead of 24,000).
+bool within_noise(std::size_t count, std::size_t n, double share) {
+    const double expected = share * static_cast<double>(n);
+    return static_cast<double>(count) <= expected + 3 * std::sqrt(expected);
+}
 
 RadiusLadder::RadiusLadder(const PointPyramid& points, const MdlEnergy& energy,
                            double root_radius, double least_radius, int degree,
@@ -35,14 +43,6 @@ double RadiusLadder::rung_radius(int rung) const {
 std::size_t RadiusLadder::least_points() const {
     const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(degree_));
     return std::min(static_cast<std::size_t>(wanted), points_.all().size());
-}
-
-/// Whether a ball holds no more contrary normals than their noise explains: mean + 3 sigma of a Poisson count.
-/// Clean clouds have no such noise, and one contrary normal ends the ladder; on raw scans one stray
-/// normal would end it at once (happy_stand_raw, T 0.01: 42,000 leaves instead of 24,000).
-bool RadiusLadder::is_height_field(std::size_t contrary, std::size_t n) const {
-    const double expected = rules_.contrary_share * static_cast<double>(n);
-    return static_cast<double>(contrary) <= expected + 3 * std::sqrt(expected);
 }
 
 int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const {
@@ -87,7 +87,7 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
     const std::size_t off =
         count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
-    if (!is_height_field(off, work.ball.n)) return std::nullopt;
+    if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
     return Rung{rung, level, energy_(fit.sq_error, radius), energy_.upper_bound(fit, radius)};
 }
 
@@ -117,8 +117,10 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess, work);
+    work.edge_in_sight = false;
     if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
     if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
+    const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
     std::size_t level = 0;
@@ -133,16 +135,23 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
-    if (coarsest > finest) return {rung_radius(finest), false, true};
+    if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
+    if (coarsest > finest) return {rung_radius(finest), false, true, false, forced_energy, rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;
+    // Where even the finest ball but one is poor, the last one may be too large to show an edge.
+    if (rules_.look_for_edges && chosen == finest)
+        work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
     const bool saturated = chosen == 0;
     const bool limited = folded && chosen == coarsest;
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
-    if (saturated || lo == hi) return {rung_radius(chosen), saturated, false, false, limited};
-    return {refine(*rungs[chosen], lo, hi, center, normal, work), false, false, false, limited};
+    const double energy = rungs[chosen]->energy;
+    const double radius = saturated || lo == hi
+                              ? rung_radius(chosen)
+                              : refine(*rungs[chosen], lo, hi, center, normal, work);
+    return {radius, saturated, false, false, limited, energy, rung_radius(finest)};
 }
 
 }  // namespace slim

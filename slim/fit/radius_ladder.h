@@ -2,6 +2,8 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/mdl_energy.h"
+#include "slim/fit/sharp_clusters.h"
+#include "slim/fit/sharp_fit.h"
 #include "slim/neighbors/point_pyramid.h"
 
 #include <optional>
@@ -16,6 +18,7 @@ struct LadderRules {
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
     double contrary_share = 0;            ///< of the cloud's normals that noise turns: as many off the sheet are tolerated
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
 };
 
@@ -27,14 +30,21 @@ struct RadiusChoice {
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
     bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the ladder, not E
+    double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
+    double finest = 0;       ///< radius of the finest admissible rung
 };
+
+/// Whether so many of n points may disagree: what noise explains, mean + 3 sigma of a Poisson count.
+bool within_noise(std::size_t count, std::size_t n, double share);
 
 /// Workspace of one thread and the counts it keeps.
 struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
     std::vector<double> sq_distances;
-    std::size_t rungs = 0, point_visits = 0, refinements = 0;
+    SharpWork<float> sharp;
+    bool edge_in_sight = false;  ///< shows_edge of the last rung of the last search
+    std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
 };
 
 /// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
@@ -61,7 +71,6 @@ private:
         double energy, upper;
     };
     std::size_t least_points() const;
-    bool is_height_field(std::size_t contrary, std::size_t n) const;
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,

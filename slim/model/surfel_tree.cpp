@@ -6,12 +6,32 @@
 
 namespace slim {
 
+Sheet SurfelTree::sheet(const float* r) const {
+    Sheet s{frame_from_normal(normal_from_octahedral({r[0], r[1]})), {}};
+    const int n = header_.degree <= 1 ? 1 : n_coefficients(header_.degree);
+    for (int k = 0; k < n; ++k) s.polynomial.a[static_cast<std::size_t>(k)] = r[2 + k];
+    return s;
+}
+
+std::shared_ptr<const SharpSheets> SurfelTree::sharp_sheets(std::size_t i) const {
+    const auto entry = std::lower_bound(sharp_.begin(), sharp_.end(), i,
+                                        [](const SharpEntry& e, std::size_t n) { return e.node < n; });
+    SLIM_CHECK((entry == sharp_.end() ? kNoNode : entry->node), ==, i);
+    auto out = std::make_shared<SharpSheets>();
+    out->n_extra = entry->n_extra;
+    out->outer = static_cast<Join>(entry->outer);
+    out->inner = static_cast<Join>(entry->inner);
+    const auto stride = static_cast<std::size_t>(floats_per_sheet(header_.degree));
+    for (std::size_t k = 0; k < out->n_extra; ++k)
+        out->extra[k] = sheet(sheets_.data() + (entry->first_sheet + k) * stride);
+    return out;
+}
+
 Surfel SurfelTree::surfel(std::size_t i) const {
     const float* r = record(i);
-    Surfel s{center(i), r[3], frame_from_normal(normal_from_octahedral({r[4], r[5]})), {}, 0};
-    s.degree = nodes_[i].degree;
-    const int n = header_.degree <= 1 ? 1 : n_coefficients(header_.degree);
-    for (int k = 0; k < n; ++k) s.polynomial.a[static_cast<std::size_t>(k)] = r[6 + k];
+    const Sheet own = sheet(r + 4);
+    Surfel s{center(i), r[3], own.frame, own.polynomial, nodes_[i].degree};
+    if (nodes_[i].flags & kSharp) s.sharp = sharp_sheets(i);
     return s;
 }
 
@@ -19,16 +39,52 @@ Vec3d round_normal(const Vec3d& unit_normal) {
     return normal_from_octahedral(octahedral_from_normal(unit_normal));
 }
 
-Surfel level_linear(const Surfel& s) {
-    if (s.degree > 1) return s;
+namespace {
+
+/// A plane in a frame whose slopes are zero.
+Sheet level_plane(const Sheet& s) {
     const auto& a = s.polynomial.a;
     // Gradient of f = w - a0 - a1 u - a2 v; the plane's distance to the centre along the new normal.
     const double len = std::sqrt(1 + a[1] * a[1] + a[2] * a[2]);
     const Vec3d normal = s.frame.world_from_local({-a[1] / len, -a[2] / len, 1 / len});
-    Surfel out = s;
-    out.frame = frame_from_normal(round_normal(normal));
-    out.polynomial = {};
+    Sheet out{frame_from_normal(round_normal(normal)), {}};
     out.polynomial.a[0] = a[0] / len;
+    return out;
+}
+
+/// Octahedral normal and as many coefficients as there is room for.
+void put_sheet(const Sheet& sheet, std::span<float> out) {
+    const Octahedral n = octahedral_from_normal(sheet.frame.normal);
+    out[0] = n.s, out[1] = n.t;
+    for (std::size_t k = 2; k < out.size(); ++k)
+        out[k] = static_cast<float>(sheet.polynomial.a[k - 2]);
+}
+
+void put_further_sheets(std::size_t node, const SharpSheets& more, SurfelTreeData& out) {
+    const auto stride = static_cast<std::size_t>(floats_per_sheet(out.header.degree));
+    out.sharp.push_back({static_cast<std::uint32_t>(node),
+                         static_cast<std::uint32_t>(out.sheets.size() / stride),
+                         static_cast<std::uint8_t>(more.n_extra),
+                         static_cast<std::uint8_t>(more.outer),
+                         static_cast<std::uint8_t>(more.inner), 0});
+    for (std::size_t k = 0; k < more.n_extra; ++k) {
+        out.sheets.resize(out.sheets.size() + stride);
+        put_sheet(more.extra[k], std::span(out.sheets).last(stride));
+    }
+}
+
+}  // namespace
+
+Surfel level_linear(const Surfel& s) {
+    if (s.degree > 1) return s;
+    const Sheet own = level_plane({s.frame, s.polynomial});
+    Surfel out = s;
+    out.frame = own.frame;
+    out.polynomial = own.polynomial;
+    if (!s.sharp) return out;
+    SharpSheets more = *s.sharp;
+    for (std::size_t k = 0; k < more.n_extra; ++k) more.extra[k] = level_plane(more.extra[k]);
+    out.sharp = std::make_shared<const SharpSheets>(more);
     return out;
 }
 
@@ -36,6 +92,8 @@ void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out) {
     const int degree = out.header.degree;
     const auto stride = static_cast<std::size_t>(floats_per_surfel(degree));
     out.page_origins.clear();
+    out.sharp.clear();
+    out.sheets.clear();
     out.records.assign(surfels.size() * stride, 0.0f);
     for (std::size_t page = 0; page < surfels.size(); page += kSurfelsPerPage) {
         const std::size_t end = std::min(surfels.size(), page + kSurfelsPerPage);
@@ -47,12 +105,10 @@ void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out) {
             const Surfel s = degree <= 1 ? level_linear(surfels[i]) : surfels[i];
             float* r = out.records.data() + i * stride;
             const Vec3f c = to_float(s.center - origin);
-            const Octahedral n = octahedral_from_normal(s.frame.normal);
             r[0] = c.x, r[1] = c.y, r[2] = c.z;
             r[3] = static_cast<float>(s.support_radius);
-            r[4] = n.s, r[5] = n.t;
-            for (std::size_t k = 6; k < stride; ++k)
-                r[k] = static_cast<float>(s.polynomial.a[k - 6]);
+            put_sheet({s.frame, s.polynomial}, {r + 4, stride - 4});
+            if (s.sharp) put_further_sheets(i, *s.sharp, out);
         }
     }
 }

@@ -22,7 +22,21 @@ enum NodeFlags : std::uint8_t {
     kLeaf = 1,       ///< carries the surface; the others stand in for their children when small
     kSaturated = 2,  ///< E still fell at the largest radius
     kForced = 4,     ///< radius not chosen by E: too few points, or the smallest radius
+    kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
 };
+
+/// Where the further sheets of a sharp node stand; sorted by node, so that smooth models carry nothing.
+struct SharpEntry {
+    std::uint32_t node = 0;
+    std::uint32_t first_sheet = 0;  ///< in the array of sheets
+    std::uint8_t n_extra = 1;       ///< 1 or 2 beside the node's own
+    std::uint8_t outer = 0, inner = 0;  ///< Join
+    std::uint8_t reserved = 0;
+};
+static_assert(sizeof(SharpEntry) == 12);
+
+/// Floats a further sheet takes: octahedral normal 2 and the coefficients of its surfel's degree.
+constexpr int floats_per_sheet(int degree) { return floats_per_surfel(degree) - 4; }
 
 /// Node i of the ball tree owns surfel i. Node 0 is the root: it encloses everything and has no surface.
 /// Children of a node stand together: [first_child, first_child + n_children). Parents come first.
@@ -59,8 +73,10 @@ struct ModelHeader {
 class SurfelTree {
 public:
     SurfelTree(const ModelHeader& header, std::span<const Vec3d> page_origins,
-               std::span<const float> records, std::span<const TreeNode> nodes)
-        : header_(header), page_origins_(page_origins), records_(records), nodes_(nodes) {}
+               std::span<const float> records, std::span<const TreeNode> nodes,
+               std::span<const SharpEntry> sharp = {}, std::span<const float> sheets = {})
+        : header_(header), page_origins_(page_origins), records_(records), nodes_(nodes),
+          sharp_(sharp), sheets_(sheets) {}
 
     const ModelHeader& header() const { return header_; }
     std::size_t n_nodes() const { return nodes_.size(); }
@@ -68,6 +84,8 @@ public:
     std::span<const TreeNode> nodes() const { return nodes_; }
     std::span<const Vec3d> page_origins() const { return page_origins_; }
     std::span<const float> records() const { return records_; }
+    std::span<const SharpEntry> sharp() const { return sharp_; }
+    std::span<const float> sheets() const { return sheets_; }
 
     const float* record(std::size_t i) const {
         return records_.data() + i * static_cast<std::size_t>(floats_per_surfel(header_.degree));
@@ -81,10 +99,15 @@ public:
     Surfel surfel(std::size_t i) const;
 
 private:
+    Sheet sheet(const float* record) const;
+    std::shared_ptr<const SharpSheets> sharp_sheets(std::size_t i) const;
+
     ModelHeader header_;
     std::span<const Vec3d> page_origins_;
     std::span<const float> records_;
     std::span<const TreeNode> nodes_;
+    std::span<const SharpEntry> sharp_;
+    std::span<const float> sheets_;
 };
 
 /// The arrays of a model in memory, as the tree stage builds them and tests make them.
@@ -93,11 +116,13 @@ struct SurfelTreeData {
     std::vector<Vec3d> page_origins;
     std::vector<float> records;
     std::vector<TreeNode> nodes;
+    std::vector<SharpEntry> sharp;
+    std::vector<float> sheets;
 
-    SurfelTree view() const { return {header, page_origins, records, nodes}; }
+    SurfelTree view() const { return {header, page_origins, records, nodes, sharp, sheets}; }
 };
 
-/// Rounds surfels (node order, the root first) to the file's floats: page origins and records.
+/// Rounds surfels (node order, the root first) to the file's floats: page origins, records, further sheets.
 /// A surfel's frame must be the one its rounded normal gives (round_normal below), or its surface turns.
 void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out);
 
@@ -105,7 +130,7 @@ void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out);
 Vec3d round_normal(const Vec3d& unit_normal);
 
 /// A surfel of degree 0 or 1 in a frame whose slopes are zero: the same plane, up to the rounded
-/// normal. Degrees 2 and 3 come back unchanged.
+/// normal; further sheets likewise. Degrees 2 and 3 come back unchanged.
 Surfel level_linear(const Surfel& surfel);
 
 }  // namespace slim

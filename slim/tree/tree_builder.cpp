@@ -186,7 +186,7 @@ SurfelTreeData build_tree(std::span<const FittedSurfel> surfels, const ModelHead
         node.n_points = s.n_points;
         node.level = s.level;
         node.degree = static_cast<std::uint8_t>(s.surfel.degree);
-        node.flags = s.flags;
+        node.flags = static_cast<std::uint8_t>(s.flags | (s.surfel.sharp ? kSharp : 0));
     }
     out.nodes = std::move(layout.nodes);
     encode_surfels(ordered, out);

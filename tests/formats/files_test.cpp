@@ -292,6 +292,102 @@ TEST(FitFile, RoundTripsAndSeesDamage) {
                                 [](const std::string& path) { read_fit(path); });
 }
 
+/// Two further sheets, joined unlike.
+std::shared_ptr<const SharpSheets> some_sheets(std::size_t n_extra) {
+    auto out = std::make_shared<SharpSheets>();
+    out->n_extra = n_extra;
+    out->outer = Join::min;
+    for (std::size_t k = 0; k < n_extra; ++k) {
+        out->extra[k].frame = frame_from_normal(round_normal(
+            normalized(Vec3d{1, 0.5 * static_cast<double>(k), -0.25})));
+        for (std::size_t i = 0; i < 6; ++i)
+            out->extra[k].polynomial.a[i] = 0.125 * static_cast<double>(i + k);
+    }
+    return out;
+}
+
+void expect_equal(const SharpSheets& a, const SharpSheets& b) {
+    ASSERT_EQ(a.n_extra, b.n_extra);
+    EXPECT_EQ(a.outer, b.outer);
+    EXPECT_EQ(a.inner, b.inner);
+    for (std::size_t k = 0; k < a.n_extra; ++k) {
+        EXPECT_EQ(a.extra[k].frame.normal, b.extra[k].frame.normal);
+        EXPECT_EQ(a.extra[k].frame.u_axis, b.extra[k].frame.u_axis);
+        EXPECT_EQ(a.extra[k].polynomial.a, b.extra[k].polynomial.a);
+    }
+}
+
+TEST(FitFile, SharpSurfelsRoundTripAndMakeItVersion2) {
+    const TempFolder folder;
+    std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};
+    write_fit(folder.file("smooth"), surfels, "{}");
+    surfels[0].surfel.sharp = some_sheets(2);
+    surfels[2].surfel.sharp = some_sheets(1);
+    write_fit(folder.file("f"), surfels, "{}");
+    // The version stands behind the magic.
+    EXPECT_EQ(read_bytes(folder.file("smooth"))[8], 1);
+    EXPECT_EQ(read_bytes(folder.file("f"))[8], 2);
+    const FitFile fit = read_fit(folder.file("f"));
+    ASSERT_EQ(fit.surfels.size(), 3u);
+    EXPECT_FALSE(fit.surfels[1].surfel.sharp);
+    for (const std::size_t i : {0u, 2u}) {
+        ASSERT_TRUE(fit.surfels[i].surfel.sharp);
+        expect_equal(*fit.surfels[i].surfel.sharp, *surfels[i].surfel.sharp);
+    }
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("f")),
+                                [](const std::string& path) { read_fit(path); });
+}
+
+/// some_model with a sharp node 2.
+SurfelTreeData some_sharp_model() {
+    SurfelTreeData data = some_model();
+    std::vector<Surfel> surfels;
+    for (std::size_t i = 0; i < data.nodes.size(); ++i) surfels.push_back(data.view().surfel(i));
+    surfels[2].sharp = some_sheets(2);
+    encode_surfels(surfels, data);
+    data.nodes[2].flags |= kSharp;
+    return data;
+}
+
+TEST(ModelFile, SharpSurfelsRoundTripAndMakeItVersion2) {
+    const TempFolder folder;
+    write_model(folder.file("smooth"), some_model(), "{}");
+    write_model(folder.file("m"), some_sharp_model(), "{}");
+    EXPECT_EQ(read_bytes(folder.file("smooth"))[8], 1);
+    EXPECT_EQ(read_bytes(folder.file("m"))[8], 2);
+    const ModelFile model = ModelFile::open(folder.file("m"));
+    const SurfelTree tree = model.tree();
+    EXPECT_FALSE(tree.surfel(1).sharp);
+    ASSERT_TRUE(tree.surfel(2).sharp);
+    expect_equal(*tree.surfel(2).sharp, *some_sheets(2));
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("m")),
+                                [](const std::string& path) { ModelFile::open(path); });
+}
+
+TEST(ModelFile, RefusesSheetsThatAreNone) {
+    const TempFolder folder;
+    const auto expect = [&](const char* reason, const std::function<void(SurfelTreeData&)>& spoil) {
+        SurfelTreeData data = some_sharp_model();
+        spoil(data);
+        write_model(folder.file("m"), data, "{}");
+        const std::string error = error_of([&] { ModelFile::open(folder.file("m")); });
+        EXPECT_NE(error.find(reason), std::string::npos) << reason << " in: " << error;
+    };
+    expect("node 9 is not a sharp one", [](auto& d) { d.sharp[0].node = 9; });
+    expect("node 1 is not a sharp one", [](auto& d) { d.sharp[0].node = 1; });
+    expect("1 nodes are sharp, found 2", [](auto& d) { d.sharp.push_back(d.sharp[0]); });
+    expect("0 nodes are sharp, found 1", [](auto& d) { d.nodes[2].flags = kLeaf; });
+    expect("1 nodes are sharp, found 0", [](auto& d) { d.sharp.clear(); });
+    expect("3 further sheets", [](auto& d) { d.sharp[0].n_extra = 3; });
+    expect("0 further sheets", [](auto& d) { d.sharp[0].n_extra = 0; });
+    expect("join 2", [](auto& d) { d.sharp[0].outer = 2; });
+    expect("first sheet 1", [](auto& d) { d.sharp[0].first_sheet = 1; });
+    expect("2 sheets need 16 floats, found 15", [](auto& d) { d.sheets.pop_back(); });
+    expect("is no part of a sheet", [](auto& d) { d.sheets[8] = 1.5f; });
+    expect("is no part of a sheet",
+           [](auto& d) { d.sheets[5] = std::numeric_limits<float>::infinity(); });
+}
+
 TEST(ModelFile, RoundTripsThroughTheMappedFile) {
     const TempFolder folder;
     const SurfelTreeData data = some_model();

@@ -75,6 +75,43 @@ TEST_F(BuildStage, EveryOptionCounts) {
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.slices = 2; }), plain);
 }
 
+/// A cube's surface on a grid; vertices of edges and corners have the mean normal of their faces.
+std::string cube_text(int n) {
+    std::string text;
+    for (int x = 0; x <= n; ++x)
+        for (int y = 0; y <= n; ++y)
+            for (int z = 0; z <= n; ++z) {
+                const auto side = [n](int k) { return k == 0 ? -1.0 : k == n ? 1.0 : 0.0; };
+                const Vec3d normal = normalized(Vec3d{side(x), side(y), side(z)});
+                if (!(sq_length(normal) > 0)) continue;
+                for (const double v : {double(x), double(y), double(z), normal.x, normal.y, normal.z})
+                    text += std::to_string(v) + ' ';
+                text += '\n';
+            }
+    return text;
+}
+
+TEST_F(BuildStage, SharpTakesFewerLeavesAndASmallerErrorOnACubeInAnySlicesAndDegree) {
+    const std::string cloud = folder_.write("cube.xyz", cube_text(24));
+    for (const int degree : {1, 2, 3})
+        for (const int slices : {1, 3}) {
+            SCOPED_TRACE(testing::Message() << "degree " << degree << ", slices " << slices);
+            auto config = build_config(cloud, "m.slim");
+            config.degree = degree;
+            config.slices = slices;
+            const auto smooth = build(config), smooth_error = measure(config.output, cloud);
+            EXPECT_TRUE(ModelFile::open(config.output).tree().sharp().empty());
+            config.sharp = "on";
+            const auto sharp = build(config), sharp_error = measure(config.output, cloud);
+            EXPECT_GE(ModelFile::open(config.output).tree().sharp().size(), 20u);
+            EXPECT_LT(sharp["leaves"].get<int>(), smooth["leaves"].get<int>());
+            EXPECT_LT(sharp_error["l2"].get<double>(), 0.1 * smooth_error["l2"].get<double>());
+            // Floats of the file, 6e-8 of a radius; one place of the linear model still has a smooth leaf.
+            EXPECT_LT(sharp_error["max"].get<double>(),
+                      degree == 1 ? 0.5 * smooth_error["max"].get<double>() : 1e-7);
+        }
+}
+
 TEST_F(BuildStage, GivesTheSameBytesForAnyNumberOfThreadsAndWhenResumed) {
     const std::string cloud = write(sampled("bumpy", 10000, 1, 1e-3), "bumpy.ply", false);
     for (const int slices : {1, 3}) {

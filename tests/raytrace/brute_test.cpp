@@ -81,6 +81,31 @@ SurfelTreeData rough_model(int degree, std::uint64_t seed) {
     return test::flat_tree(std::move(leaves), degree);
 }
 
+/// The rough sphere with two or three sheets on two surfels of three, joined in every way.
+SurfelTreeData sharp_model(int degree, std::uint64_t seed) {
+    const SurfelTreeData rough = rough_model(degree, seed);
+    const SurfelTree tree = rough.view();
+    std::vector<Surfel> leaves;
+    for (std::size_t i = 1; i < tree.n_nodes(); ++i) {
+        Surfel s = tree.surfel(i);
+        SharpSheets more;
+        more.n_extra = i % 3;
+        more.outer = i % 2 ? Join::max : Join::min;
+        more.inner = i % 4 < 2 ? Join::max : Join::min;
+        for (std::size_t k = 0; k < more.n_extra; ++k) {
+            const auto noise = [&](std::uint64_t n) {
+                return 2 * unit_interval(keyed_hash(seed + k, i, n)) - 1;
+            };
+            const Vec3d tilt{noise(100), noise(101), noise(102)};
+            more.extra[k] = {frame_from_normal(round_normal(normalized(s.frame.normal + tilt * 0.8))),
+                             s.polynomial};
+        }
+        if (more.n_extra > 0) s.sharp = std::make_shared<const SharpSheets>(more);
+        leaves.push_back(s);
+    }
+    return test::flat_tree(std::move(leaves), degree);
+}
+
 class BruteTest : public testing::TestWithParam<int> {};
 
 TEST_P(BruteTest, AgreesWithTheFastRendererOnASphere) {
@@ -91,6 +116,13 @@ TEST_P(BruteTest, AgreesWithTheFastRendererOnASphere) {
 
 TEST_P(BruteTest, AgreesWithTheFastRendererOnARoughModel) {
     const auto model = rough_model(GetParam(), 7);
+    for (const bool orthographic : {false, true})
+        expect_agreement(model, request_for(model, "right", orthographic, 250));
+}
+
+TEST_P(BruteTest, AgreesWithTheFastRendererOnSharpSurfels) {
+    const auto model = sharp_model(GetParam(), 7);
+    ASSERT_GT(model.sharp.size(), 400u);
     for (const bool orthographic : {false, true})
         expect_agreement(model, request_for(model, "right", orthographic, 250));
 }

@@ -77,7 +77,8 @@ inline SurfelTreeData flat_tree(std::vector<Surfel> leaves, int degree) {
     for (std::uint32_t i = 0; i < n; ++i)
         data.nodes.push_back({kNoNode, 0, static_cast<float>(leaves[i + 1].support_radius),
                               0.001f * static_cast<float>(i + 1), 30, 3,
-                              static_cast<std::uint8_t>(leaves[i + 1].degree), kLeaf, 0});
+                              static_cast<std::uint8_t>(leaves[i + 1].degree),
+                              static_cast<std::uint8_t>(leaves[i + 1].sharp ? kLeaf | kSharp : kLeaf), 0});
     return data;
 }
 

@@ -1,0 +1,149 @@
+#include "slim/fit/sharp_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr double kClosest = 0.866;     // cos of the least angle between two clusters
+constexpr std::size_t kLeastMembers = 3;  // a plane's worth
+constexpr double kLeastShare = 0.04;
+constexpr int kRounds = 4;
+constexpr double kSpreadWithin2 = 0.4, kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
+constexpr std::size_t kJudged = 48;
+
+template <class T>
+Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
+    return {p.nx[i], p.ny[i], p.nz[i]};
+}
+
+/// The normal whose largest cosine to any of the first `k` normals is smallest, of every `stride`-th point.
+template <class T>
+Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& from, std::size_t k,
+               std::size_t stride) {
+    Vec3d best;
+    double least = 2;
+    for (std::size_t i = 0; i < p.n; i += stride) {
+        const Vec3d n = normal_of(p, i);
+        if (!(sq_length(n) > 0)) continue;
+        double nearest = -1;
+        for (std::size_t c = 0; c < k; ++c) nearest = std::max(nearest, dot(n, from[c]));
+        if (nearest < least) least = nearest, best = n;
+    }
+    return best;
+}
+
+template <class T>
+void seed(const BallPoints<T>& p, std::size_t k, std::array<Vec3d, kMostSheets>& normal,
+          std::size_t stride = 1) {
+    Vec3d sum;
+    for (std::size_t i = 0; i < p.n; i += stride) sum += normal_of(p, i);
+    normal[0] = normalized(sum);
+    normal[0] = farthest(p, normal, 1, stride);
+    for (std::size_t c = 1; c < k; ++c) normal[c] = farthest(p, normal, c, stride);
+}
+
+/// normal_spread of every `stride`-th point within its group, after k-means into k groups.
+template <class T>
+double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) {
+    std::array<Vec3d, kMostSheets> normal{};
+    seed(p, k, normal, stride);
+    double n = 0, along = 0;
+    for (int round = 0; round < 3; ++round) {
+        std::array<Vec3d, kMostSheets> sum{};
+        n = 0, along = 0;
+        for (std::size_t i = 0; i < p.n; i += stride) {
+            const Vec3d x = normal_of(p, i);
+            std::size_t best = 0;
+            for (std::size_t c = 1; c < k; ++c)
+                if (dot(x, normal[c]) > dot(x, normal[best])) best = c;
+            sum[best] += x;
+            n += sq_length(x);
+        }
+        for (std::size_t c = 0; c < k; ++c) {
+            along += length(sum[c]);
+            if (sq_length(sum[c]) > 0) normal[c] = normalized(sum[c]);
+        }
+    }
+    return n > 0 ? 1 - along / n : 0;
+}
+
+/// Bit of the cluster that a normal clearly belongs to, or 0.
+unsigned cluster_of(const Vec3d& n, const std::array<Vec3d, kMostSheets>& normal, std::size_t k) {
+    if (!(sq_length(n) > 0)) return 0;
+    std::size_t best = 0;
+    for (std::size_t c = 1; c < k; ++c)
+        if (dot(n, normal[c]) > dot(n, normal[best])) best = c;
+    for (std::size_t c = 0; c < k; ++c) {
+        const double apart = 1 - dot(normal[c], normal[best]);
+        if (c != best && dot(n, normal[best]) - dot(n, normal[c]) < kAmbiguous * apart) return 0;
+    }
+    return 1u << best;
+}
+
+}  // namespace
+
+template <class T>
+double normal_spread(const BallPoints<T>& p) {
+    float x = 0, y = 0, z = 0, n = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        x += p.nx[i], y += p.ny[i], z += p.nz[i];
+        n += p.nx[i] * p.nx[i] + p.ny[i] * p.ny[i] + p.nz[i] * p.nz[i];
+    }
+    const double sum = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+    return n > 0 ? 1 - sum / static_cast<double>(n) : 0;
+}
+
+template <class T>
+bool shows_edge(const BallPoints<T>& p) {
+    const double spread = normal_spread(p);
+    if (spread < kLeastSpread) return false;
+    const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
+    return spread_within(p, 2, stride) < kSpreadWithin2 * spread ||
+           spread_within(p, 3, stride) < kSpreadWithin3 * spread;
+}
+
+template <class T>
+bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clusters,
+                     std::vector<std::uint8_t>& member) {
+    auto& normal = clusters.normal;
+    seed(p, k, normal);
+    if (member.size() < p.n) member.resize(2 * p.n);
+    std::array<std::size_t, kMostSheets> count{};
+    for (int round = 0; round < kRounds; ++round) {
+        std::array<Vec3d, kMostSheets> sum{};
+        count = {};
+        for (std::size_t i = 0; i < p.n; ++i) {
+            const Vec3d n = normal_of(p, i);
+            const unsigned bit = cluster_of(n, normal, k);
+            member[i] = static_cast<std::uint8_t>(bit);
+            for (std::size_t c = 0; c < k; ++c) {
+                if (!(bit & 1u << c)) continue;
+                sum[c] += n;
+                ++count[c];
+            }
+        }
+        for (std::size_t c = 0; c < k; ++c)
+            if (sq_length(sum[c]) > 0) normal[c] = normalized(sum[c]);
+    }
+    const auto least = std::max(kLeastMembers, static_cast<std::size_t>(kLeastShare *
+                                                                        static_cast<double>(p.n)));
+    for (std::size_t a = 0; a < k; ++a) {
+        if (count[a] < least) return false;
+        for (std::size_t b = 0; b < a; ++b)
+            if (dot(normal[a], normal[b]) > kClosest) return false;
+    }
+    return true;
+}
+
+template double normal_spread(const BallPoints<float>&);
+template double normal_spread(const BallPoints<double>&);
+template bool shows_edge(const BallPoints<float>&);
+template bool shows_edge(const BallPoints<double>&);
+template bool cluster_normals(const BallPoints<float>&, std::size_t, NormalClusters&,
+                              std::vector<std::uint8_t>&);
+template bool cluster_normals(const BallPoints<double>&, std::size_t, NormalClusters&,
+                              std::vector<std::uint8_t>&);
+
+}  // namespace slim

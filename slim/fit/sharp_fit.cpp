@@ -1,0 +1,316 @@
+#include "slim/fit/sharp_fit.h"
+
+#include "slim/fit/sharp_clusters.h"
+#include "slim/model/surfel_tree.h"
+#include "slim/model/weight_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr double kOffSheet = 5;         // times the noise, as in the ladder
+constexpr double kWorthADegree = 1.5;   // eps^2 of the plane over that of the full degree
+constexpr double kExplained = 4;        // residuals up to this many eps belong to a sheet
+constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
+constexpr double kFollows = 0.9;         // mean cosine of a sheet's gradients to its points' normals
+constexpr int kRefits = 2;
+constexpr double kLeastGap = 0.25;      // of the radius: places on a sheet have a point as near as that,
+constexpr double kFacing = 0.5;         // whose normal has at least this cosine to the sheet's
+constexpr int kGrid = 3;                // places from the middle of a sheet to the core's rim
+
+template <class T>
+Vec3d place_of(const BallPoints<T>& p, std::size_t i) {
+    return {p.x[i], p.y[i], p.z[i]};
+}
+template <class T>
+Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
+    return {p.nx[i], p.ny[i], p.nz[i]};
+}
+
+template <class T>
+void reserve_part(BallPoints<T>& part, std::size_t n) {
+    const std::size_t size = n + 64;
+    if (part.x.size() >= size) return;
+    for (auto* a : {&part.x, &part.y, &part.z, &part.sq}) a->resize(2 * size);
+    for (auto* a : {&part.nx, &part.ny, &part.nz}) a->resize(2 * size);
+    part.index.resize(2 * size);
+}
+
+/// The points of sheet k as a ball of their own.
+template <class T>
+void gather_part(const BallPoints<T>& p, const std::vector<std::uint8_t>& sheets, std::size_t k,
+                 BallPoints<T>& part) {
+    reserve_part(part, p.n);
+    part.radius = p.radius;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < p.n; ++i) {
+        part.x[n] = p.x[i], part.y[n] = p.y[i], part.z[n] = p.z[i], part.sq[n] = p.sq[i];
+        n += (sheets[i] >> k) & 1u;
+    }
+    part.n = n;
+    for (std::size_t i = n; i < part.padded(); ++i) {
+        part.x[i] = part.y[i] = part.z[i] = T(0);
+        part.sq[i] = T(2);
+    }
+}
+
+/// One fit while it is improved.
+template <class T>
+class SharpFitter {
+public:
+    SharpFitter(const BallPoints<T>& points, int degree, double noise_variance, SharpWork<T>& work)
+        : p_(points), degree_(degree), noise_(std::sqrt(noise_variance) / points.radius), work_(work) {}
+
+    std::optional<SharpFit> run(std::size_t n_sheets) {
+        NormalClusters clusters;
+        fit_.n_sheets = n_sheets;
+        if (!cluster_normals(p_, n_sheets, clusters, work_.sheets)) return std::nullopt;
+        for (std::size_t k = 0; k < n_sheets; ++k)
+            fit_.frame[k] = frame_from_normal(round_normal(clusters.normal[k]));
+        if (!fit_sheets()) return std::nullopt;
+        for (int i = 0; i < kRefits; ++i) {
+            assign();
+            if (!fit_sheets()) return std::nullopt;
+        }
+        find_joins();
+        measure();
+        return fit_;
+    }
+
+private:
+    double value(std::size_t k, const Vec3d& x) const {
+        const Vec3d local = fit_.frame[k].local_from_world(x);
+        return local.z - fit_.polynomial[k].value(local.x, local.y);
+    }
+    double cosine(std::size_t k, const Vec3d& x, const Vec3d& n) const {
+        const Vec3d local = fit_.frame[k].local_from_world(x);
+        const Polynomial<double>& a = fit_.polynomial[k];
+        const Vec3d g{-a.d_u(local.x, local.y), -a.d_v(local.x, local.y), 1};
+        return dot(fit_.frame[k].world_from_local(g), n) / length(g);
+    }
+
+    /// Each sheet to its own points; the plane if the full degree is not clearly better: a sheet must not
+    /// swing where it has no points.
+    bool fit_sheets() {
+        fit_.degree = 1;
+        fit_.n_coefficients = 0;
+        for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
+            gather_part(p_, work_.sheets, k, work_.part);
+            LocalFit best = fit_ball(work_.part, 1, fit_.frame[k], 1);
+            if (!(best.n_effective > 0)) return false;
+            if (degree_ > 1) {
+                const LocalFit full = fit_ball(work_.part, 1, fit_.frame[k], degree_);
+                if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
+            }
+            fit_.polynomial[k] = best.polynomial;
+            if (!follows_normals(k)) best = level(k);
+            error_[k] = std::sqrt(best.sq_error) / p_.radius;
+            fit_.degree = std::max(fit_.degree, best.degree);
+            fit_.n_coefficients += n_coefficients(best.degree);
+        }
+        return true;
+    }
+
+    /// Whether a sheet's gradients are the normals of the points that are its alone. A plane through a few points
+    /// of a narrow strip may lean away from them.
+    bool follows_normals(std::size_t k) const {
+        double sum = 0, n = 0;
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            const Vec3d normal = normal_of(p_, i);
+            if (work_.sheets[i] != 1u << k || !(sq_length(normal) > 0)) continue;
+            sum += cosine(k, place_of(p_, i), normal);
+            ++n;
+        }
+        return sum >= kFollows * n;
+    }
+
+    /// The plane across the mean normal through the mean of the sheet's points (those in work_.part).
+    LocalFit level(std::size_t k) {
+        double sum = 0, squares = 0, weight = 0;
+        for (std::size_t i = 0; i < work_.part.n; ++i) {
+            const double w = dot(fit_.frame[k].normal, place_of(work_.part, i));
+            const double g = static_cast<double>(weight_kernel(work_.part.sq[i]));
+            sum += g * w, squares += g * w * w, weight += g;
+        }
+        LocalFit fit;
+        fit.polynomial.a[0] = sum / weight;
+        fit.sq_error = p_.radius * p_.radius * std::max(0.0, squares / weight - std::pow(sum / weight, 2));
+        fit_.polynomial[k] = fit.polynomial;
+        return fit;
+    }
+
+    /// Points go to the sheet whose normal they have, and to every other that is nearly as good and that
+    /// they lie on: an edge's own points are on both.
+    void assign() {
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            const Vec3d x = place_of(p_, i), n = normal_of(p_, i);
+            std::array<double, kMostSheets> cosines{};
+            std::size_t best = 0;
+            for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
+                cosines[k] = cosine(k, x, n);
+                if (cosines[k] > cosines[best]) best = k;
+            }
+            unsigned bits = 0;
+            for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
+                const double apart = 1 - dot(fit_.frame[k].normal, fit_.frame[best].normal);
+                const bool alike = k == best || cosines[k] >= cosines[best] - kAmbiguous * apart;
+                const double tolerance = kExplained * std::max(error_[k], noise_);
+                if (alike && cosines[k] >= kLeastCos && std::abs(value(k, x)) <= tolerance)
+                    bits |= 1u << k;
+            }
+            work_.sheets[i] = static_cast<std::uint8_t>(bits);
+        }
+    }
+
+    /// Sum of squared residuals of the points about the surface joined in one way.
+    double misfit(std::size_t first, Join outer, Join inner) const {
+        SharpSheets joins;
+        joins.n_extra = fit_.n_sheets - 1;
+        joins.outer = outer;
+        joins.inner = inner;
+        double sum = 0;
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            if (!work_.sheets[i]) continue;
+            std::array<double, kMostSheets> f{};
+            for (std::size_t k = 0; k < fit_.n_sheets; ++k) f[k] = value(k, place_of(p_, i));
+            std::swap(f[0], f[first]);
+            sum += std::pow(joins.joined(f), 2);
+        }
+        return sum;
+    }
+
+    /// The way to join that the points follow best; of three sheets the one that is unlike goes first:
+    /// F = outer(f_0, inner(f_1, f_2)). Sides of single sheets would not do: a face with a notch lies on
+    /// both sides of the notch's walls.
+    void find_joins() {
+        double least = INFINITY;
+        std::size_t best_first = 0;
+        const std::size_t n_first = fit_.n_sheets == 2 ? 1 : 3;
+        for (std::size_t first = 0; first < n_first; ++first)
+            for (const Join outer : {Join::max, Join::min})
+                for (const Join inner : {Join::max, Join::min}) {
+                    const bool symmetric = outer == inner;
+                    if (symmetric ? first > 0 : fit_.n_sheets == 2) continue;
+                    const double sum = misfit(first, outer, inner);
+                    if (!(sum < least)) continue;
+                    least = sum;
+                    best_first = first;
+                    fit_.outer = outer;
+                    fit_.inner = inner;
+                }
+        std::swap(fit_.frame[0], fit_.frame[best_first]);
+        std::swap(fit_.polynomial[0], fit_.polynomial[best_first]);
+    }
+
+    /// eps^2 about the joined surface over the points whose normal some sheet has.
+    void measure() {
+        const Surfel joined = fit_.surfel({}, 1);
+        double rss = 0, weight = 0, sq_weight = 0;
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            const Vec3d x = place_of(p_, i);
+            if (nearest_normal(x, normal_of(p_, i)).second < kLeastCos) continue;
+            const double f = joined.value(x);
+            const double g = static_cast<double>(weight_kernel(p_.sq[i]));
+            rss += g * f * f;
+            weight += g;
+            sq_weight += g * g;
+        }
+        fit_.n_points = p_.n;
+        fit_.n_effective = sq_weight > 0 ? weight * weight / sq_weight : 0;
+        const double freedom = 1 - fit_.n_coefficients / std::max(fit_.n_effective, 1.0);
+        const double sq_error =
+            weight > 0 ? rss / weight / std::max(freedom, kLeastShare) : INFINITY;
+        fit_.sq_error = p_.radius * p_.radius * sq_error;
+        count_off(joined, std::sqrt(sq_error));
+    }
+
+    /// Points that lie off the joined surface, or off the sheet whose normal they have: a mean over the ball
+    /// would hide the few points of a third face, and sheets where there is no surface at all.
+    void count_off(const Surfel& joined, double error) {
+        const double tolerance = kExplained * std::max(error, noise_);
+        fit_.n_off = 0;
+        for (std::size_t i = 0; i < p_.n; ++i) {
+            const Vec3d x = place_of(p_, i);
+            const double f = std::abs(joined.value(x));
+            const auto [sheet, cosine] = nearest_normal(x, normal_of(p_, i));
+            if (cosine < kLeastCos)
+                fit_.n_off += f > kOffSheet * noise_;
+            else
+                fit_.n_off += std::max(f, std::abs(value(sheet, x))) > tolerance;
+        }
+    }
+
+    /// The sheet whose normal at x is nearest to n, and their cosine; 1 for a point without a normal.
+    std::pair<std::size_t, double> nearest_normal(const Vec3d& x, const Vec3d& n) const {
+        std::pair<std::size_t, double> best{0, -1};
+        for (std::size_t k = 0; k < fit_.n_sheets; ++k)
+            if (const double c = cosine(k, x, n); c > best.second) best = {k, c};
+        if (!(sq_length(n) > 0)) best.second = 1;
+        return best;
+    }
+
+    const BallPoints<T>& p_;
+    int degree_;
+    double noise_;  // relative to the radius
+    SharpWork<T>& work_;
+    SharpFit fit_;
+    std::array<double, kMostSheets> error_{};  // eps of each sheet, relative
+};
+
+/// Whether a point that faces along `normal` lies within `gap` of x.
+template <class T>
+bool has_point_near(const BallPoints<T>& p, const Vec3d& x, const Vec3d& normal, double gap) {
+    for (std::size_t i = 0; i < p.n; ++i)
+        if (sq_length(place_of(p, i) - x) <= gap * gap && dot(normal_of(p, i), normal) > kFacing)
+            return true;
+    return false;
+}
+
+}  // namespace
+
+Surfel SharpFit::surfel(const Vec3d& center, double radius) const {
+    Surfel s{center, radius, frame[0], polynomial[0], degree, nullptr};
+    SharpSheets more;
+    more.n_extra = n_sheets - 1;
+    for (std::size_t k = 1; k < n_sheets; ++k) more.extra[k - 1] = {frame[k], polynomial[k]};
+    more.outer = outer;
+    more.inner = inner;
+    s.sharp = std::make_shared<const SharpSheets>(more);
+    return s;
+}
+
+template <class T>
+std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_sheets, int degree,
+                                  double noise_variance, SharpWork<T>& work) {
+    return SharpFitter<T>(points, degree, noise_variance, work).run(n_sheets);
+}
+
+template <class T>
+bool is_filled(const SharpFit& fit, const BallPoints<T>& points) {
+    const Surfel s = fit.surfel({}, 1);
+    const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(points.n));
+    const double gap = std::max(kLeastGap, 2.5 * spacing);
+    for (std::size_t k = 0; k < fit.n_sheets; ++k)
+        for (int i = -kGrid; i <= kGrid; ++i)
+            for (int j = -kGrid; j <= kGrid; ++j) {
+                const double u = kTrim * i / kGrid, v = kTrim * j / kGrid;
+                const Vec3d x = fit.frame[k].world_from_local({u, v, fit.polynomial[k].value(u, v)});
+                if (sq_length(x) >= kTrim * kTrim) continue;
+                if (!s.sharp->on_surface(k, s.sheet_values(x))) continue;
+                if (!has_point_near(points, x, normalized(s.sheet_gradient(k, x)), gap)) return false;
+            }
+    return true;
+}
+
+template bool is_filled(const SharpFit&, const BallPoints<float>&);
+template bool is_filled(const SharpFit&, const BallPoints<double>&);
+template std::optional<SharpFit> fit_sharp(const BallPoints<float>&, std::size_t, int, double,
+                                           SharpWork<float>&);
+template std::optional<SharpFit> fit_sharp(const BallPoints<double>&, std::size_t, int, double,
+                                           SharpWork<double>&);
+
+}  // namespace slim

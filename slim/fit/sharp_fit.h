@@ -1,0 +1,55 @@
+#pragma once
+
+#include "slim/base/frame.h"
+#include "slim/fit/ball_points.h"
+#include "slim/fit/local_fit.h"
+#include "slim/model/surfel.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace slim {
+
+/// Two or three height fields joined by max and min, fitted to one ball (notes/0002).
+struct SharpFit {
+    std::size_t n_sheets = 0;
+    std::array<Frame<double>, kMostSheets> frame;  ///< normal: as the file will give it back
+    std::array<Polynomial<double>, kMostSheets> polynomial;
+    Join outer = Join::max, inner = Join::max;
+    int degree = 1;          ///< the highest of the sheets
+    double sq_error = 0;     ///< eps^2 about the joined surface, unbiased as LocalFit's, length^2
+    double n_effective = 0;  ///< (sum G)^2 / sum G^2
+    int n_coefficients = 0;  ///< of all sheets
+    std::size_t n_points = 0;
+    std::size_t n_off = 0;   ///< points off the joined surface, or off the sheet whose normal they have
+
+    Surfel surfel(const Vec3d& center, double radius) const;
+};
+
+/// Workspace of one thread.
+template <class T>
+struct SharpWork {
+    BallPoints<T> part;              ///< the points of one sheet
+    std::vector<std::uint8_t> sheets;  ///< of each point of the ball: bit i, it belongs to sheet i
+};
+
+/// Fits `n_sheets` (2 or 3) height fields of up to `degree`, each to its own points: clusters of normals at
+/// least 30 degrees apart (points between two clusters, as an edge's own vertices with averaged normals,
+/// belong to neither at first), then twice the points that a sheet explains by place and normal.
+/// Joined in the way that the points follow best. Nothing if the normals do not fall into so many clusters or a
+/// sheet has too few points for a plane; whether the result is any good say sq_error and n_off.
+/// Cost: about ten passes over the points; no allocation once the workspace has grown.
+template <class T>
+std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_sheets, int degree,
+                                  double noise_variance, SharpWork<T>& work);
+
+/// Whether there are points wherever the joined surface runs inside the core (kTrim of the ball): within
+/// max(0.25 rho, 2.5 spacings) of a place on a sheet, facing its way. Else a sheet is extended into the
+/// air, where it would stand as a spike or a fin. Cost: up to 49 places a sheet against all points.
+template <class T>
+bool is_filled(const SharpFit& fit, const BallPoints<T>& points);
+
+}  // namespace slim

@@ -1,0 +1,85 @@
+#include "slim/fit/sharp_search.h"
+
+#include "slim/model/surfel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
+constexpr double kCleanNormals = 1e-3; // share of contrary ones up to which one of them says "edge"
+constexpr double kRoughest = 0.1;      // eps over rho: beyond it sheets explain nothing
+
+}  // namespace
+
+double sharp_price(std::size_t n_sheets) {
+    constexpr double kSurfel = 12 * 4 + 24, kEntry = 12, kSheet = 8 * 4;
+    return n_sheets < 2 ? 1 : 1 + (kEntry + kSheet * static_cast<double>(n_sheets - 1)) / kSurfel;
+}
+
+std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_t& level,
+                                                       const Vec3d& center,
+                                                       LadderWork& work) const {
+    gather_ball(points_.level(level), center, radius, work.ball);
+    while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
+        gather_ball(points_.level(++level), center, radius, work.ball);
+    ++work.sharp_rungs;
+    work.point_visits += work.ball.n;
+    std::optional<Rung> best;
+    const double t = energy_.length / radius;
+    for (std::size_t k = 2; k <= kMostSheets; ++k) {
+        const double price = sharp_price(k) * energy_.noise_variance * t * t;
+        if (best && best->energy <= price) break;
+        const auto fit = fit_sharp(work.ball, k, degree_, energy_.noise_variance, work.sharp);
+        if (!fit || fit->sq_error > kRoughest * kRoughest * radius * radius) continue;
+        if (!within_noise(fit->n_off, work.ball.n, rules_.contrary_share)) continue;
+        const double energy = fit->sq_error + price;
+        const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);
+        const double upper = energy + 2 * fit->sq_error * std::sqrt(2 / freedom);
+        if (best && energy >= best->energy) continue;
+        if (is_filled(*fit, work.ball)) best = Rung{{radius, k}, energy, upper};
+    }
+    return best;
+}
+
+std::optional<SharpSearch::Choice> SharpSearch::choose(const Vec3d& center,
+                                                       const RadiusChoice& smooth,
+                                                       LadderWork& work) const {
+    if (smooth.isolated || !work.edge_in_sight) return std::nullopt;
+    const double step = 1 / std::sqrt(kGoldenRatio);
+    std::optional<Rung> best;
+    double least_upper = smooth.energy;
+    std::size_t level = 0;
+    int failures = 0;
+    // Planes need fewer points than the ladder's finest rung holds: one rung below it may do.
+    for (double r = kGoldenRatio * smooth.finest; r <= root_radius_ * 1.000001; r *= step) {
+        const auto rung = evaluate(r, level, center, work);
+        if (!rung || rung->energy > least_upper) {
+            if (++failures >= kMostFailures && r > smooth.radius) break;
+            if (rung && best && rung->energy > rules_.give_up * least_upper) break;
+            continue;
+        }
+        failures = 0;
+        least_upper = std::min(least_upper, rung->upper);
+        best = rung;
+    }
+    if (!best || best->energy > least_upper) return std::nullopt;
+    return best->choice;
+}
+
+double SharpSearch::clear_radius(const Vec3d& center, const Vec3d& normal,
+                                 const RadiusChoice& smooth, LadderWork& work) const {
+    if (!smooth.forced || smooth.isolated || !work.edge_in_sight ||
+        rules_.contrary_share >= kCleanNormals)
+        return smooth.radius;
+    gather_ball(points_.all(), center, smooth.radius, work.ball);
+    set_contrary_aside(work.ball, normal, work.aside);
+    double least = 1;
+    for (const SetAside<float>& a : work.aside) least = std::min(least, std::sqrt(double{a.sq}));
+    return smooth.radius * std::max(least, kGoldenRatio * kGoldenRatio);
+}
+
+}  // namespace slim
