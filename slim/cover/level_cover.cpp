@@ -278,7 +278,9 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
 
 CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
                                     const RadiusChoice& choice, Workspace& work) const {
-    if (choice.forced || choice.limited)
+    // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
+    const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
+    if (lends && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree, false,

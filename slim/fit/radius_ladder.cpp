@@ -136,7 +136,8 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
-    if (coarsest > finest) return {rung_radius(finest), false, true, false, forced_energy, rung_radius(finest)};
+    if (coarsest > finest)
+        return {rung_radius(finest), false, true, false, false, forced_energy, rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;

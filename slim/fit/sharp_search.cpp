@@ -10,7 +10,6 @@ namespace slim {
 namespace {
 
 constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
-constexpr double kCleanNormals = 1e-3; // share of contrary ones up to which one of them says "edge"
 constexpr double kRoughest = 0.1;      // eps over rho: beyond it sheets explain nothing
 
 }  // namespace
