@@ -24,7 +24,12 @@ constexpr std::size_t kLookAhead = 4;       // batches of deferred centres befor
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
 constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
 constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
-constexpr int kMostAttempts = 5;
+constexpr int kMostAttempts = 8;
+constexpr std::uint32_t kFewest = 3;         // points that any leaf may have
+constexpr std::uint32_t kMany = 15;
+constexpr double kNarrowOfFew = 0.06;
+constexpr double kNarrow = 0.2;              // breadth of a leaf whose points are a line (0.5 on a surface)
+constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
 constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
 constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
@@ -305,6 +310,17 @@ void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) con
     c.n_sheets = found->n_sheets;
 }
 
+/// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree. A disc among them
+/// would stand in the air.
+bool is_scatter(const CoveringSurfel& leaf, bool forced) {
+    const FittedSurfel& f = leaf.fitted;
+    if (f.n_points <= kFewest) return false;
+    // A few points of a surface may look like a line; where the energy chose, a thick leaf is one of noise.
+    const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
+    const bool is_thick = forced && f.fit_error > kThick * f.surfel.support_radius;
+    return leaf.breadth < narrow || is_thick;
+}
+
 /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
 /// that is too small for this level: the point waits.
 void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
@@ -319,6 +335,12 @@ void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_leaf(center, normal, c.choice, work);
+        if (is_scatter(c.surfel, c.choice.forced)) {
+            c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
+            c.leaf = c.choice.radius >= lower;
+            if (!c.leaf) return;
+            continue;
+        }
         if (length(c.surfel.lean) <= kBorder) return;
         const std::optional<double> smaller = move_inwards(c, lower, work);
         if (c.choice.forced) return;

@@ -66,6 +66,21 @@ Vec3d lean_of(const BallPoints<double>& ball, const Vec3d& normal) {
     return mean - normal * dot(mean, normal);
 }
 
+/// Least RMS width of the points that take part, in the tangent plane about their mean, over rho.
+double breadth_of(const BallPoints<double>& ball, const Frame<double>& frame) {
+    double weight = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double g = ball.sq[i] < 1 ? 1.0 : 0.0;  // under G a few points are a line by chance
+        const Vec3d x = frame.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
+        weight += g, u += g * x.x, v += g * x.y;
+        uu += g * x.x * x.x, uv += g * x.x * x.y, vv += g * x.y * x.y;
+    }
+    if (!(weight > 0)) return 0;
+    u /= weight, v /= weight;
+    const double a = uu / weight - u * u, b = uv / weight - u * v, c = vv / weight - v * v;
+    return std::sqrt(std::max(0.0, (a + c) / 2 - std::hypot((a - c) / 2, b)));
+}
+
 /// The fit of a ball in the frame of its rounded normal, and what was set aside for it.
 struct BallFit {
     Frame<double> frame;
@@ -92,6 +107,7 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     const LocalFit& fit = ball_fit.fit;
     CoveringSurfel out;
     out.lean = lean_of(ball, ball_fit.frame.normal);
+    out.breadth = breadth_of(ball, ball_fit.frame);
     take_back(ball, ball_fit.frame.normal, ball_fit.aside);
     out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};
     out.fitted.fit_error = std::sqrt(fit.sq_error);

@@ -251,6 +251,23 @@ TEST(LevelCover, Row26AStrayPointMakesNoLeaf) {
     }
 }
 
+TEST(LevelCover, APoleGetsNoDiscsOfTheSizeOfItsSearch) {
+    // 60 points of a thin pole above a plane: a ball that holds enough of them for a fit is 0.15 in radius.
+    PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < 60; ++i) {
+        const double z = 0.2 + 0.015 * static_cast<double>(i);
+        block.position[i] = {0.002 * random_at(4, i), 0.002 * random_at(5, i), z};
+        block.normal[i] = {1, 0, 0};
+    }
+    std::size_t on_pole = 0;
+    for (const FittedSurfel& s : leaves_of(cover(block, rules_for(block)))) {
+        if (s.surfel.center.z < 0.15) continue;
+        ++on_pole;
+        EXPECT_LT(s.surfel.support_radius, 0.06) << s.surfel.center.z;
+    }
+    EXPECT_GT(on_pole, 5u);
+}
+
 TEST(LevelCover, NothingIsCoveredFarFromTheDataOfAHole) {
     const Cloud plane = sampled("plane", 40000);
     const PointBlock block = block_of(filtered(plane, [](const Vec3d& p) {
