@@ -143,6 +143,12 @@ std::string field_help(const Field& field) {
     return fmt::format("  {:<22} {}\n", name, text);
 }
 
+/// The parser's "--output: 1 required TEXT missing" as "--output: a value is missing".
+std::string in_our_words(const std::string& message) {
+    const std::size_t at = message.find(": 1 required ");
+    return at == std::string::npos ? message : message.substr(0, at) + ": a value is missing";
+}
+
 constexpr const char* kCommonHelp = R"(
 Every verb:
   --config FILE          read these options from a TOML file (keys as printed by --print-config)
@@ -169,7 +175,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        throw ConfigError(error.what());
+        throw ConfigError(in_our_words(error.what()));
     }
     if (common.help || common.version) return common;
     refuse_extras(app.remaining(), fields);

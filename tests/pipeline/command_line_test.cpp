@@ -108,6 +108,12 @@ TEST(CommandLine, RefusesWhatMakesNoSense) {
     EXPECT_NE(refusal({"-x"}), "");
 }
 
+TEST(CommandLine, SaysWhichOptionLacksItsValue) {
+    EXPECT_EQ(refusal({"a.ply", "-o"}), "--output: a value is missing");
+    EXPECT_EQ(refusal({"a.ply", "-o", "m.slim", "--degree"}), "--degree: a value is missing");
+    EXPECT_EQ(refusal({"a.ply", "-o", "m.slim", "--threads"}), "--threads: a value is missing");
+}
+
 TEST(CommandLine, HelpNamesEveryFieldItsDefaultRangeAndExample) {
     LineConfig config;
     const std::string text =
