@@ -283,8 +283,8 @@ CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
     if (lends && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree, false,
-                      rules_.noise_variance, work.exact.ball);
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree,
+                      choice.forced, rules_.noise_variance, work.exact.ball);
 }
 
 /// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
