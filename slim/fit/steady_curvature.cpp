@@ -11,7 +11,7 @@
 namespace slim {
 namespace {
 
-constexpr int kWiderBalls = 2;         // g^-1, g^-2: a third changes no map (0.62 against 0.65 % of bunny_raw)
+constexpr int kWiderBalls = 2;         // g^-1, g^-2; with a third 0.62, not 0.65 % of bunny_raw
 constexpr double kMostWorse = 1.5;     // eps^2 of a plane with lent curvature over its own
 constexpr double kSqErrors = 4;        // two standard errors, squared
 constexpr std::size_t kSample = 512;   // points of a wider ball
@@ -33,8 +33,8 @@ struct Scale {
     std::array<double, kMaxDegree + 1> variance{};
 };
 
-/// The fit of radius `shrink` times the ball's, in units of the narrow one, which is `ratio` times smaller than
-/// the ball.
+/// The fit of radius `shrink` times the ball's, in units of the narrow one, which is `ratio` times
+/// smaller than the ball.
 template <int Degree>
 Scale measure(const BallPoints<double>& ball, double shrink, double ratio,
               const Frame<double>& frame, const LocalFit& fit, double noise_variance) {
