@@ -8,8 +8,8 @@
 namespace slim {
 
 /// True if a line's numbers seem to be written with decimal commas: at least three words between blanks
-/// or semicolons, all of digits without a point, each with at most one comma, which stands between digits, and one at
-/// least with it ("1,5 2,0 3,1", "1,5;2,0;3", but not "1,2,3" or "1, 2, 3").
+/// or semicolons, all of digits without a point, each with at most one comma, which stands between
+/// digits, and one at least with it ("1,5 2,0 3,1", "1,5;2,0;3", but not "1,2,3" or "1, 2, 3").
 bool has_decimal_commas(std::string_view line);
 
 /// Which column of a text of coordinates means what; -1: none.

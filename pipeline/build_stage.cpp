@@ -143,7 +143,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     return stamp.commit({config.output}, result);
 }
 
-/// Ends with what becomes of the intermediate files of a build that failed or was stopped.
+/// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called while
+/// `error` is handled.
 [[noreturn]] void give_up(const BuildConfig& config, const std::string& work, const Error& error) {
     const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
     const bool stopped =
@@ -151,7 +152,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     const bool sliced = fs::exists(manifest_path(work, "slice"));
     // A bad input leaves nothing to resume from, a build stopped while slicing hardly more.
     if (config.work.empty() && (bad || (stopped && !sliced))) fs::remove_all(work);
-    if (!stopped || !sliced) throw error;
+    if (!stopped || !sliced) throw;  // as it came, with its own type
     throw Error(error.code(), fmt::format("{}; the same command goes on where it was, from {}",
                                           error.what(), work));
 }

@@ -37,9 +37,10 @@ struct Job {
     std::vector<std::string> left_out;  ///< "curvature: no AOV asks for it"
 };
 
-/// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken from the file's folder. ConfigError with
-/// file:line for an unknown table or key (and the nearest name), a wrong type, a value out of range, no
-/// input, or two views of one name; IoError if the file cannot be read.
+/// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken
+/// from the file's folder. ConfigError with file:line for an unknown table or key (and the nearest
+/// name), a wrong type, a value out of range, no input, or two views of one name; IoError if the file
+/// cannot be read.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
 /// Where the page's step leaves its manifest.

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <numeric>
@@ -59,8 +60,10 @@ void add_rim_of_slice_before(const NormalsConfig& config, const SlicePlan& plan,
             "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
             "normals {}` for all slices",
             config.work, slice, slice - 1, config.work));
-    const double from = plan.cuts[slice - 1] - kRim * plan.diagonal;
-    const PointBlock rim = read_slice_part(path.string(), plan.axis, from, plan.cuts[slice - 1]);
+    // Below the cut, as drop_rim tells them apart: a coordinate of that slice may round to the cut.
+    const double cut = plan.cuts[slice - 1];
+    const PointBlock rim = read_slice_part(path.string(), plan.axis, cut - kRim * plan.diagonal,
+                                           std::nextafter(cut, -INFINITY));
     const auto append = [](const auto& values, auto& out) {
         out.insert(out.end(), values.begin(), values.end());
     };

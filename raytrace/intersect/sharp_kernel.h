@@ -50,7 +50,7 @@ inline typename V::mask_type on_joined_surface(const SharpRecord& s, const Sharp
     return stdx::abs(join_lanes(s.outer, f[0], rest)) <= static_cast<float>(kEdgeTolerance);
 }
 
-/// A root of the joined function per lane, the sheet it is on, and the cost it was chosen by.
+/// A root of the joined function per lane and the number of the sheet it is on.
 template <class V>
 struct SharpRoot {
     RootLanes<V> root;

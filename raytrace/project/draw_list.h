@@ -37,7 +37,8 @@ struct DrawList {
     std::vector<ScreenRect> full;     ///< of the support ball
     std::vector<ScreenRect> trimmed;  ///< of the ball shrunken by kTrim
     std::vector<SharpRecord> sharp;       ///< the sharp ones, in the same order
-    std::vector<std::uint32_t> sharp_of;  ///< of each record its entry in `sharp` or kSmooth; empty in smooth models
+    /// Of each record its entry in `sharp` or kSmooth; empty in smooth models.
+    std::vector<std::uint32_t> sharp_of;
 
     const SharpRecord* sharp_at(std::uint32_t record) const {
         return sharp_of[record] == kSmooth ? nullptr : &sharp[sharp_of[record]];

@@ -13,12 +13,13 @@
 namespace slim {
 namespace {
 
-/// Centres far from the leaves so far come first: passes of a level, by the most overlap a centre may have. In
-/// one pass, of random order, many leaves stand just outside another's reach and cover little that is new
-/// (leaves at T 0.01 of igea's T 0.02, bunny_raw, happy_stand_raw: 6,458, 5,837, 19,081 against 5,956,
-/// 5,399, 18,068 at the same errors; seven passes win no more).
+/// Centres far from the leaves so far come first: passes of a level, by the most overlap a centre
+/// may have. In one pass, of random order, many leaves stand just outside another's reach and cover
+/// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458, 5,837,
+/// 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
-constexpr double kGuess = 0.4;  // of the diagonal of a bucket of 16 points: a ball with enough for the finest rung
+/// Of the diagonal of a bucket of 16 points: a ball with enough for the finest rung.
+constexpr double kGuess = 0.4;
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
@@ -288,8 +289,8 @@ CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
     if (lends && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree, false,
-                      rules_.noise_variance, work.exact.ball);
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree,
+                      choice.forced, rules_.noise_variance, work.exact.ball);
 }
 
 /// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.

@@ -65,7 +65,7 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
 
 /// Whether the ball of a rung, the smallest with enough points, has them all at its rim: a stray point's
 /// ball reaches down to the surface, and its fit would be a large disc in the air. A surface gives
-/// the next finer ball nine points; in clouds of a few points all may be far from each other.
+/// the next finer ball seven points; in clouds of a few points all may be far from each other.
 bool RadiusLadder::stands_alone(const Vec3d& center, int rung) const {
     return points_.all().size() > least_points() &&
            count_in_ball(points_.all(), center, rung_radius(rung + 1), 2) < 2;

@@ -16,7 +16,8 @@ namespace slim {
 struct LadderRules {
     double points_per_coefficient = 3;    ///< of the finest admissible rung (slim/cover/notes/0002)
     double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
-    double contrary_share = 0;            ///< of the cloud's normals that noise turns: as many off the sheet are tolerated
+    /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
+    double contrary_share = 0;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
@@ -29,7 +30,8 @@ struct RadiusChoice {
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
-    bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the ladder, not E
+    bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the
+                             ///< ladder, not E
     double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
     double finest = 0;       ///< radius of the finest admissible rung
 };

@@ -14,16 +14,17 @@ namespace slim {
 /// Share of the way from one cluster's normal to another's (in 1 - cos) within which a normal is neither's.
 inline constexpr double kAmbiguous = 0.4;
 
-/// How far a ball's normals are from one: 1 - |sum n| / n over the points that have one; 0 on a plane, 0.29 on
-/// both sides of a right-angled edge. Cost: one pass, a few flops a point.
+/// How far a ball's normals are from one: 1 - |sum n| / n over the points that have one; 0 on a
+/// plane, 0.29 on both sides of a right-angled edge. Cost: one pass, a few flops a point.
 template <class T>
 double normal_spread(const BallPoints<T>& points);
 
 /// The spread of normals of an edge of 30 degrees through the middle of a ball.
 inline constexpr double kLeastSpread = 0.03;
 
-/// Whether it may pay to look for sheets: the normals spread by more than kLeastSpread, and two or three groups of them hold most of that spread, which those of a curved surface
-/// do not (two halves of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
+/// Whether it may pay to look for sheets: the normals spread by more than kLeastSpread, and two or
+/// three groups of them hold most of that spread, which those of a curved surface do not (two halves
+/// of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
 template <class T>
 bool shows_edge(const BallPoints<T>& points);
 

@@ -115,8 +115,8 @@ private:
         return true;
     }
 
-    /// Whether a sheet's gradients are the normals of the points that are its alone. A plane through a few points
-    /// of a narrow strip may lean away from them.
+    /// Whether a sheet's gradients are the normals of the points that are its alone. A plane
+    /// through a few points of a narrow strip may lean away from them.
     bool follows_normals(std::size_t k) const {
         double sum = 0, n = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {

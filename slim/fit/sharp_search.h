@@ -31,14 +31,14 @@ public:
         : points_(points), energy_(energy), root_radius_(root_radius), degree_(degree), rules_(rules) {}
 
     /// The largest radius whose energy is no higher than the least upper bound of all tried, if that is below
-    /// the energy of the smooth choice. `work` is as RadiusLadder::choose left it, with look_for_edges. Cost: nothing
-    /// where no edge is in sight, else about ten balls.
+    /// the energy of the smooth choice. `work` is as RadiusLadder::choose left it, with
+    /// look_for_edges. Cost: nothing where no edge is in sight, else about ten balls.
     std::optional<Choice> choose(const Vec3d& center, const RadiusChoice& smooth,
                                  LadderWork& work) const;
 
-    /// For a forced leaf that no sheets can mend, beside an edge of a cloud with clean normals: its radius, cut
-    /// down to the nearest point with a contrary normal (by g^2 at most), so that it does not stand out
-    /// over the edge as a disc. Else the choice's own radius.
+    /// For a forced leaf that no sheets can mend, beside an edge of a cloud with clean normals: its
+    /// radius, cut down to the nearest point with a contrary normal (by g^2 at most), so that it
+    /// does not stand out over the edge as a disc. Else the choice's own radius.
     double clear_radius(const Vec3d& center, const Vec3d& normal, const RadiusChoice& smooth,
                         LadderWork& work) const;
 

@@ -14,8 +14,9 @@ struct NarrowFit {
 };
 
 /// A fit whose ball is smaller than its curvature asks for: the ladder ended early (a fold, an edge, too few
-/// points), not the energy. Noise s gives curvature an error of about 10 s / (rho^2 sqrt(n_eff)): on such balls of
-/// raw scans more than the curvature itself, and every leaf gets its own, a speckled map.
+/// points), not the energy. Noise s gives curvature an error of about 10 s / (rho^2 sqrt(n_eff)):
+/// on such balls of raw scans more than the curvature itself, and every leaf gets its own, a
+/// speckled map.
 ///
 /// The coefficients of second and third order are therefore taken from balls g^-2 and g^-1 times as wide and
 /// from this one, coarse to fine, as far as each difference stands out of its noise (James and Stein
@@ -24,8 +25,9 @@ struct NarrowFit {
 /// S_j: variance of a_j with noise min(eps^2, lambda); norms are those of the homogeneous part, which do not
 /// change when the frame turns. What is of first order and below is fitted again to this ball alone, so
 /// the surface stays where its points are. Exact and noiseless data are left as they are.
-/// degree: asked for the surfel, 2 or 3. Never worse than `narrow.fit`: that is returned where no wider ball has
-/// the degree or the result leaves the ball. Cost: a gather of about 512 points, five passes.
+/// degree: asked for the surfel, 2 or 3. `narrow.fit` is returned where no wider ball has the degree,
+/// where the result leaves the ball, and where it is a plane whose eps^2 the lent curvature would raise
+/// by half. Cost: a gather of about 512 points, five passes.
 LocalFit steady_curvature(const PointPyramid& points, const NarrowFit& narrow, int degree,
                           double noise_variance, BallPoints<double>& work);
 

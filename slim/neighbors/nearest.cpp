@@ -19,6 +19,7 @@ constexpr std::size_t kWord = 64;       // candidates whose hits are bits of one
 constexpr std::size_t kGrain = 1024;    // wanted points a task
 constexpr double kFar = 1e200;          // of padding: its square is infinite
 constexpr double kCompact = 4;          // queries share a walk if their box is at most so many radii wide
+constexpr double kBeyond = 1 + 1e-9;    // wider by more than rounding
 constexpr double kNextRadius = 1.25;    // of the k-th distance of the query before: a guess
 constexpr double kNextReach = 1.4;      // of the mean k-th distance of the bucket before: a guess
 constexpr int kMostSteps = 16;          // of the search for a radius that holds k; more only with ties
@@ -172,9 +173,9 @@ public:
             bucket(wanted.first(half), w);
             return bucket(wanted.subspan(half), w + half);
         }
-        gather(box, reach_);
-        // Every point nearer than reach is among the candidates.
+        // Every point no farther than reach is among the candidates: boxes just as far are left out.
         const double reach = reach_;
+        gather(box, reach * kBeyond);
         double guess = reach, sum = 0;
         left_.clear();
         for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -196,8 +197,8 @@ private:
     double alone(std::uint32_t i, std::size_t w) {
         const double sq_bound = bound_from_near_buckets(i);
         const Vec3d& p = search_.positions()[i];
-        // Wider than the bound by more than rounding: the point that set the bound must be in.
-        gather({p, p}, std::sqrt(sq_bound) * (1 + 1e-9) + 1e-150);
+        // The point that set the bound must be in.
+        gather({p, p}, std::sqrt(sq_bound) * kBeyond + 1e-150);
         hits_.collect(candidates_, p, sq_bound);
         hits_.keep_nearest(k_);
         return report(w);

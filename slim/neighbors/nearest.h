@@ -31,8 +31,8 @@ public:
     /// neighbours are the point itself (or the first of its repeats) and the nearest others, k in
     /// all, or as many as there are; in no order, but in the same one always. Of two as far the one
     /// of lower index is taken.
-    /// wanted: rising indices; repeats are better left out: each costs a scan of all of its kind
-    /// Cost: 0.5 us a point and core at k = 16 where all points are wanted, 1 us where few are
+    /// wanted: rising indices; repeats are better left out: each costs a scan of all of its kind.
+    /// Cost: 0.5 us a point and core at k = 16 where all points are wanted, 1 us where few are.
     using Visit = std::function<void(std::size_t w, std::span<const std::uint32_t> neighbors)>;
     void for_each(std::span<const std::uint32_t> wanted, std::size_t k, const Visit& visit) const;
 

@@ -20,7 +20,7 @@ struct alignas(64) PointBucket {
 };
 
 /// Points in Morton order in buckets under a tree of boxes: answers ball queries by buckets.
-/// Built once, read by any number of threads. 40 bytes a point.
+/// Built once, read by any number of threads. 44 bytes a point.
 class PointTree {
 public:
     static constexpr std::size_t kBucket = PointBucket::kSize;

@@ -134,8 +134,7 @@ void compare_signs(const Surroundings& s, const Vec3f& p, const Vec3f& own, floa
 }
 
 /// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather
-/// thousands of
-/// points. Twice the median serves all but the sparsest 1 %.
+/// thousands of points. Twice the median serves all but the sparsest 1 %.
 double usual_diagonal(const BoxTree& tree) {
     std::vector<double> diagonals(tree.n_buckets());
     for (std::size_t b = 0; b < diagonals.size(); ++b) diagonals[b] = tree.bucket(b).diagonal();

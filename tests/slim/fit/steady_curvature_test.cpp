@@ -1,5 +1,6 @@
 #include "slim/fit/steady_curvature.h"
 
+#include "slim/model/weight_kernel.h"
 #include "tests/slim/fit/fit_support.h"
 
 #include <gtest/gtest.h>
@@ -85,6 +86,39 @@ TEST(SteadyCurvature, LendsAPlaneTheCurvatureOfItsSurroundings) {
     EXPECT_EQ(r.steady.degree, 2);
     EXPECT_NEAR(mean_curvature(r.steady), 0.4, 1e-6);
     EXPECT_LT(r.steady.sq_error, r.plain.sq_error);
+}
+
+/// eps^2 as LocalFit defines it, by a pass over the residuals of a plane and terms that were given.
+double sq_error_by_residuals(const BallPoints<double>& ball, const Polynomial<double>& p) {
+    double rss = 0, weight = 0, sq_weight = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const Vec3d x = kUpright.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
+        const double g = weight_kernel(ball.sq[i]);
+        rss += g * std::pow(x.z - p.value(x.x, x.y), 2);
+        weight += g;
+        sq_weight += g * g;
+    }
+    return ball.radius * ball.radius * rss / weight / (1 - 3 * sq_weight / (weight * weight));
+}
+
+TEST(SteadyCurvature, TheErrorIsThatOfTheLentCurvature) {
+    // A cap, a saddle and a twist: the products of the lent terms have either sign.
+    const double shapes[][3] = {{0.5, 0, 0.4}, {0.5, 0, -0.4}, {0.3, 0.6, 0.2}};
+    for (const auto& a : shapes) {
+        SCOPED_TRACE(a[2]);
+        PointBlock block = graph_points(20000, 1, 11, [&](double u, double v) {
+            return a[0] * u * u + a[1] * u * v + a[2] * v * v;
+        });
+        for (std::size_t i = 0; i < block.size(); ++i)
+            block.position[i].z += 1e-4 * gaussian(17, i);
+        const Result r = at_origin(block, 2, 1e-8, 1);
+        ASSERT_EQ(r.steady.degree, 2);
+        BallPoints<double> ball;
+        gather_ball(PointPyramid(block, box_of(block), 0).all(), {0, 0, 0}, kRadius, ball);
+        const double expected = sq_error_by_residuals(ball, r.steady.polynomial);
+        EXPECT_NEAR(r.steady.sq_error, expected, 1e-6 * expected);
+        EXPECT_NEAR(std::sqrt(r.steady.sq_error), 1e-4, 2e-5);
+    }
 }
 
 TEST(SteadyCurvature, WithoutAWiderBallTheFitStays) {
