@@ -25,9 +25,11 @@ constexpr std::size_t kLookAhead = 4;       // batches of deferred centres befor
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
 constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
 constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
-constexpr int kMostAttempts = 8;
+constexpr int kMostAttempts = 12;
+constexpr double kSparse = 4;                // over the usual radius: a region so thin is a surface or strays
 constexpr std::uint32_t kFewest = 3;         // points that any leaf may have
 constexpr std::uint32_t kMany = 15;
+constexpr double kThickOfSparse = 0.03;       // noise is small against so large a leaf
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;              // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
@@ -42,6 +44,7 @@ struct Candidate {
     bool leaf = false;
     RadiusChoice choice;
     std::size_t n_sheets = 1;            // of the leaf
+    bool sparse = false;                 // the finest ball is far larger than usual
     CoveringSurfel surfel;               // of the leaf
     FittedSurfel internal;               // otherwise
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
@@ -95,6 +98,7 @@ public:
           place_(points.size()),
           open_(points.size()) {
         std::iota(open_.begin(), open_.end(), 0u);
+        if (points.size() > 0) usual_radius_ = usual_radius();
         for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
             place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
         if (rules.owns)
@@ -127,7 +131,8 @@ public:
 private:
     enum State : std::uint8_t {
         kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16,
-        kTwoSheets = 32, kThreeSheets = 64  // found by an earlier search: two sheets, three
+        kTwoSheets = 32, kThreeSheets = 64,  // found by an earlier search: two sheets, three
+        kThin = 128
     };
 
     /// Fine levels know no points beyond their halo: their balls must not exceed it.
@@ -145,6 +150,15 @@ private:
     bool is_open(std::uint32_t p) const {
         if (state_[p] & kClosed) return false;
         return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
+    }
+    /// Median of 1,001 buckets' diagonals, the first guess of a ball with enough points.
+    double usual_radius() const {
+        const PointTree& tree = pyramid_.all();
+        std::vector<double> sizes;
+        for (std::size_t k = 0; k < 1001; ++k)
+            sizes.push_back(tree.bucket_diagonal(k * (tree.size() - 1) / 1000));
+        std::nth_element(sizes.begin(), sizes.begin() + 500, sizes.end());
+        return kGuess * sizes[500];
     }
     std::size_t count_open() const {
         std::size_t n = 0;
@@ -178,6 +192,7 @@ private:
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
+    double usual_radius_ = 0;           // of a ball with enough points for the finest rung
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<Workspace> work_;
     Cover out_;
@@ -266,10 +281,13 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (radius_[c.point] > 0) {
         c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
+        c.sparse = (state_[c.point] & kThin) != 0;
         c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
     } else {
         const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
         c.choice = ladder_.choose(center, normal, guess, work.ladder);
+        const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
+        c.sparse = finest > kSparse * usual_radius_;
         if (rules_.sharp) sharpen(c, center, work);
         // Rounded here, so that a search remembered gives the same surfel as a fresh one.
         c.choice.radius = static_cast<float>(c.choice.radius);
@@ -279,7 +297,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.leaf = c.choice.radius >= lower && !c.choice.isolated;
     if (c.choice.isolated) return;
     if (c.leaf) make_leaf(c, lower, work);
-    if (!c.leaf) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
+    if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
 CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
@@ -313,13 +331,18 @@ void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) con
 
 /// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree. A disc among them
 /// would stand in the air.
-bool is_scatter(const CoveringSurfel& leaf, bool forced) {
+/// sparse: the finest ball with enough points is far larger than the cloud's usual one.
+bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
     const FittedSurfel& f = leaf.fitted;
     if (f.n_points <= kFewest) return false;
     // A few points of a surface may look like a line; where the energy chose, a thick leaf is one of noise.
     const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
-    const bool is_thick = forced && f.fit_error > kThick * f.surfel.support_radius;
-    return leaf.breadth < narrow || is_thick;
+    const double thick = sparse ? kThickOfSparse : kThick;
+    const bool is_thick = (forced || sparse) && f.fit_error > thick * f.surfel.support_radius;
+    const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
+    // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
+    const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
+    return is_line || is_thick || is_torn;
 }
 
 /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
@@ -336,11 +359,16 @@ void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_leaf(center, normal, c.choice, work);
-        if (is_scatter(c.surfel, c.choice.forced)) {
+        if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
             c.leaf = c.choice.radius >= lower;
             if (!c.leaf) return;
             continue;
+        }
+        if (c.sparse && c.surfel.fitted.n_points <= kFewest) {  // strays, scattered in the air
+            c.choice.isolated = true;
+            c.leaf = false;
+            return;
         }
         if (length(c.surfel.lean) <= kBorder) return;
         const std::optional<double> smaller = move_inwards(c, lower, work);
@@ -426,6 +454,7 @@ void LevelCover::accept(Candidate& c, int level) {
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
     if (c.choice.limited) state_[c.point] |= kLimited;
+    if (c.sparse) state_[c.point] |= kThin;
     if (c.n_sheets > 1) state_[c.point] |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
     if (c.choice.isolated) {
         state_[c.point] |= kClosed;

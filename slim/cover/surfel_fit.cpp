@@ -107,6 +107,7 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     const LocalFit& fit = ball_fit.fit;
     CoveringSurfel out;
     out.lean = lean_of(ball, ball_fit.frame.normal);
+    out.n_aside = ball_fit.aside.size();
     out.breadth = breadth_of(ball, ball_fit.frame);
     take_back(ball, ball_fit.frame.normal, ball_fit.aside);
     out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};

@@ -28,6 +28,7 @@ struct CoveringSurfel {
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line
+    std::size_t n_aside = 0;  ///< points in the ball whose normals leave the height field
     Fallback fallback = Fallback::none;
     bool normals_disagree = false;
 };
