@@ -158,7 +158,7 @@ DrawList draw_list(const PixelView& view, const PixelWindow& window, const Surfe
             const Vec3d c = view.camera_from_local(tree.center(cut[i]));
             const double radius = tree.support_radius(cut[i]);
             rects[i] = screen_rect(view, window, c, radius);
-            keys[i] = ordered_bits(static_cast<float>(c.z - kTrim * radius - z_root));
+            keys[i] = ordered_bits(static_cast<float>(c.z - kHitTrim * radius - z_root));
         }
     });
     std::vector<std::uint32_t> order = sorted_order(keys);
@@ -173,7 +173,7 @@ DrawList draw_list(const PixelView& view, const PixelWindow& window, const Surfe
             list.records[i] = draw_record(view, tree, node);
             list.full[i] = rects[order[i]];
             list.trimmed[i] = screen_rect(view, window, view.camera_from_local(tree.center(node)),
-                                          kTrim * tree.support_radius(node));
+                                          kHitTrim * tree.support_radius(node));
         }
     });
     add_sharp(view, tree, list);

@@ -42,7 +42,7 @@ void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& ou
     const int row = static_cast<int>(tile) / scene.bins.columns;
     t.start(scene.view, scene.window, scene.grid.x + column * kTileSize,
             scene.grid.y + row * kTileSize,
-            nearest.z_center - kTrim * static_cast<double>(nearest.radius), kWantHessian);
+            nearest.z_center - kHitTrim * static_cast<double>(nearest.radius), kWantHessian);
     run_stage_1<Degree, kSharpModel>(scene.list, entries, t);
     run_stage_2<Degree, kWantHessian, kSharpModel>(scene.list, entries, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list, entries, t, out);

@@ -7,7 +7,7 @@
 namespace slim {
 
 /// Draws a model by forward projection in two stages (Ohtake 2005, sec. 3): the first hit per pixel on
-/// surfels trimmed to kTrim of their radius, then the blend of all surfels around it. Single precision
+/// surfels trimmed to kHitTrim of their radius, then the blend of all surfels around it. Single precision
 /// relative to each surfel, SIMD over pixels, tiles over threads; the same bytes for any number of
 /// threads. `out` is reset to the request's window and channels; what is not wanted is not computed.
 ///

@@ -47,12 +47,12 @@ inline void keep_nearer(TileBuffers& t, std::size_t i, float entry, const FloatV
 template <int Degree>
 inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& depth, int tile_y,
                        int group, TileBuffers& t) {
-    constexpr float kSqTrim = static_cast<float>(kTrim * kTrim);
+    constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const std::size_t i = group_index(tile_y, group);
     const PixelRays<FloatV> rays = t.rays(tile_y, group);
     const BallRay<FloatV> ball = ball_ray(r, rays);
     const FloatV z = t.z.load(i);
-    const float nearest = depth.center - static_cast<float>(kTrim) * r.radius;
+    const float nearest = depth.center - static_cast<float>(kHitTrim) * r.radius;
     const auto active = ball.sq_distance < kSqTrim && z > nearest;
     if (stdx::none_of(active)) return;
     t.counts.root_tests += static_cast<std::uint64_t>(stdx::popcount(active));
@@ -72,7 +72,7 @@ inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& dep
 template <int Degree>
 inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDepths& depth,
                              int tile_y, int group, TileBuffers& t) {
-    constexpr float kSqTrim = static_cast<float>(kTrim * kTrim);
+    constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = group_index(tile_y, group);
     const PixelRays<FloatV> rays = t.rays(tile_y, group);
@@ -194,7 +194,7 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
         const DrawRecord& r = list.records[entries[e]];
         const RecordDepths depth(r, t);
         if (e % kUpdateEvery == 0) farthest = t.farthest();
-        if (depth.center - static_cast<float>(kTrim) * r.radius > farthest) continue;
+        if (depth.center - static_cast<float>(kHitTrim) * r.radius > farthest) continue;
         const auto entry = static_cast<float>(e);
         if constexpr (kSharpModel)
             if (const SharpRecord* s = list.sharp_at(entries[e])) {

@@ -59,6 +59,11 @@ struct Surfel {
 
 /// The share of rho in which stage 1 looks for the first hit (alpha, paper sec. 3).
 inline constexpr double kTrim = 2.0 / 3.0;
+/// The share of rho in which the renderers look for the first hit. Departs from the paper, whose alpha is kTrim for
+/// cover and hit alike: a point is covered within kTrim, and the surface between two such points may
+/// lie outside every core. The margin closes these gaps of single pixels: of igea's 37 in three views
+/// of 1600x1200 two are left, of bunny_raw's 14 four; a smaller core of the cover does it for 27 % more leaves.
+inline constexpr double kHitTrim = 0.72;
 /// The share of rho up to which a point belongs to a surfel: one farther off is neither covered by it nor
 /// blended with it, however poor its fit.
 inline constexpr double kBelongs = 0.3;

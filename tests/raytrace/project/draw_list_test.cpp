@@ -113,8 +113,8 @@ TEST(DrawList, IsSortedByTheNearEndOfTheTrimmedBall) {
     const DrawList list = draw_list(view, window, model.view(), cut);
     ASSERT_EQ(list.records.size(), 500u);
     for (std::size_t i = 1; i < list.records.size(); ++i)
-        ASSERT_LE(list.records[i - 1].z_center - kTrim * list.records[i - 1].radius,
-                  list.records[i].z_center - kTrim * list.records[i].radius + 1e-6);
+        ASSERT_LE(list.records[i - 1].z_center - kHitTrim * list.records[i - 1].radius,
+                  list.records[i].z_center - kHitTrim * list.records[i].radius + 1e-6);
 }
 
 TEST(TileBins, HoldEachRectInItsTilesInOrder) {
