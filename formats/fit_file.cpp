@@ -10,9 +10,13 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels; a file without them is still version 1.
+/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped; a file without either is
+/// still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
-constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 2};
+constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
+constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 3};
+
+constexpr std::size_t kWrittenAtOnce = 4096;  // records: 1 MiB
 
 /// A fitted surfel with no gaps between its members, so that equal surfels are equal bytes.
 struct Record {
@@ -117,43 +121,60 @@ bool is_sound(const Record& r) {
 }  // namespace
 
 void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
-               const std::string& header_json) {
-    std::vector<Record> records(surfels.size());
-    std::transform(surfels.begin(), surfels.end(), records.begin(), pack);
+               const std::string& header_json, std::span<const std::uint64_t> dropped) {
     const std::vector<SheetRecord> sheets = pack_sheets(surfels);
-    ChunkWriter writer(path, sheets.empty() ? kSmoothFitKind : kFitKind);
+    ChunkWriter writer(path, !dropped.empty() ? kFitKind : sheets.empty() ? kSmoothFitKind
+                                                                          : kSharpFitKind);
     writer.add("header_json", std::span<const char>(header_json));
-    writer.add("surfels", std::span<const Record>(records));
+    const std::size_t records = writer.reserve("surfels", sizeof(Record), surfels.size());
+    std::vector<Record> some;  // a call of the system for many, not the memory of all
+    for (std::size_t i = 0; i < surfels.size(); i += kWrittenAtOnce) {
+        const auto next = surfels.subspan(i, std::min(kWrittenAtOnce, surfels.size() - i));
+        some.resize(next.size());
+        std::transform(next.begin(), next.end(), some.begin(), pack);
+        writer.append(records, some.data(), some.size());
+    }
     if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
+    if (!dropped.empty()) writer.add("dropped", dropped);
     writer.commit();
 }
 
-FitFile read_fit(const std::string& path) {
+FitFile read_fit(const std::string& path,
+                 const std::function<bool(const FittedSurfel&)>& is_wanted) {
     const ChunkFile file = ChunkFile::open(path, kFitKind);
-    file.verify_all();
-    const auto json = file.array<char>("header_json");
-    const auto records = file.array<Record>("surfels");
+    FitFile fit;
+    file.for_pieces<char>("header_json", [&](std::size_t, std::span<const char> piece) {
+        fit.header_json.append(piece.begin(), piece.end());
+    });
     std::span<const SheetRecord> sheets;
-    if (file.has("sheets")) sheets = file.array<SheetRecord>("sheets");
-    FitFile fit{{json.begin(), json.end()}, {}};
-    fit.surfels.reserve(records.size());
-    for (std::size_t i = 0; i < records.size(); ++i) {
-        if (!is_sound(records[i]))
+    if (file.has("sheets")) {
+        file.verify("sheets");
+        sheets = file.array<SheetRecord>("sheets");
+    }
+    const auto take_record = [&](std::size_t i, const Record& r) {
+        if (!is_sound(r))
             throw FormatError(message(path, ": byte ", file.offset("surfels") + i * sizeof(Record),
                                       ": surfel ", i, " has no finite ball, or degree ",
-                                      int{records[i].degree}, " or sheets ",
-                                      int{records[i].sharp} & 3));
-        fit.surfels.push_back(unpack(records[i]));
-        const std::size_t extra = records[i].sharp & 3u;
-        if (extra == 0) continue;
+                                      int{r.degree}, " or sheets ", int{r.sharp} & 3));
+        FittedSurfel surfel = unpack(r);
+        const std::size_t extra = r.sharp & 3u;
         if (extra > sheets.size())
             throw FormatError(message(path, ": surfel ", i, " needs ", extra,
                                       " further sheets, found ", sheets.size()));
-        fit.surfels.back().surfel.sharp = unpack_sheets(records[i].sharp, sheets.first(extra));
+        if (extra > 0) surfel.surfel.sharp = unpack_sheets(r.sharp, sheets.first(extra));
         sheets = sheets.subspan(extra);
-    }
+        if (!is_wanted || is_wanted(surfel)) fit.surfels.push_back(std::move(surfel));
+    };
+    if (!is_wanted) fit.surfels.reserve(file.array<Record>("surfels").size());
+    file.for_pieces<Record>("surfels", [&](std::size_t first, std::span<const Record> piece) {
+        for (std::size_t i = 0; i < piece.size(); ++i) take_record(first + i, piece[i]);
+    });
     if (!sheets.empty())
         throw FormatError(message(path, ": ", sheets.size(), " sheets belong to no surfel"));
+    if (file.has("dropped"))
+        file.for_pieces<std::uint64_t>("dropped", [&](std::size_t, auto piece) {
+            fit.dropped.insert(fit.dropped.end(), piece.begin(), piece.end());
+        });
     return fit;
 }
 

@@ -4,35 +4,59 @@
 #include "slim/base/check.h"
 #include "slim/base/error.h"
 
+#include <algorithm>
+#include <vector>
+
 namespace slim {
 namespace {
 
 constexpr ChunkFileKind kSliceKind{"SLIMSLCE", "SLIM slice", 1};
 
-/// What of a column comes along: point i if keep(i).
-template <class T, class Keep>
-std::vector<T> read_column(const ChunkFile& file, const char* name, std::size_t n, const Keep& keep) {
-    const std::size_t found = file.array<T>(name).size();
-    if (found != n)
+template <class T>
+std::span<const T> column(const ChunkFile& file, const char* name, std::size_t n) {
+    const std::span<const T> values = file.array<T>(name);
+    if (values.size() != n)
         throw FormatError(message(file.path(), ": byte ", file.offset(name), ": chunk ", name,
-                                  ": expected ", n, " entries, found ", found));
-    std::vector<T> out;
-    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) { keep(first, piece, out); });
-    return out;
+                                  ": expected ", n, " entries, found ", values.size()));
+    return values;
 }
 
-/// The columns of a slice after its positions have been chosen from.
-template <class Keep>
-void read_columns(const ChunkFile& file, std::size_t n, const Keep& keep, PointBlock& block) {
-    const auto everything = [](std::size_t, auto piece, auto& out) {
-        out.insert(out.end(), piece.begin(), piece.end());
-    };
-    block.origin = read_column<Vec3d>(file, "origin", 1, everything)[0];
-    block.position = read_column<Vec3d>(file, "position", n, keep);
-    block.id = read_column<std::uint64_t>(file, "id", n, keep);
-    if (!file.array<Vec3f>("normal").empty()) block.normal = read_column<Vec3f>(file, "normal", n, keep);
-    if (!file.array<std::uint16_t>("scan").empty())
-        block.scan = read_column<std::uint16_t>(file, "scan", n, keep);
+/// Appends what is wanted of a column; the vector holds nothing to spare.
+template <class T>
+void append_column(const ChunkFile& file, const char* name, const std::vector<bool>& wanted,
+                   std::size_t n_wanted, std::vector<T>& out) {
+    column<T>(file, name, wanted.size());
+    out.reserve(out.size() + n_wanted);
+    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) {
+        for (std::size_t i = 0; i < piece.size(); ++i)
+            if (wanted[first + i]) out.push_back(piece[i]);
+    });
+}
+
+/// The columns of a slice's wanted points; optional ones are empty or those of every point.
+void append_columns(const ChunkFile& file, const std::vector<bool>& wanted, PointBlock& out) {
+    const auto n = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), true));
+    const bool has_normals = !file.array<Vec3f>("normal").empty();
+    const bool has_scans = !file.array<std::uint16_t>("scan").empty();
+    if (n == 0 && !out.empty()) return;
+    if (!out.empty() && (has_normals != out.has_normals() || has_scans != out.has_scans()))
+        throw FormatError(message(file.path(), ": has other columns than the slices before it"));
+    file.verify("origin");
+    out.origin = column<Vec3d>(file, "origin", 1)[0];
+    append_column(file, "position", wanted, n, out.position);
+    append_column(file, "id", wanted, n, out.id);
+    if (has_normals) append_column(file, "normal", wanted, n, out.normal);
+    if (has_scans) append_column(file, "scan", wanted, n, out.scan);
+}
+
+/// The bits of the points whose values in a column are wanted.
+template <class T, class Wanted>
+std::vector<bool> choose_by(const ChunkFile& file, const char* name, Wanted&& is_wanted) {
+    std::vector<bool> wanted(file.array<T>(name).size());
+    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) {
+        for (std::size_t i = 0; i < piece.size(); ++i) wanted[first + i] = is_wanted(piece[i]);
+    });
+    return wanted;
 }
 
 }  // namespace
@@ -66,31 +90,23 @@ void write_slice(const std::string& path, const PointBlock& block) {
 
 PointBlock read_slice(const std::string& path) {
     const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    const std::size_t n = file.array<Vec3d>("position").size();
     PointBlock block;
-    read_columns(file, n, [n](std::size_t, auto piece, auto& out) {
-        out.reserve(n);
-        out.insert(out.end(), piece.begin(), piece.end());
-    }, block);
+    append_columns(file, std::vector<bool>(file.array<Vec3d>("position").size(), true), block);
     return block;
 }
 
-PointBlock read_slice_part(const std::string& path, int axis, double lo, double hi) {
+void append_slice_part(const std::string& path, int axis, double lo, double hi, PointBlock& out) {
     const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    const std::size_t n = file.array<Vec3d>("position").size();
-    std::vector<bool> wanted(n);
-    file.for_pieces<Vec3d>("position", [&](std::size_t first, std::span<const Vec3d> piece) {
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            const double x = piece[i][static_cast<std::size_t>(axis)];
-            wanted[first + i] = x >= lo && x <= hi;
-        }
-    });
-    PointBlock block;
-    read_columns(file, n, [&](std::size_t first, auto piece, auto& out) {
-        for (std::size_t i = 0; i < piece.size(); ++i)
-            if (wanted[first + i]) out.push_back(piece[i]);
-    }, block);
-    return block;
+    append_columns(file, choose_by<Vec3d>(file, "position", [=](const Vec3d& p) {
+                       const double x = p[static_cast<std::size_t>(axis)];
+                       return x >= lo && x <= hi;
+                   }), out);
+}
+
+void append_slice_points(const std::string& path,
+                         const std::function<bool(std::uint64_t id)>& is_wanted, PointBlock& out) {
+    const ChunkFile file = ChunkFile::open(path, kSliceKind);
+    append_columns(file, choose_by<std::uint64_t>(file, "id", is_wanted), out);
 }
 
 }  // namespace slim

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace slim {
@@ -34,9 +35,13 @@ void write_slice(const std::string& path, const PointBlock& block);
 /// throws FormatError naming file, place and reason; IoError
 PointBlock read_slice(const std::string& path);
 
-/// The points of a slice with lo <= coordinate `axis` <= hi, in its order; a bit a point of the
-/// slice besides.
-/// throws as read_slice
-PointBlock read_slice_part(const std::string& path, int axis, double lo, double hi);
+/// Appends the points of a slice with lo <= coordinate `axis` <= hi to `out`, in its order; a bit a
+/// point of the slice besides. An empty block takes over the slice's origin and columns.
+/// throws as read_slice; FormatError if the columns are others than those of `out`
+void append_slice_part(const std::string& path, int axis, double lo, double hi, PointBlock& out);
+
+/// The same for the points whose id is wanted.
+void append_slice_points(const std::string& path,
+                         const std::function<bool(std::uint64_t id)>& is_wanted, PointBlock& out);
 
 }  // namespace slim

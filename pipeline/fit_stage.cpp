@@ -1,14 +1,14 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
-#include "formats/slice_file.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
+#include "pipeline/slice_points.h"
 #include "slim/base/error.h"
-#include "slim/base/hash.h"
 #include "slim/cover/level_cover.h"
 #include "slim/fit/noise_variance.h"
+#include "slim/model/surfel_tree.h"
 
 #include <fmt/format.h>
 
@@ -19,11 +19,6 @@
 
 namespace slim {
 namespace {
-
-constexpr std::uint64_t kCoarseSample = 0x636f6172;  // purpose of the hash
-constexpr std::uint64_t kBytesPerPoint = 256;        // of a block under fit: points, trees, cover
-constexpr std::uint64_t kLeastSample = 200000;       // fewer would blur the coarse levels (50 MiB)
-constexpr double kHaloShare = 0.25;                  // of the thinnest slab
 
 nlohmann::json counts_json(const CoverCounts& c) {
     nlohmann::json fallbacks, degrees;
@@ -63,34 +58,8 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.seed = config.seed;
     rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
+    rules.spacing = noise.spacing;
     return rules;
-}
-
-/// First level whose balls fit into the halo of a slice; 1 for a job of one slice.
-int first_fine_level(const SlicePlan& plan) {
-    if (plan.slices.size() < 2) return 1;
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    double thinnest = std::numeric_limits<double>::infinity();
-    std::vector<double> walls{plan.bounds.lo[axis]};
-    walls.insert(walls.end(), plan.cuts.begin(), plan.cuts.end());
-    walls.push_back(plan.bounds.hi[axis]);
-    for (std::size_t i = 1; i < walls.size(); ++i)
-        thinnest = std::min(thinnest, walls[i] - walls[i - 1]);
-    int level = 1;
-    while (level < 40 && level_radius(plan.diagonal, level) > kHaloShare * thinnest) ++level;
-    return level;
-}
-
-/// Copies the points that `wanted` accepts to the end of `out`.
-template <class Wanted>
-void append_points(const PointBlock& from, Wanted&& wanted, PointBlock& out) {
-    out.origin = from.origin;
-    for (std::size_t i = 0; i < from.size(); ++i) {
-        if (!wanted(i)) continue;
-        out.position.push_back(from.position[i]);
-        out.normal.push_back(from.normal[i]);
-        out.id.push_back(from.id[i]);
-    }
 }
 
 /// What a tree needs to know of a fit, and what all fits of a job must share.
@@ -106,18 +75,20 @@ nlohmann::json rules_json(const CoverRules& rules) {
 
 /// What a fit takes from the normals of all slices, for its manifest.
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {}", rules.noise_variance, rules.ladder.contrary_share);
+    return fmt::format("lambda {} contrary {} spacing {}", rules.noise_variance,
+                       rules.ladder.contrary_share, rules.spacing);
 }
 
 void write_cover(const std::filesystem::path& path, const CoverRules& rules, const Cover& cover) {
     write_fit(path.string(), cover.surfels,
               nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}
-                  .dump());
+                  .dump(),
+              cover.dropped);
 }
 
 /// Coarse levels of a job in slices: fitted once, from a random sample of all points.
 nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const CoverRules& rules,
-                          int first_fine, StageContext& context) {
+                          const FitDivision& division, StageContext& context) {
     const auto output = coarse_fit_path(config.work);
     Stamp stamp(context, manifest_path(output));
     for (std::size_t i = 0; i < plan.slices.size(); ++i)
@@ -125,18 +96,10 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     stamp.input(plan_path(config.work));
     stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
-    const std::uint64_t budget = parse_memory_size(config.memory) / 2 / kBytesPerPoint;
-    const double share = static_cast<double>(std::max(budget, kLeastSample)) /
-                         static_cast<double>(plan.n_points);
-    PointBlock sample;
-    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
-        const PointBlock slice = read_slice(oriented_points_path(config.work, i).string());
-        append_points(slice, [&](std::size_t k) {
-            return unit_interval(keyed_hash(config.seed, slice.id[k], kCoarseSample)) < share;
-        }, sample);
-    }
+    const PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
     CoverRules coarse = rules;
-    coarse.last_level = first_fine - 1;
+    coarse.last_level = division.first_fine - 1;
+    coarse.share = division.share;
     const Cover cover = cover_points(sample, coarse, context.reporter);
     write_cover(output, rules, cover);
     nlohmann::json result = counts_json(cover.counts);
@@ -144,25 +107,20 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     return stamp.commit({output}, result);
 }
 
-/// The slice's points and those of others nearer than the halo.
-PointBlock with_halo(const FitConfig& config, const SlicePlan& plan, std::size_t slice, double halo) {
-    PointBlock block = read_slice(oriented_points_path(config.work, slice).string());
-    if (plan.slices.size() < 2) return block;
+/// What the fine levels of a slice take over from the coarse ones: surfels whose balls meet it and its halo.
+FitFile read_coarse_near(const FitConfig& config, const SlicePlan& plan, std::size_t slice,
+                         double halo) {
     const auto axis = static_cast<std::size_t>(plan.axis);
     const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1] - halo;
     const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice] + halo;
-    for (const std::size_t other : {slice - 1, slice + 1}) {
-        if (other >= plan.slices.size()) continue;  // slice 0 has no predecessor: the index wraps
-        const PointBlock near = read_slice(oriented_points_path(config.work, other).string());
-        append_points(near, [&](std::size_t i) {
-            return near.position[i][axis] >= lo && near.position[i][axis] <= hi;
-        }, block);
-    }
-    return block;
+    return read_fit(coarse_fit_path(config.work).string(), [=](const FittedSurfel& s) {
+        const double x = s.surfel.center[axis], rho = s.surfel.support_radius;
+        return (s.flags & kLeaf) != 0 && x + rho >= lo && x - rho <= hi;
+    });
 }
 
 nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRules rules,
-                         std::size_t slice, int first_fine, StageContext& context) {
+                         std::size_t slice, const FitDivision& division, StageContext& context) {
     const auto output = fit_path(config.work, slice);
     const bool sliced = plan.slices.size() > 1;
     Stamp stamp(context, manifest_path(output));
@@ -173,16 +131,18 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
     FitFile coarse;
-    if (sliced) coarse = read_fit(coarse_fit_path(config.work).string());
-    const PointBlock block =
-        with_halo(config, plan, slice, level_radius(plan.diagonal, first_fine));
-    rules.first_level = first_fine;
-    rules.done = coarse.surfels;
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
-    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
-    if (sliced)
+    if (sliced) {
+        coarse = read_coarse_near(config, plan, slice, division.halo);
+        rules.rungs_above = kHaloRungs;
+        const auto axis = static_cast<std::size_t>(plan.axis);
+        const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
+        const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
         rules.owns = [=](const Vec3d& p) { return p[axis] >= lo && p[axis] < hi; };
+    }
+    rules.first_level = division.first_fine;
+    rules.done = coarse.surfels;
+    rules.dropped = coarse.dropped;
+    const PointBlock block = read_with_halo(config.work, plan, slice, division.halo);
     const Cover cover = cover_points(block, rules, context.reporter);
     context.check_stop();
     write_cover(output, rules, cover);
@@ -199,15 +159,17 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
         s.value += share * (slice[i].at("variance").get<double>() - s.value);
         s.flatness += share * (slice[i].at("flatness").get<double>() - s.flatness);
+        const double spacing = slice[i].at("spacing");  // geometric means
+        s.spacing = s.n_sampled == 0 ? spacing : s.spacing * std::pow(spacing / s.spacing, share);
         s.n_sampled += n;
     }
 }
 
 /// lambda at the fewest neighbours that are flat, over the whole job (NUMERICS 3.2).
-double choose_noise(const std::vector<NoiseVariance>& noise) {
+NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
     for (const NoiseVariance& n : noise)
-        if (n.flatness <= kFlat) return n.value;
-    return noise.empty() ? 0 : noise.back().value;
+        if (n.flatness <= kFlat) return n;
+    return noise.empty() ? NoiseVariance{} : noise.back();
 }
 
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
@@ -256,7 +218,9 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
             "{}: normals are missing for slices{}: run `slim normals {}`", config.work, missing,
             config.work));
     GlobalNoise out;
-    const double measured = choose_noise(noise);
+    const NoiseVariance chosen = choose_noise(noise);
+    const double measured = chosen.value;
+    out.spacing = chosen.spacing;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
@@ -275,17 +239,17 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
             plan.inputs.empty() ? config.work : plan.inputs[0].path, plan.n_points, plan.diagonal));
     const GlobalNoise noise = read_global_noise(config, plan);
     const CoverRules rules = rules_of(config, plan, noise);
-    const int first_fine = first_fine_level(plan);
+    const FitDivision division = divide_fit(plan, parse_memory_size(config.memory));
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     if (plan.slices.size() > 1) {
-        const auto coarse = fit_coarse(config, plan, rules, first_fine, context);
+        const auto coarse = fit_coarse(config, plan, rules, division, context);
         add_counts(coarse, sum);
         up_to_date &= coarse.contains("up_to_date");
     }
     const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config.slice, plan);
     for (const std::size_t slice : todo) {
-        const auto one = fit_slice(config, plan, rules, slice, first_fine, context);
+        const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");
     }

@@ -46,10 +46,11 @@ struct FitConfig {
 std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice);
 std::filesystem::path coarse_fit_path(const std::filesystem::path& work);
 
-/// What all slices share: lambda and the noise of the normals, from the normals stage's manifests.
+/// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's manifests.
 struct GlobalNoise {
     double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
+    double spacing = 0;         ///< square root of the area that a point usually has
     bool floored = false;
 };
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
@@ -57,7 +58,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
 /// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own
-/// points and those of others within the radius of the first fine level. With `coarse` it ends after
+/// points and those of others in its halo (slice_points.h). With `coarse` it ends after
 /// coarse.fit; a job of one slice has none.
 /// throws DataError if there are fewer than 3 points or all coincide
 nlohmann::json run_fit(const FitConfig& config, StageContext& context);

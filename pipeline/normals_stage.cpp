@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -28,7 +29,7 @@ namespace {
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
-constexpr double kRim = 0.01;  // of L: how much of the slice before anchors the signs of the next
+constexpr double kWidestRim = 0.01, kRimSpacings = 12;  // of L, and of L / sqrt(n)
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
 
 /// Counts of one slice, by what became of the normals.
@@ -49,88 +50,117 @@ bool signs_carry_over(const NormalsConfig& config, const SlicePlan& plan) {
     return config.normals != "keep" && (!plan.has_normals || config.normals == "estimate");
 }
 
-/// Adds the oriented points of the slice before that lie near the cut; none for the first slice.
+/// Width of the rims: k neighbours of any use lie within it (10 spacings where the area is L^2).
+double rim_width(const SlicePlan& plan) {
+    return plan.diagonal * std::min(kWidestRim, kRimSpacings / std::sqrt(double(plan.n_points)));
+}
+
+/// The slice before's part of the rim carries signs where all are estimated.
 /// throws IncompleteError if that slice has no normals yet
-void add_rim_of_slice_before(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
-                             PointBlock& points) {
-    if (slice == 0 || !signs_carry_over(config, plan)) return;
+std::filesystem::path rim_before(const NormalsConfig& config, const SlicePlan& plan,
+                                 std::size_t slice) {
+    if (!signs_carry_over(config, plan)) return slice_points_path(config.work, slice - 1);
     const auto path = oriented_points_path(config.work, slice - 1);
     if (!std::filesystem::exists(manifest_path(path)))
         throw IncompleteError(fmt::format(
             "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
             "normals {}` for all slices",
             config.work, slice, slice - 1, config.work));
-    // Below the cut, as drop_rim tells them apart: a coordinate of that slice may round to the cut.
-    const double cut = plan.cuts[slice - 1];
-    const PointBlock rim = read_slice_part(path.string(), plan.axis, cut - kRim * plan.diagonal,
-                                           std::nextafter(cut, -INFINITY));
-    const auto append = [](const auto& values, auto& out) {
-        out.insert(out.end(), values.begin(), values.end());
-    };
-    append(rim.position, points.position);
-    append(rim.normal, points.normal);
-    append(rim.id, points.id);
-    append(rim.scan, points.scan);
+    return path;
 }
 
-/// Takes the points of the slice before away again.
-void drop_rim(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
-              PointBlock& points) {
-    if (slice == 0 || !signs_carry_over(config, plan)) return;
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    const double cut = plan.cuts[slice - 1];
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points.position[i][axis] < cut) continue;
-        points.position[n] = points.position[i];
-        points.normal[n] = points.normal[i];
-        points.id[n] = points.id[i];
-        if (points.has_scans()) points.scan[n] = points.scan[i];
-        ++n;
+/// A slice's points and those of its neighbours near the cuts, whose normals are zero where all are
+/// estimated but for those of the slice before.
+PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
+    PointBlock points = read_slice(slice_points_path(config.work, slice).string());
+    const bool estimates = !points.has_normals() || config.normals == "estimate";
+    const double width = rim_width(plan);
+    // Strictly outside the cuts, as drop_rims tells them apart: a coordinate of the slice may round to the cut.
+    if (slice + 1 < plan.slices.size()) {
+        const double cut = plan.cuts[slice];
+        append_slice_part(slice_points_path(config.work, slice + 1).string(), plan.axis,
+                          std::nextafter(cut, INFINITY), cut + width, points);
     }
-    points.position.resize(n);
-    points.normal.resize(n);
-    points.id.resize(n);
-    if (points.has_scans()) points.scan.resize(n);
+    if (estimates) points.normal.assign(points.size(), Vec3f{});
+    if (slice > 0) {
+        const double cut = plan.cuts[slice - 1];
+        append_slice_part(rim_before(config, plan, slice).string(), plan.axis, cut - width,
+                          std::nextafter(cut, -INFINITY), points);
+    }
+    return points;
+}
+
+/// Which of the points are the slice's own.
+std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points) {
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
+    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
+    std::vector<bool> own(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        own[i] = points.position[i][axis] >= lo && points.position[i][axis] <= hi;
+    return own;
+}
+
+/// Takes the points of other slices away again.
+void drop_rims(const std::vector<bool>& own, PointBlock& points) {
+    const auto keep_own = [&](auto& values) {
+        if (values.empty()) return;
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < own.size(); ++i)
+            if (own[i]) values[n++] = values[i];
+        values.resize(n);
+    };
+    keep_own(points.position);
+    keep_own(points.normal);
+    keep_own(points.id);
+    keep_own(points.scan);
+}
+
+std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
+    return static_cast<std::size_t>(
+        std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
-void estimate_missing(PointBlock& points, const std::vector<std::uint32_t>& wanted,
+void estimate_missing(PointBlock& points, const std::vector<bool>& own,
+                      const std::vector<std::uint32_t>& wanted,
                       const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
                       const std::vector<Vec3f>& hints, std::size_t k, NormalsReport& report) {
-    const NeighborGraph graph = estimate_normals(points, wanted, k, report.degenerate);
-    report.estimated = wanted.size();
+    const NeighborGraph graph = estimate_normals(points, wanted, k, report.degenerate, own);
+    report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {
         const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
-    const std::size_t by_sensor = orient_to_sensors(points, wanted, sensors);
-    if (by_sensor < wanted.size())
-        report.orientation = orient_by_neighbors(points, graph, known, center, hints);
-    report.orientation.by_sensor = by_sensor;
+    if (orient_to_sensors(points, wanted, sensors) < wanted.size())
+        report.orientation = orient_by_neighbors(points, graph, known, center, hints, own);
+    report.orientation.by_sensor =
+        report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
 }
 
-/// points: in Morton order
-NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& center,
+/// points: in Morton order; the report is of the slice's own
+NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
+                           const std::optional<Vec3d>& center,
                            const NormalsConfig& config, const SlicePlan& plan,
                            const std::vector<Vec3d>& sensors, Reporter& reporter) {
     NormalsReport report;
     for (Vec3f& n : points.normal) n = is_finite(n) ? normalized(n) : Vec3f{};
     std::vector<std::uint32_t> wanted = points_without_normal(points);
-    if (config.normals == "keep" && !wanted.empty())
+    const std::size_t n_points = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
+    if (config.normals == "keep" && count_own(own, wanted) > 0)
         reporter.warn(fmt::format(
             "{} points have no normal and none is estimated (--normals keep): they are estimated "
             "with --normals auto",
-            wanted.size()));
-    const std::size_t n_own = points.size() - wanted.size();
+            count_own(own, wanted)));
+    const std::size_t n_own = n_points - count_own(own, wanted);
     if (config.normals == "keep") {
         report.kept = n_own;
         return report;
     }
     std::vector<Vec3f> hints;
     if (n_own > 0 && !signs_carry_over(config, plan)) {
-        const NormalAudit audit = repair_contrary_normals(points);
+        const NormalAudit audit = repair_contrary_normals(points, own);
         report.turned = audit.contrary;
         report.noisy = audit.noisy;
         const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
@@ -146,21 +176,22 @@ NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& cente
         }
     }
     if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
-        report.kept = points.size() - wanted.size() - report.turned;
+        report.kept = n_points - count_own(own, wanted) - report.turned;
     if (!wanted.empty())
-        estimate_missing(points, wanted, center, sensors, hints,
+        estimate_missing(points, own, wanted, center, sensors, hints,
                          static_cast<std::size_t>(config.neighbors), report);
     return report;
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
 /// number of neighbours counts is decided for all slices together: a job of several measures each.
-std::vector<NoiseVariance> noise_of(const PointBlock& points, const SlicePlan& plan) {
+std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<bool>& own,
+                                    const SlicePlan& plan) {
     const double rate = kSamples / static_cast<double>(plan.n_points);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
-        if (unit_interval(h) < rate) chosen.emplace_back(h, i);
+        if (own[i] && unit_interval(h) < rate) chosen.emplace_back(h, i);
     }
     std::sort(chosen.begin(), chosen.end());
     std::vector<std::uint32_t> samples;
@@ -179,6 +210,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
     for (const NoiseVariance& v : noise)
         measured.push_back({{"variance", v.value},
                             {"flatness", v.flatness},
+                            {"spacing", v.spacing},
                             {"neighbors", v.neighbors},
                             {"samples", v.n_sampled}});
     return {{"points", n},
@@ -204,20 +236,18 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     stamp.input(plan_path(config.work));
     if (!config.sensors.empty()) stamp.input(config.sensors);
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
-    if (slice > 0 && signs_carry_over(config, plan))
-        stamp.optional_input(oriented_points_path(config.work, slice - 1));
+    if (slice > 0) stamp.input(rim_before(config, plan, slice));
+    if (slice + 1 < plan.slices.size()) stamp.input(slice_points_path(config.work, slice + 1));
     if (auto done = stamp.up_to_date()) return *done;
-    PointBlock points = read_slice(input.string());
-    if (!points.has_normals() || config.normals == "estimate")
-        points.normal.assign(points.size(), Vec3f{});
-    add_rim_of_slice_before(config, plan, slice, points);
+    PointBlock points = read_with_rims(config, plan, slice);
     sort_along_curve(points, plan.bounds);
+    const std::vector<bool> own = own_points(plan, slice, points);
     // A slab's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
-    const NormalsReport report = give_normals(points, center, config, plan, sensors, context.reporter);
-    drop_rim(config, plan, slice, points);
-    const std::vector<NoiseVariance> noise = noise_of(points, plan);
+    const NormalsReport report = give_normals(points, own, center, config, plan, sensors, context.reporter);
+    const std::vector<NoiseVariance> noise = noise_of(points, own, plan);
+    drop_rims(own, points);
     context.check_stop();
     write_slice(output.string(), points);
     return stamp.commit({output}, report_json(report, noise, points.size()));

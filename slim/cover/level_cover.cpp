@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
+#include <set>
 
 namespace slim {
 namespace {
@@ -20,8 +22,9 @@ namespace {
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 /// Of the diagonal of a bucket of 16 points: a ball with enough for the finest rung.
 constexpr double kGuess = 0.4;
-constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
-constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
+constexpr double kFinestBall = 2.4;         // its radius, in spacings
+constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
+constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
 constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
 constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
@@ -29,13 +32,15 @@ constexpr int kMostAttempts = 12;
 constexpr double kSparse = 4;                // over the usual radius: a region so thin is a surface or strays
 constexpr std::uint32_t kFewest = 3;         // points that any leaf may have
 constexpr std::uint32_t kMany = 15;
+constexpr double kResolved = 1 / kGoldenRatio;  // over the finest radius: there a sample's E says something
+constexpr double kWaits = 1e-30;              // a radius that no level accepts
 constexpr double kThickOfSparse = 0.03;       // noise is small against so large a leaf
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;              // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
-constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
-constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
+constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
+constexpr double kWantedInBall = 128;  // points of a thinning in a ball of the level
 
 /// One centre of a batch and what its search found.
 struct Candidate {
@@ -85,25 +90,26 @@ public:
     LevelCover(const PointBlock& points, const CoverRules& rules)
         : block_(points),
           rules_(rules),
-          pyramid_(points, box_of(points), rules.seed),
-          root_radius_(level_radius(rules.diagonal, rules.first_level)),
+          pyramid_(points, box_of(points), rules.seed, rules.share),
           ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                  root_radius_, rules.least_radius, rules.degree, ladder_rules(rules)),
+                  level_radius(rules.diagonal, 1), rules.least_radius, rules.degree,
+                  ladder_rules(rules)),
           sharp_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                 root_radius_, rules.degree, rules.ladder),
+                 level_radius(rules.diagonal, 1 + top_rung(rules)), rules.degree, rules.ladder),
           weight_(points.size(), 0.0f),
           state_(points.size(), 0),
           stamp_(points.size(), 0),
           radius_(points.size(), 0.0f),
           place_(points.size()),
+          spacing_(rules.spacing),
           open_(points.size()) {
         std::iota(open_.begin(), open_.end(), 0u);
-        if (points.size() > 0) usual_radius_ = usual_radius();
+        if (!(rules.spacing > 0) && points.size() > 0) spacing_ = spacing_here();
         for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
             place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
-        if (rules.owns)
-            for (std::size_t i = 0; i < points.size(); ++i)
-                if (!rules.owns(points.position[i])) state_[i] = kClosed;
+        const std::set<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
+        for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
+            if (dropped.contains(points.id[i])) state_[i] = kClosed;
     }
 
     Cover run(Reporter& reporter) {
@@ -135,10 +141,13 @@ private:
         kThin = 128
     };
 
-    /// Fine levels know no points beyond their halo: their balls must not exceed it.
+    /// Fine levels know no points beyond their halo: their leaves must not exceed it.
+    static int top_rung(const CoverRules& rules) {
+        return std::max(0, rules.first_level - 1 - rules.rungs_above);
+    }
     static LadderRules ladder_rules(const CoverRules& rules) {
         LadderRules ladder = rules.ladder;
-        if (rules.first_level > 1) ladder.above_root = 0;
+        ladder.top_rung = top_rung(rules);
         ladder.look_for_edges = rules.sharp;
         return ladder;
     }
@@ -151,14 +160,15 @@ private:
         if (state_[p] & kClosed) return false;
         return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
     }
-    /// Median of 1,001 buckets' diagonals, the first guess of a ball with enough points.
-    double usual_radius() const {
+    bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
+    /// By the median of 1,001 buckets' diagonals.
+    double spacing_here() const {
         const PointTree& tree = pyramid_.all();
         std::vector<double> sizes;
         for (std::size_t k = 0; k < 1001; ++k)
             sizes.push_back(tree.bucket_diagonal(k * (tree.size() - 1) / 1000));
         std::nth_element(sizes.begin(), sizes.begin() + 500, sizes.end());
-        return kGuess * sizes[500];
+        return kGuess * sizes[500] / kFinestBall;
     }
     std::size_t count_open() const {
         std::size_t n = 0;
@@ -178,13 +188,13 @@ private:
     std::optional<double> move_inwards(Candidate& c, double lower, Workspace& work) const;
     std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
+    bool drop(std::uint32_t point);
     void mark(const std::vector<Covered>& covered);
     void count(const CoveringSurfel& leaf);
 
     const PointBlock& block_;
     const CoverRules& rules_;
     PointPyramid pyramid_;
-    double root_radius_;
     RadiusLadder ladder_;
     SharpSearch sharp_;
     std::vector<float> weight_;        // sum of G over the leaves so far
@@ -192,24 +202,19 @@ private:
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
-    double usual_radius_ = 0;           // of a ball with enough points for the finest rung
+    double spacing_;                    // of the job's points, square root of the area that one usually has
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<Workspace> work_;
     Cover out_;
 };
 
-/// The coarsest thinning that still has enough points in a typical ball of this radius.
+/// The coarsest thinning that still has enough points in a usual ball of this radius.
 std::size_t LevelCover::thinning_for(double radius) const {
-    const auto& order = pyramid_.by_priority();
-    const std::size_t probes = std::min<std::size_t>(order.size(), 63);
-    for (std::size_t t = pyramid_.n_levels(); t-- > 1;) {
-        std::size_t full = 0;
-        for (std::size_t i = 0; i < probes; ++i)
-            full += count_in_ball(pyramid_.level(t), block_.position[order[i]], radius,
-                                  kWantedInBall) >= kWantedInBall;
-        if (2 * full > probes) return t;
-    }
-    return 0;
+    if (!(spacing_ > 0)) return 0;
+    const double n_in_ball = std::numbers::pi * radius * radius / (spacing_ * spacing_);
+    std::size_t t = pyramid_.n_levels() - 1;
+    while (t > 0 && n_in_ball * pyramid_.share(t) < kWantedInBall) --t;
+    return t;
 }
 
 void LevelCover::run_level(int level) {
@@ -235,29 +240,21 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
     const auto is_free = [&](std::uint32_t p) { return last || weight_[p] <= most_overlap; };
 
     BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
-    std::vector<std::uint32_t> deferred, still, later;
+    std::vector<std::uint32_t> later;
     std::vector<Candidate> batch;
-    std::size_t next = 0;
-    while (true) {
+    for (std::size_t next = 0; next < waiting.size();) {
         batch.clear();
         places.clear();
-        still.clear();
-        const auto consider = [&](std::uint32_t p) {
-            if (!may_lead(p)) return;
+        for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
+            const std::uint32_t p = waiting[next];
+            if (!may_lead(p)) continue;
             if (!is_free(p)) {
                 later.push_back(p);
-            } else if (batch.size() < kBatch && places.add(block_.position[p])) {
-                batch.emplace_back();
-                batch.back().point = p;
-            } else {
-                still.push_back(p);
+                continue;
             }
-        };
-        for (const std::uint32_t p : deferred) consider(p);
-        while (batch.size() < kBatch && next < waiting.size() && still.size() < kLookAhead * kBatch)
-            consider(waiting[next++]);
-        deferred.swap(still);
-        if (batch.empty()) break;
+            if (!places.add(block_.position[p]) && ++clashes * kLeastGain > batch.size()) break;
+            batch.emplace_back().point = p;
+        }
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
         });
@@ -271,6 +268,11 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
         }
     }
     waiting.swap(later);
+}
+
+/// Whether a sample's search was decided by its points, not by their want.
+bool resolves(const RadiusChoice& choice) {
+    return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
 }
 
 void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
@@ -287,8 +289,10 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
         const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
         c.choice = ladder_.choose(center, normal, guess, work.ladder);
         const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
-        c.sparse = finest > kSparse * usual_radius_;
-        if (rules_.sharp) sharpen(c, center, work);
+        c.sparse = finest > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
+        const bool is_resolved = rules_.share == 1 || resolves(c.choice);
+        if (!is_resolved) c.choice = {kWaits};
+        if (rules_.sharp && is_resolved) sharpen(c, center, work);
         // Rounded here, so that a search remembered gives the same surfel as a fresh one.
         c.choice.radius = static_cast<float>(c.choice.radius);
         ++work.searches;
@@ -360,13 +364,14 @@ void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_leaf(center, normal, c.choice, work);
         if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
+            if (rules_.share < 1) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
             c.leaf = c.choice.radius >= lower;
             if (!c.leaf) return;
             continue;
         }
         if (c.sparse && c.surfel.fitted.n_points <= kFewest) {  // strays, scattered in the air
-            c.choice.isolated = true;
+            c.choice.isolated = rules_.share == 1;
             c.leaf = false;
             return;
         }
@@ -419,7 +424,7 @@ std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Works
     ++work.searches;
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
-    if (choice.forced || (rules_.owns && !rules_.owns(center))) return {};
+    if (choice.forced) return {};
     if (radius < kClearlySmaller * rho) return radius;
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
     RadiusChoice moved_choice = choice;
@@ -457,24 +462,25 @@ void LevelCover::accept(Candidate& c, int level) {
     if (c.sparse) state_[c.point] |= kThin;
     if (c.n_sheets > 1) state_[c.point] |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
     if (c.choice.isolated) {
-        state_[c.point] |= kClosed;
-        ++out_.counts.isolated;
+        out_.counts.isolated += drop(c.point);
         return;
     }
     if (!c.leaf) {
         c.internal.level = static_cast<std::uint8_t>(level);
         c.internal.point_id = block_.id[c.point];
-        out_.surfels.push_back(c.internal);
-        ++out_.counts.internals;
+        if (owns(c.internal.surfel.center)) {
+            out_.surfels.push_back(c.internal);
+            ++out_.counts.internals;
+        }
         for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
         stamp_[c.point] = static_cast<std::uint8_t>(level);
         return;
     }
-    state_[c.point] |= kClosed;
     if (!c.surfel.explains_center) {
-        ++out_.counts.unexplained;
+        out_.counts.unexplained += drop(c.point);
         return;
     }
+    state_[c.point] |= kClosed;
     FittedSurfel& f = c.surfel.fitted;
     f.level = static_cast<std::uint8_t>(level);
     // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
@@ -482,10 +488,19 @@ void LevelCover::accept(Candidate& c, int level) {
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
-    out_.counts.recentred += c.center != c.point;
     mark(c.surfel.covered);
+    if (!owns(f.surfel.center)) return;
+    out_.counts.recentred += c.center != c.point;
     count(c.surfel);
     out_.surfels.push_back(f);
+}
+
+/// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
+bool LevelCover::drop(std::uint32_t point) {
+    state_[point] |= kClosed;
+    if (rules_.share < 1 || !owns(block_.position[point])) return false;
+    out_.dropped.push_back(block_.id[point]);
+    return true;
 }
 
 void LevelCover::mark(const std::vector<Covered>& covered) {

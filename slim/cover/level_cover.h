@@ -24,9 +24,13 @@ struct CoverRules {
     std::uint64_t seed = 0;
     LadderRules ladder;
     bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
-    std::function<bool(const Vec3d&)> owns;  ///< centres and points to cover; empty: all
+    double spacing = 0;  ///< square root of the area that one of the job's points usually has; 0: as these have
+    double share = 1;    ///< of the job's points that are here, by in_share(); what < 1 does not resolve waits
+    std::function<bool(const Vec3d&)> owns;  ///< centres of surfels to keep and to count; empty: all
     int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
     int last_level = 48;                ///< and those below this one's
+    std::span<const std::uint64_t> dropped; ///< ids of points that those levels dropped
+    int rungs_above = 0;                ///< of a first_level > 1: leaves may be so many rungs larger than it
     std::span<const FittedSurfel> done; ///< surfels that cover already, of levels before first_level
 };
 
@@ -51,6 +55,7 @@ double level_radius(double diagonal, int level);
 
 struct Cover {
     std::vector<FittedSurfel> surfels;  ///< leaves and internal ones, in the order of acceptance
+    std::vector<std::uint64_t> dropped; ///< ids of points that count as isolated or unexplained
     CoverCounts counts;
 };
 
@@ -60,7 +65,9 @@ struct Cover {
 /// (NUMERICS 3.4, reading B). At level k, centres are open points by random priority; one whose best radius
 /// reaches the level's lower end becomes a leaf, any other an internal surfel of radius rho_r, and waits.
 /// Points need normals; a point without one takes part in fits but is no centre's side.
-/// Deterministic: centres are searched in batches of fixed size, accepted one by one in order.
+/// Deterministic: the result is that of one centre after the other, by priority; they are searched several at
+/// once, and what an accepted one forestalls is thrown away. What becomes of a centre therefore depends on
+/// its surroundings alone, however much of the job's cloud is here (notes/0003).
 /// Cost: about one radius search (10 us) a surfel, one visit a point and leaf that covers it.
 /// With last_level set, points that wait for finer levels stay uncovered.
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter);

@@ -3,6 +3,8 @@
 #include "slim/normals/covariance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace slim {
@@ -17,25 +19,34 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
                                       samples.begin() + static_cast<std::ptrdiff_t>(n));
     std::sort(wanted.begin(), wanted.end());
     struct Flatness {
-        double smallest = 0, ratio = 0;
+        double smallest = 0, ratio = 0, sq_reach = 0;
         bool known = false;
     };
     std::vector<Flatness> found(n);
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
         if (neighbors.size() < 3) return;
         const Spread s = spread_of(search.positions(), neighbors);
-        found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0, true};
+        double sq_reach = 0;
+        for (const std::uint32_t i : neighbors)
+            sq_reach = std::max(sq_reach, sq_length(search.positions()[i] -
+                                                    search.positions()[wanted[w]]));
+        found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0,
+                    sq_reach / static_cast<double>(neighbors.size()), true};
     });
     NoiseVariance out;
     out.neighbors = k;
+    double log_sq_reach = 0;
     for (const Flatness& f : found) {  // in one order, so threads do not matter
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
+        if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
     }
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
+        const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
+        out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
     }
     return out;
 }

@@ -14,6 +14,7 @@ namespace slim {
 struct NoiseVariance {
     double value = 0;     ///< length^2
     double flatness = 0;  ///< mean of smallest / middle eigenvalue; above 0.1 the neighbourhood is no longer flat
+    double spacing = 0;   ///< square root of the area that a point usually has: geometric mean over the samples
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
 };

@@ -50,11 +50,11 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
     int rung = last_rung_;
     if (first_guess > 0)
         rung = std::clamp(
-            static_cast<int>(std::log(first_guess / root_radius_) / std::log(kGoldenRatio)), 0,
-            last_rung_);
+            static_cast<int>(std::log(first_guess / root_radius_) / std::log(kGoldenRatio)),
+            std::min(rules_.top_rung, last_rung_), last_rung_);
     do {
         list_sq_distances(points_.all(), center, rung_radius(rung), work.sq_distances);
-    } while (work.sq_distances.size() < enough && --rung >= -rules_.above_root);
+    } while (work.sq_distances.size() < enough && --rung >= coarsest_tried());
     if (work.sq_distances.size() < enough) return rung;
     const auto last_needed = work.sq_distances.begin() + static_cast<std::ptrdiff_t>(enough) - 1;
     std::nth_element(work.sq_distances.begin(), last_needed, work.sq_distances.end());
@@ -119,14 +119,15 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const int finest = finest_rung(center, first_guess, work);
     work.edge_in_sight = false;
     if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
-    if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
+    if (finest < rules_.top_rung)
+        return {rung_radius(finest), false, true, finest < coarsest_tried()};
     const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
     std::size_t level = 0;
     int coarsest = finest + 1;
     bool folded = false;
-    for (int r = finest; r >= 0; --r) {
+    for (int r = finest; r >= rules_.top_rung; --r) {
         rungs[r] = evaluate(r, level, center, normal, work);
         folded = !rungs[r];
         if (folded) break;

@@ -21,6 +21,8 @@ struct LadderRules {
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
+    int top_rung = 0;                     ///< the coarsest that may be chosen: > 0 where the points end near by;
+                                          ///< none above it is tried then
 };
 
 /// What the search found for one centre.
@@ -73,6 +75,7 @@ private:
         double energy, upper;
     };
     std::size_t least_points() const;
+    int coarsest_tried() const { return rules_.top_rung > 0 ? rules_.top_rung : -rules_.above_root; }
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,

@@ -11,15 +11,27 @@ namespace {
 constexpr std::uint64_t kPriority = 0x7072696f;  // purpose of the hash
 constexpr std::size_t kSmallest = 512;           // a thinning below this many points serves nobody
 
+std::uint64_t priority_of(std::uint64_t seed, std::uint64_t id) {
+    return keyed_hash(seed, id, kPriority);
+}
+
+/// Points of lower priority are in the share, < 1.
+std::uint64_t limit_of(double share) { return static_cast<std::uint64_t>(share * 0x1.0p64); }
+
 }  // namespace
 
-PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed) {
+bool in_share(std::uint64_t seed, std::uint64_t id, double share) {
+    return share >= 1 || priority_of(seed, id) < limit_of(share);
+}
+
+PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed,
+                           double share) {
     const std::size_t n = block.size();
     std::vector<std::uint64_t> priority(n);
     std::vector<KeyedIndex> keys(n);
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            priority[i] = keyed_hash(seed, block.id[i], kPriority);
+            priority[i] = priority_of(seed, block.id[i]);
             keys[i] = {priority[i], static_cast<std::uint32_t>(i)};
         }
     });
@@ -29,13 +41,15 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
     levels_.emplace_back(block, chosen);
-    double share = 1;
-    while (true) {
-        share *= kGoldenRatio * kGoldenRatio;
-        const auto limit = static_cast<std::uint64_t>(share * 0x1.0p64);
+    shares_.push_back(share);
+    for (double next = 1;;) {
+        next *= kGoldenRatio * kGoldenRatio;
+        if (next >= share) continue;
+        const std::uint64_t limit = limit_of(next);
         std::erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
         if (chosen.size() < kSmallest) break;
         levels_.emplace_back(block, chosen);
+        shares_.push_back(next);
     }
 }
 

@@ -25,7 +25,8 @@ void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlo
 }  // namespace
 
 NeighborGraph estimate_normals(PointBlock& points, std::span<const std::uint32_t> wanted,
-                               std::size_t k, std::size_t& degenerate) {
+                               std::size_t k, std::size_t& degenerate,
+                               const std::vector<bool>& counted) {
     const NearestSearch search(points.position);
     NeighborGraph graph;
     graph.k = std::min(k, points.size());
@@ -40,7 +41,8 @@ NeighborGraph estimate_normals(PointBlock& points, std::span<const std::uint32_t
     std::atomic<std::size_t> lines{0};
     search.for_each(searched, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
         const Spread spread = spread_of(points.position, neighbors);
-        if (!(spread.middle > kSpansPlane * spread.largest)) ++lines;
+        const bool counts = counted.empty() || counted[searched[r]];
+        if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         const auto row = graph.neighbors.begin() + static_cast<std::ptrdiff_t>(rows[r] * graph.k);
         std::copy(neighbors.begin(), neighbors.end(), row);

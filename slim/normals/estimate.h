@@ -30,10 +30,11 @@ struct NeighborGraph {
 /// Unit normals of the points in `wanted` (rising) by principal components: the direction of least
 /// spread of a point's k nearest neighbours at distinct places. Sign arbitrary. Neighbours that
 /// span no plane (all equal, or on a line) give any direction normal to what they span; such points
-/// are counted in `degenerate`. The block must be in Morton order (sort_along_curve): a repeat
+/// are counted in `degenerate` (of those with counted[i]; empty: all). The block must be in Morton order (sort_along_curve): a repeat
 /// takes the normal of the point before it, which is its only neighbour in the graph returned.
 /// Cost: 0.8 us a point and core; 4 k + 12 bytes a point.
 NeighborGraph estimate_normals(PointBlock& points, std::span<const std::uint32_t> wanted,
-                               std::size_t k, std::size_t& degenerate);
+                               std::size_t k, std::size_t& degenerate,
+                               const std::vector<bool>& counted = {});
 
 }  // namespace slim

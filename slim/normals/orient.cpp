@@ -214,7 +214,8 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known, const std::optional<Vec3d>& center,
-                                 std::span<const Vec3f> hints) {
+                                 std::span<const Vec3f> hints,
+                                 const std::vector<bool>& counted) {
     SignedForest forest = spanning_forest(points, graph);
     const Components components(forest, points.size());
     const std::vector<Shape> shapes = shapes_of(points, components, known, center, hints);
@@ -235,7 +236,7 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
         if (from_above && !s.anchored && !s.has_clear_hints() && std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
-        ++(s.anchored ? report.by_neighbors : report.by_rule);
+        (s.anchored ? report.by_neighbors : report.by_rule) += counted.empty() || counted[i];
         known[i] = true;
     }
     return report;

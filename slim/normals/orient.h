@@ -30,6 +30,7 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// moreover four of five normals are less than 60 degrees steep (airborne scans), each of those by
 /// itself. `center`, if given, stands for the centroids: that of the whole object where the points
 /// are a slab of it.
+/// counted: the report is of those points; empty: of all.
 /// hints: normals that are wrong here and there; where they agree on a component's side by more
 /// than chance, it is theirs. Own code, not CGAL's mst_orient_normals: linear memory, no re-search
 /// of neighbours, deterministic, and fast enough for every point of a slice (the sort of the edges
@@ -37,6 +38,7 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known,
                                  const std::optional<Vec3d>& center = std::nullopt,
-                                 std::span<const Vec3f> hints = {});
+                                 std::span<const Vec3f> hints = {},
+                                 const std::vector<bool>& counted = {});
 
 }  // namespace slim

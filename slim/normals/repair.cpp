@@ -147,8 +147,8 @@ double usual_diagonal(const BoxTree& tree) {
 /// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those
 /// that are mended go to `mended`.
 void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
-                  double radius, const Surroundings& around, std::vector<Vec3f>& mended,
-                  NormalAudit& audit) {
+                  double radius, const Surroundings& around, const std::vector<bool>& counted,
+                  std::vector<Vec3f>& mended, NormalAudit& audit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Vec3f own = points.normal[i];
         if (!(sq_length(own) > 0)) {
@@ -163,9 +163,10 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
         const double agreement = length(mean);
         if (!(agreement > 0)) continue;
         const double cosine = dot(normalized(to_double(own)), mean) / agreement;
-        if (agreement > kClear && cosine < kNoisy && cosine > kContrary) ++audit.noisy;
+        const bool counts = counted.empty() || counted[i];
+        audit.noisy += counts && agreement > kClear && cosine < kNoisy && cosine > kContrary;
         if (agreement < kMajority || cosine > kContrary) continue;
-        ++audit.contrary;
+        audit.contrary += counts;
         mended[i] = to_float(mean / agreement);
     }
 }
@@ -173,23 +174,23 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
 /// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of
 /// the curve are taken in parts.
 void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
-                 double radius, double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
-                 NormalAudit& audit) {
+                 double radius, double most_radius, Surroundings& around,
+                 const std::vector<bool>& counted, std::vector<Vec3f>& mended, NormalAudit& audit) {
     Bbox box;
     for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
     if (end - begin > 1 && box.diagonal() > 2 * most_radius) {
         const std::size_t middle = (begin + end) / 2;
-        audit_range(points, all, begin, middle, radius, most_radius, around, mended, audit);
-        audit_range(points, all, middle, end, radius, most_radius, around, mended, audit);
+        audit_range(points, all, begin, middle, radius, most_radius, around, counted, mended, audit);
+        audit_range(points, all, middle, end, radius, most_radius, around, counted, mended, audit);
         return;
     }
     around.gather(all, box, radius);
-    audit_points(points, begin, end, box.lo, radius, around, mended, audit);
+    audit_points(points, begin, end, box.lo, radius, around, counted, mended, audit);
 }
 
 }  // namespace
 
-NormalAudit repair_contrary_normals(PointBlock& points) {
+NormalAudit repair_contrary_normals(PointBlock& points, const std::vector<bool>& counted) {
     const Neighborhoods all(points);
     const double most_radius = usual_diagonal(all.tree);
     std::vector<Vec3f> mended = points.normal;
@@ -200,7 +201,7 @@ NormalAudit repair_contrary_normals(PointBlock& points) {
             const std::size_t first = b * kBucket;
             const double radius = std::min(0.5 * all.tree.bucket(b).diagonal(), most_radius);
             audit_range(points, all, first, std::min(first + kBucket, points.size()), radius,
-                        most_radius, around, mended, partial[begin / kGrain]);
+                        most_radius, around, counted, mended, partial[begin / kGrain]);
         }
     });
     points.normal = std::move(mended);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace slim {
 
@@ -32,6 +33,7 @@ struct NormalAudit {
 /// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count
 /// as missing and stay. The block must be in Morton order (sort_along_curve).
 /// Cost: one walk of the tree a bucket and some hundred distance tests a point; parallel.
-NormalAudit repair_contrary_normals(PointBlock& points);
+/// counted: the points that contrary and noisy are counted of; empty: all
+NormalAudit repair_contrary_normals(PointBlock& points, const std::vector<bool>& counted = {});
 
 }  // namespace slim

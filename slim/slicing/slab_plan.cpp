@@ -7,9 +7,17 @@
 
 namespace slim {
 
+std::uint64_t points_in_memory(std::uint64_t memory_bytes) {
+    const std::uint64_t left = memory_bytes > kProgramBytes ? memory_bytes - kProgramBytes : 0;
+    return std::max<std::uint64_t>(1, left / kBytesPerPoint);
+}
+
 std::uint64_t slabs_for_memory(std::uint64_t n_points, std::uint64_t memory_bytes) {
-    const std::uint64_t fit = std::max<std::uint64_t>(1, memory_bytes / kBytesPerSlabPoint);
-    return std::clamp<std::uint64_t>((n_points + fit - 1) / fit, 1, kMostSlabs);
+    const std::uint64_t held = points_in_memory(memory_bytes);
+    if (n_points <= held) return 1;
+    const auto slab = static_cast<std::uint64_t>(static_cast<double>(held) / (1 + 2 * kHaloShare));
+    return std::clamp<std::uint64_t>((n_points - 1) / std::max<std::uint64_t>(1, slab) + 1, 1,
+                                     kMostSlabs);
 }
 
 SlabPlan plan_slabs(const AxisHistogram& histogram, std::uint64_t wanted) {

@@ -15,14 +15,19 @@ struct SlabPlan {
     std::size_t n_slabs() const { return n_points.size(); }
 };
 
-/// What a stage needs for one point of a slab. Measured beyond 14 MiB of the program itself:
-/// normals that are given 81 bytes, estimated 136; the fit 160, its halo and the coarse surfels
-/// besides.
-inline constexpr std::uint64_t kBytesPerSlabPoint = 256;
+/// What the program takes whatever the cloud: code, libraries, buffers, threads.
+inline constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
+/// What a stage needs at most for one point that it holds: the fit 160 bytes (measured), estimated normals 136.
+inline constexpr std::uint64_t kBytesPerPoint = 168;
+/// A slice takes the points of others within half of the thinnest slab on either side.
+inline constexpr double kHaloShare = 0.5;
 /// A slab keeps a file open while points are dealt out.
 inline constexpr std::uint64_t kMostSlabs = 500;
 
-/// How many slabs keep the points of one within the memory.
+/// How many points a stage may hold at a time.
+std::uint64_t points_in_memory(std::uint64_t memory_bytes);
+
+/// How many slabs keep the points of one and its halo within the memory; 1 where all points are.
 std::uint64_t slabs_for_memory(std::uint64_t n_points, std::uint64_t memory_bytes);
 
 /// Cuts an axis into about `wanted` slabs of nearly equal counts, at edges of bins; fewer where
