@@ -98,7 +98,9 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     if (auto done = stamp.up_to_date()) return *done;
     const PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
     CoverRules coarse = rules;
-    coarse.last_level = division.first_fine - 1;
+    // A gap that waits till the first fine level may ask for a leaf wider than the slices can see.
+    coarse.last_level = division.first_fine;
+    coarse.provisional = division.halo;
     coarse.share = division.share;
     const Cover cover = cover_points(sample, coarse, context.reporter);
     write_cover(output, rules, cover);

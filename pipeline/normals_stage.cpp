@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <numeric>
 #include <optional>
 
@@ -67,6 +68,13 @@ std::filesystem::path rim_before(const NormalsConfig& config, const SlicePlan& p
             "normals {}` for all slices",
             config.work, slice, slice - 1, config.work));
     return path;
+}
+
+/// Whether the slice before took the cloud for an airborne scan.
+bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
+    if (slice == 0 || !signs_carry_over(config, plan)) return false;
+    std::ifstream file(manifest_path(rim_before(config, plan, slice)));
+    return nlohmann::json::parse(file).at("result").at("from_above").get<bool>();
 }
 
 /// A slice's points and those of its neighbours near the cuts, whose normals are zero where all are
@@ -125,7 +133,8 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
 void estimate_missing(PointBlock& points, const std::vector<bool>& own,
                       const std::vector<std::uint32_t>& wanted,
                       const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
-                      const std::vector<Vec3f>& hints, std::size_t k, NormalsReport& report) {
+                      const std::vector<Vec3f>& hints, std::size_t k, bool seen_from_above,
+                      NormalsReport& report) {
     const NeighborGraph graph = estimate_normals(points, wanted, k, report.degenerate, own);
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
@@ -134,7 +143,8 @@ void estimate_missing(PointBlock& points, const std::vector<bool>& own,
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
     if (orient_to_sensors(points, wanted, sensors) < wanted.size())
-        report.orientation = orient_by_neighbors(points, graph, known, center, hints, own);
+        report.orientation = orient_by_neighbors(points, graph, known, center, hints, own,
+                                                seen_from_above);
     report.orientation.by_sensor =
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
 }
@@ -143,7 +153,8 @@ void estimate_missing(PointBlock& points, const std::vector<bool>& own,
 NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
                            const std::optional<Vec3d>& center,
                            const NormalsConfig& config, const SlicePlan& plan,
-                           const std::vector<Vec3d>& sensors, Reporter& reporter) {
+                           const std::vector<Vec3d>& sensors, bool seen_from_above,
+                           Reporter& reporter) {
     NormalsReport report;
     for (Vec3f& n : points.normal) n = is_finite(n) ? normalized(n) : Vec3f{};
     std::vector<std::uint32_t> wanted = points_without_normal(points);
@@ -179,7 +190,7 @@ NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
         report.kept = n_points - count_own(own, wanted) - report.turned;
     if (!wanted.empty())
         estimate_missing(points, own, wanted, center, sensors, hints,
-                         static_cast<std::size_t>(config.neighbors), report);
+                         static_cast<std::size_t>(config.neighbors), seen_from_above, report);
     return report;
 }
 
@@ -223,6 +234,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"oriented_by_neighbors", r.orientation.by_neighbors},
             {"oriented_by_rule", r.orientation.by_rule},
             {"unanchored_components", r.orientation.components},
+            {"from_above", r.orientation.from_above},
             {"noise", measured}};
 }
 
@@ -245,7 +257,9 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     // A slab's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
-    const NormalsReport report = give_normals(points, own, center, config, plan, sensors, context.reporter);
+    const NormalsReport report =
+        give_normals(points, own, center, config, plan, sensors,
+                     was_from_above(config, plan, slice), context.reporter);
     const std::vector<NoiseVariance> noise = noise_of(points, own, plan);
     drop_rims(own, points);
     context.check_stop();

@@ -22,7 +22,7 @@ namespace {
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 /// Of the diagonal of a bucket of 16 points: a ball with enough for the finest rung.
 constexpr double kGuess = 0.4;
-constexpr double kFinestBall = 2.4;         // its radius, in spacings
+constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
@@ -40,7 +40,7 @@ constexpr double kNarrow = 0.2;              // breadth of a leaf whose points a
 constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
-constexpr double kWantedInBall = 128;  // points of a thinning in a ball of the level
+constexpr double kWantedInBall = 240;  // points of a thinning in a ball of the level
 
 /// One centre of a batch and what its search found.
 struct Candidate {
@@ -159,6 +159,11 @@ private:
     bool is_open(std::uint32_t p) const {
         if (state_[p] & kClosed) return false;
         return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
+    }
+    bool is_kept(const FittedSurfel& f) const {
+        const bool is_provisional = f.level == rules_.last_level &&
+                                    f.surfel.support_radius <= rules_.provisional;
+        return !is_provisional && owns(f.surfel.center);
     }
     bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
     /// By the median of 1,001 buckets' diagonals.
@@ -468,7 +473,7 @@ void LevelCover::accept(Candidate& c, int level) {
     if (!c.leaf) {
         c.internal.level = static_cast<std::uint8_t>(level);
         c.internal.point_id = block_.id[c.point];
-        if (owns(c.internal.surfel.center)) {
+        if (is_kept(c.internal)) {
             out_.surfels.push_back(c.internal);
             ++out_.counts.internals;
         }
@@ -489,7 +494,7 @@ void LevelCover::accept(Candidate& c, int level) {
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
     mark(c.surfel.covered);
-    if (!owns(f.surfel.center)) return;
+    if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
     count(c.surfel);
     out_.surfels.push_back(f);

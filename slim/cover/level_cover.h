@@ -31,6 +31,7 @@ struct CoverRules {
     int last_level = 48;                ///< and those below this one's
     std::span<const std::uint64_t> dropped; ///< ids of points that those levels dropped
     int rungs_above = 0;                ///< of a first_level > 1: leaves may be so many rungs larger than it
+    double provisional = 0;  ///< surfels of last_level up to this radius serve its larger leaves only, and go
     std::span<const FittedSurfel> done; ///< surfels that cover already, of levels before first_level
 };
 

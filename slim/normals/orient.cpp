@@ -215,14 +215,15 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                  std::vector<bool>& known, const std::optional<Vec3d>& center,
                                  std::span<const Vec3f> hints,
-                                 const std::vector<bool>& counted) {
+                                 const std::vector<bool>& counted, bool seen_from_above) {
     SignedForest forest = spanning_forest(points, graph);
     const Components components(forest, points.size());
     const std::vector<Shape> shapes = shapes_of(points, components, known, center, hints);
     const bool flat = is_flat_scene(shapes);
-    const bool from_above = flat && is_seen_from_above(points, graph.points);
+    const bool from_above = (flat || seen_from_above) && is_seen_from_above(points, graph.points);
 
     OrientReport report;
+    report.from_above = from_above;
     for (const Shape& s : shapes) report.components += s.anchored ? 0 : 1;
     for (const std::uint32_t i : graph.points) {
         if (known[i]) continue;
@@ -233,7 +234,7 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                                       : s.up;
         bool turn = (vote < 0) != components.flipped[i];
         // An airborne scanner sees no overhang, whatever the forest says of a tree or a shed.
-        if (from_above && !s.anchored && !s.has_clear_hints() && std::abs(points.normal[i].z) > kSteep)
+        if (from_above && (seen_from_above || !s.anchored) && !s.has_clear_hints() && std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
         (s.anchored ? report.by_neighbors : report.by_rule) += counted.empty() || counted[i];
