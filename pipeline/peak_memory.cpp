@@ -1,6 +1,7 @@
 #include "pipeline/peak_memory.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -10,37 +11,56 @@
 namespace slim {
 namespace {
 
-PeakMeter* innermost = nullptr;
+constexpr std::chrono::milliseconds kBetweenSamples{5};
 
-/// VmHWM of /proc/self/status, which unlike ru_maxrss starts anew at exec and can be reset.
-std::uint64_t high_water_mark() {
+int n_alive = 0;
+
+/// "VmHWM" or "VmRSS" of /proc/self/status, in bytes; 0 if there is none.
+std::uint64_t status_entry(const std::string& key) {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmHWM:"))
-            return 1024 * std::strtoull(line.c_str() + 6, nullptr, 10);
+        if (line.starts_with(key + ":"))
+            return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
+    return 0;
+}
+
+/// Unlike ru_maxrss, VmHWM starts anew at exec.
+std::uint64_t high_water_mark() {
+    if (const std::uint64_t mark = status_entry("VmHWM"); mark > 0) return mark;
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-void reset_high_water_mark() { std::ofstream("/proc/self/clear_refs") << "5"; }
-
 }  // namespace
 
-PeakMeter::PeakMeter() : outer_(innermost) {
-    const std::uint64_t mark = high_water_mark();
-    for (PeakMeter* meter = outer_; meter; meter = meter->outer_)
-        meter->before_ = std::max(meter->before_, mark);
-    innermost = this;
-    if (outer_) reset_high_water_mark();
+PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {
+    if (!outermost_) sampler_ = std::thread([this] { sample(); });
 }
 
 PeakMeter::~PeakMeter() {
-    const std::uint64_t peak = bytes();
-    if (outer_) outer_->before_ = std::max(outer_->before_, peak);
-    if (innermost == this) innermost = outer_;
+    --n_alive;
+    if (outermost_) return;
+    {
+        const std::lock_guard lock(mutex_);
+        ended_ = true;
+    }
+    ends_.notify_one();
+    sampler_.join();
 }
 
-std::uint64_t PeakMeter::bytes() const { return std::max(before_, high_water_mark()); }
+void PeakMeter::sample() {
+    std::unique_lock lock(mutex_);
+    do {
+        largest_sample_ = std::max(largest_sample_, status_entry("VmRSS"));
+    } while (!ends_.wait_for(lock, kBetweenSamples, [this] { return ended_; }));
+}
+
+std::uint64_t PeakMeter::bytes() const {
+    const std::uint64_t mark = high_water_mark();
+    if (outermost_ || mark > mark_before_) return mark;
+    const std::lock_guard lock(mutex_);
+    return std::max(largest_sample_, status_entry("VmRSS"));
+}
 
 }  // namespace slim

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
+#include <thread>
 
 namespace slim {
 
-/// The largest resident memory of this process while the meter lives, in bytes. Meters may nest (a
-/// build holds those of its stages): each start resets the kernel's high-water mark after telling it
-/// to the meters alive. Where the mark cannot be reset, it is the process's peak: never too small.
-/// Not for concurrent use.
+/// The largest resident memory of this process while the meter lives, in bytes, mapped pages included.
+/// The outermost meter reads the kernel's high-water mark, which counts from the start of the process. Meters
+/// within it (a build holds those of its stages) read it where it rises in their life; where an earlier
+/// stage took more, the largest of a sample every few milliseconds. The mark is never reset: it is what
+/// `/usr/bin/time -v` and a batch system see. Not for concurrent use.
 class PeakMeter {
 public:
     PeakMeter();
@@ -18,8 +22,15 @@ public:
     std::uint64_t bytes() const;
 
 private:
-    PeakMeter* outer_;
-    std::uint64_t before_ = 0;  // highest mark seen in this meter's life up to the last reset
+    void sample();
+
+    bool outermost_;
+    std::uint64_t mark_before_;
+    mutable std::mutex mutex_;
+    std::condition_variable ends_;
+    bool ended_ = false;
+    std::uint64_t largest_sample_ = 0;
+    std::thread sampler_;
 };
 
 }  // namespace slim

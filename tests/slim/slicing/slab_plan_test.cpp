@@ -85,7 +85,10 @@ TEST(SlabPlan, PointsInOnePlaceMakeOneSlab) {
 
 TEST(SlabPlan, MemoryDecidesTheNumberOfSlabs) {
     EXPECT_EQ(slabs_for_memory(1000, std::uint64_t{1} << 30), 1u);
-    EXPECT_EQ(slabs_for_memory(1000, 1000 * kBytesPerSlabPoint / 3), 4u);
+    // A slab may hold half of the points that fit: its halo is up to half of it on either side.
+    EXPECT_EQ(points_in_memory(kProgramBytes + 500 * kBytesPerPoint), 500u);
+    EXPECT_EQ(slabs_for_memory(500, kProgramBytes + 500 * kBytesPerPoint), 1u);
+    EXPECT_EQ(slabs_for_memory(1000, kProgramBytes + 500 * kBytesPerPoint), 4u);
     EXPECT_EQ(slabs_for_memory(1000000, 1), kMostSlabs);
     EXPECT_EQ(slabs_for_memory(0, 1), 1u);
 }
