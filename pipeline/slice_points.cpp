@@ -8,30 +8,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace slim {
 namespace {
 
 constexpr int kFinestLevel = 40;
 
-double thinnest_slab(const SlicePlan& plan) {
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    double thinnest = std::numeric_limits<double>::infinity();
-    double wall = plan.bounds.lo[axis];
-    for (const double cut : plan.cuts) {
-        thinnest = std::min(thinnest, cut - wall);
-        wall = cut;
-    }
-    return std::min(thinnest, plan.bounds.hi[axis] - wall);
-}
-
 }  // namespace
 
 FitDivision divide_fit(const SlicePlan& plan, std::uint64_t memory_bytes) {
     FitDivision out;
     if (plan.slices.size() < 2) return out;
-    const double widest = kHaloShare * thinnest_slab(plan);
+    const auto axis = static_cast<std::size_t>(plan.axis);
+    const double widest =
+        kHaloShare * thinnest_slab(plan.cuts, plan.bounds.lo[axis], plan.bounds.hi[axis]);
     const auto halo_of = [&](int level) { return level_radius(plan.diagonal, level - kHaloRungs); };
     while (out.first_fine < kFinestLevel && halo_of(out.first_fine) > widest) ++out.first_fine;
     out.halo = halo_of(out.first_fine);

@@ -46,6 +46,25 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
 
 Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }
 
+/// Cuts across the axis that gives the thickest slabs, as a halo must be thinner: the longest one, unless
+/// points crowd there, as on a flat base.
+SlabPlan choose_axis(const CloudSurvey& survey, std::uint64_t wanted, int& axis) {
+    axis = survey.bounds.longest_axis();
+    SlabPlan best = plan_slabs(*survey.histograms[static_cast<std::size_t>(axis)], wanted);
+    const auto thinnest = [&](const SlabPlan& slabs, std::size_t a) {
+        return thinnest_slab(slabs.cuts, survey.bounds.lo[a], survey.bounds.hi[a]);
+    };
+    for (std::size_t other = 0; other < 3 && best.n_slabs() > 1; ++other) {
+        SlabPlan slabs = plan_slabs(*survey.histograms[other], wanted);
+        if (slabs.n_slabs() < best.n_slabs() ||
+            !(thinnest(slabs, other) > thinnest(best, static_cast<std::size_t>(axis))))
+            continue;
+        axis = static_cast<int>(other);
+        best = std::move(slabs);
+    }
+    return best;
+}
+
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
                            std::vector<double>& world_cuts) {
     SlicePlan plan;
@@ -55,18 +74,17 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     plan.diagonal = plan.bounds.diagonal();
     plan.n_points = survey.n_points;
     plan.n_dropped = survey.n_dropped;
-    plan.axis = survey.bounds.longest_axis();
     plan.is_float32 = survey.is_float32;
     plan.coordinate_quantum = survey.coordinate_quantum;
     for (const PlanInput& input : survey.inputs) {
         plan.has_normals |= input.has_normals;
         plan.has_scans |= input.has_scan;
     }
-    const auto axis = static_cast<std::size_t>(plan.axis);
     const std::uint64_t wanted =
         config.slices > 0 ? static_cast<std::uint64_t>(config.slices)
                           : slabs_for_memory(plan.n_points, parse_memory_size(config.memory));
-    const SlabPlan slabs = plan_slabs(*survey.histograms[axis], wanted);
+    const SlabPlan slabs = choose_axis(survey, wanted, plan.axis);
+    const auto axis = static_cast<std::size_t>(plan.axis);
     world_cuts = slabs.cuts;
     for (const double cut : slabs.cuts) plan.cuts.push_back(cut - plan.origin[axis]);
     for (const std::uint64_t n : slabs.n_points) plan.slices.push_back({n, {}});

@@ -45,6 +45,15 @@ SlabPlan plan_slabs(const AxisHistogram& histogram, std::uint64_t wanted) {
     return plan;
 }
 
+double thinnest_slab(const std::vector<double>& cuts, double lo, double hi) {
+    double thinnest = hi - lo, wall = lo;
+    for (const double cut : cuts) {
+        thinnest = std::min(thinnest, cut - wall);
+        wall = cut;
+    }
+    return std::min(thinnest, hi - wall);
+}
+
 std::size_t slab_of(double x, const std::vector<double>& cuts) {
     return static_cast<std::size_t>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
 }

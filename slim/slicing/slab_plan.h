@@ -35,6 +35,9 @@ std::uint64_t slabs_for_memory(std::uint64_t n_points, std::uint64_t memory_byte
 /// axis; wanted >= 1
 SlabPlan plan_slabs(const AxisHistogram& counts, std::uint64_t wanted);
 
+/// Thickness of the thinnest slab of a cloud that reaches from lo to hi.
+double thinnest_slab(const std::vector<double>& cuts, double lo, double hi);
+
 /// Number of the slab that x belongs to.
 std::size_t slab_of(double x, const std::vector<double>& cuts);
 
