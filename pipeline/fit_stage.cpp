@@ -4,6 +4,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
+#include "pipeline/peak_memory.h"
 #include "pipeline/slice_points.h"
 #include "slim/base/error.h"
 #include "slim/cover/level_cover.h"
@@ -233,6 +234,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
 }
 
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
+    return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
         throw DataError(fmt::format(

@@ -2,6 +2,7 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/manifest.h"
+#include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
@@ -30,7 +31,7 @@ namespace {
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
-constexpr double kWidestRim = 0.01, kRimSpacings = 12;  // of L, and of L / sqrt(n)
+constexpr double kWidestRim = 0.05, kRimSpacings = 12;  // of L, and of L / sqrt(n)
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
 
 /// Counts of one slice, by what became of the normals.
@@ -306,6 +307,7 @@ std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
 }
 
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
+    return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();

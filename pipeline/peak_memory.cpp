@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 namespace slim {
@@ -33,6 +34,11 @@ std::uint64_t high_water_mark() {
 }
 
 }  // namespace
+
+void return_freed_memory() {
+    constexpr int kLarge = 1 << 20;
+    mallopt(M_MMAP_THRESHOLD, kLarge);  // set, it no longer adapts
+}
 
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {
     if (!outermost_) sampler_ = std::thread([this] { sample(); });

@@ -33,4 +33,8 @@ private:
     std::thread sampler_;
 };
 
+/// From now on large blocks go back to the system as soon as they are freed. Otherwise the allocator keeps
+/// those of one slice in a heap that has no room for the next one's: half as much memory again.
+void return_freed_memory();
+
 }  // namespace slim

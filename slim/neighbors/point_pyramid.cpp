@@ -38,6 +38,7 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
     sort_by_key(keys);
     by_priority_.resize(n);
     for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].index;
+    keys = {};
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
     levels_.emplace_back(block, chosen);

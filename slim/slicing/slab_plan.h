@@ -17,8 +17,8 @@ struct SlabPlan {
 
 /// What the program takes whatever the cloud: code, libraries, buffers, threads.
 inline constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
-/// What a stage needs at most for one point that it holds: the fit 160 bytes (measured), estimated normals 136.
-inline constexpr std::uint64_t kBytesPerPoint = 168;
+/// What a stage needs at most for one point that it holds: the fit 190 bytes (measured), estimated normals 136.
+inline constexpr std::uint64_t kBytesPerPoint = 192;
 /// A slice takes the points of others within half of the thinnest slab on either side.
 inline constexpr double kHaloShare = 0.5;
 /// A slab keeps a file open while points are dealt out.

@@ -299,6 +299,22 @@ TEST(FitFile, RoundTripsAndSeesDamage) {
                                 [](const std::string& path) { read_fit(path); });
 }
 
+TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {
+    const TempFolder folder;
+    const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};
+    const std::vector<std::uint64_t> dropped{3, 1, std::uint64_t{1} << 40};
+    write_fit(folder.file("f"), surfels, "{}", dropped);
+    EXPECT_EQ(read_bytes(folder.file("f"))[8], 3);  // the version stands behind the magic
+    const FitFile fit = read_fit(folder.file("f"), [&](const FittedSurfel& s) {
+        return s.surfel.center == surfels[1].surfel.center;
+    });
+    EXPECT_EQ(fit.dropped, dropped);
+    ASSERT_EQ(fit.surfels.size(), 1u);
+    EXPECT_EQ(fit.surfels[0].surfel.center, surfels[1].surfel.center);
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("f")),
+                                [](const std::string& path) { read_fit(path); });
+}
+
 /// Two further sheets, joined unlike.
 std::shared_ptr<const SharpSheets> some_sheets(std::size_t n_extra) {
     auto out = std::make_shared<SharpSheets>();

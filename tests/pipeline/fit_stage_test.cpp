@@ -97,6 +97,43 @@ TEST_F(FitStage, SlicesMayBeFittedOneByOneInAnyOrder) {
     EXPECT_TRUE(fit(config).contains("up_to_date")) << "which slice was asked for is no setting of the fit";
 }
 
+TEST_F(FitStage, SlicesHardlyChangeWhatComesOut) {
+    const std::string cloud = write(sampled("bumpy", 60000, 1, 1e-3), "c.ply");
+    std::vector<double> leaves, lambda;
+    for (const int slices : {1, 2, 5}) {
+        slice(cloud, slices);
+        normals();
+        FitConfig config;
+        config.t_mdl = 0.003;
+        const auto r = fit(config);
+        leaves.push_back(r["leaves"]);
+        lambda.push_back(r["noise_variance"]);
+    }
+    ASSERT_GT(leaves[0], 300);
+    for (std::size_t i = 1; i < leaves.size(); ++i) {
+        SCOPED_TRACE(i);
+        // Neighbours beyond a cut count like others; which points serve for large k depends on the slice.
+        EXPECT_NEAR(lambda[i] / lambda[0], 1, 1e-3);
+        EXPECT_NEAR(leaves[i] / leaves[0], 1, 0.01);
+    }
+}
+
+TEST_F(FitStage, ASampleOfTheMemorysSizeNeverCostsAccuracy) {
+    const std::string cloud = write(sampled("bumpy", 60000, 1, 1e-3), "c.ply");
+    slice(cloud, 3);
+    normals();
+    FitConfig config;
+    config.t_mdl = 0.003;
+    const auto all = fit(config);
+    config.memory = "20MiB";
+    const auto r = fit(config);
+    EXPECT_LT(r["sample"], 30000);
+    EXPECT_EQ(all["sample"], 60000);
+    // What it does not resolve is covered by more leaves, no wider than the halo, not by fewer.
+    EXPECT_GT(r["leaves"].get<double>(), 0.99 * all["leaves"].get<double>());
+    EXPECT_LT(r["leaves"].get<double>(), 1.7 * all["leaves"].get<double>());
+}
+
 TEST_F(FitStage, CoarseLevelsMayBeFittedAlone) {
     slice(write(sampled("bumpy", 10000), "c.ply"), 2);
     normals();

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <set>
 #include <vector>
 
@@ -331,6 +332,55 @@ TEST(LevelCover, CoarseThenFineLevelsCoverWhatAllWouldCover) {
     both.surfels.insert(both.surfels.end(), second.surfels.begin(), second.surfels.end());
     EXPECT_LE(uncovered(block, both, rules.noise_variance),
               second.counts.unexplained + second.counts.isolated);
+}
+
+/// Centres and radii of the leaves with their point.
+std::set<std::pair<std::uint64_t, double>> leaf_set(const std::vector<FittedSurfel>& surfels) {
+    std::set<std::pair<std::uint64_t, double>> out;
+    for (const FittedSurfel& s : surfels)
+        if (s.flags & kLeaf) out.insert({s.point_id, s.surfel.support_radius});
+    return out;
+}
+
+TEST(LevelCover, SlabsWithHalosGiveTheLeavesOfTheWhole) {
+    const PointBlock block = block_of(sampled("bumpy", 60000, 1, 1e-3));
+    CoverRules rules = rules_for(block, 0.001);
+    rules.spacing = 0.015;
+    const auto whole = leaf_set(cover(block, rules).surfels);
+    constexpr int kFirstFine = 4, kRungs = 2;
+    const double halo = level_radius(rules.diagonal, kFirstFine - kRungs);
+    CoverRules coarse = rules;
+    coarse.last_level = kFirstFine;
+    coarse.provisional = halo;
+    const Cover first = cover(block, coarse);
+    std::vector<FittedSurfel> all = first.surfels;
+    const double walls[] = {-INFINITY, -0.4, 0.4, INFINITY};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double lo = walls[k], hi = walls[k + 1];
+        PointBlock slab;
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            if (block.position[i].x < lo - halo || block.position[i].x > hi + halo) continue;
+            slab.position.push_back(block.position[i]);
+            slab.normal.push_back(block.normal[i]);
+            slab.id.push_back(block.id[i]);
+        }
+        CoverRules fine = rules;
+        fine.first_level = kFirstFine;
+        fine.rungs_above = kRungs;
+        fine.done = first.surfels;
+        fine.dropped = first.dropped;
+        fine.owns = [=](const Vec3d& p) { return p.x >= lo && p.x < hi; };
+        const Cover c = cover(slab, fine);
+        all.insert(all.end(), c.surfels.begin(), c.surfels.end());
+    }
+    ASSERT_GT(whole.size(), 300u);
+    ASSERT_LT(first.counts.leaves, whole.size() * 3 / 4) << "the slabs must have something to do";
+    const auto sliced = leaf_set(all);
+    std::vector<std::pair<std::uint64_t, double>> common;
+    std::set_intersection(whole.begin(), whole.end(), sliced.begin(), sliced.end(),
+                          std::back_inserter(common));
+    EXPECT_NEAR(static_cast<double>(sliced.size()) / static_cast<double>(whole.size()), 1, 0.005);
+    EXPECT_GT(common.size() * 100, whole.size() * 98);
 }
 
 /// Points on the faces of the unit cube, on a grid of `n` a side; those on edges and corners have the mean

@@ -136,6 +136,27 @@ TEST(PointPyramid, ThinningsAreNestedAndKeepTheirShare) {
     }
 }
 
+TEST(PointPyramid, OfAShareGoesOnWithTheThinningsOfTheWhole) {
+    const PointBlock block = random_cube(20000, 7);
+    const PointPyramid whole(block, box_of(block), 3);
+    PointBlock sample;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (!in_share(3, block.id[i], 0.25)) continue;
+        sample.position.push_back(block.position[i]);
+        sample.id.push_back(block.id[i]);
+    }
+    EXPECT_NEAR(static_cast<double>(sample.size()), 5000, 250);
+    const PointPyramid part(sample, box_of(block), 3, 0.25);  // between the shares 0.38 and 0.15
+    ASSERT_EQ(part.n_levels() + 1, whole.n_levels());
+    for (std::size_t l = 1; l < part.n_levels(); ++l) {
+        ASSERT_EQ(part.level_size(l), whole.level_size(l + 1));
+        EXPECT_EQ(part.share(l), whole.share(l + 1));
+        for (std::size_t i = 0; i < part.level_size(l); ++i)
+            ASSERT_EQ(sample.id[part.level(l).source(i)],
+                      block.id[whole.level(l + 1).source(i)]);
+    }
+}
+
 TEST(PointPyramid, IsTheSameForAnyOrderOfThePoints) {
     const PointBlock block = random_cube(5000, 8), shuffled = permuted(block, 4);
     ASSERT_NE(block.id, shuffled.id);
