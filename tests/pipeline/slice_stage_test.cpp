@@ -91,7 +91,7 @@ TEST(SliceStage, EveryPointStandsInTheSliceOfItsSlabOnceInOrder) {
 TEST(SliceStage, MemoryDecidesTheNumberOfSlicesAndFewerSlicesLeaveNoOldOnes) {
     const TempFolder folder;
     SliceConfig config{{write_cloud(folder, "a.ply", random_points(2, 5000, {}))},
-                       folder.file("work"), "17200KiB", 0, false};
+                       folder.file("work"), "16856KiB", 0, false};
     EXPECT_EQ(slice(config).slices.size(), 4u);
     EXPECT_TRUE(fs::exists(slice_folder(config.work, 3)));
     config.memory = "1GiB";
