@@ -20,7 +20,7 @@ void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
 CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
     saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
-    unexplained += b.unexplained, isolated += b.isolated;
+    unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred;
     evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;

@@ -13,6 +13,7 @@ struct CoverCounts {
     std::uint64_t leaves = 0, internals = 0, levels = 0;
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
+    std::uint64_t beside = 0;       ///< points of rims, left to the surface beside them: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
     std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two and of three sheets
     std::uint64_t sharp_rungs = 0;  ///< balls that were tried with more than one sheet

@@ -3,6 +3,7 @@
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
 #include "slim/cover/leaf_maker.h"
+#include "slim/cover/scatter.h"
 #include "slim/model/surfel_tree.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -53,7 +54,7 @@ public:
         BallPoints<double> work;
         for (const FittedSurfel& s : rules_.done)
             if (s.flags & kLeaf)
-                mark(covered_points(pyramid_.all(), s, rules_.noise_variance, work));
+                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
         std::size_t open = count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
@@ -72,10 +73,11 @@ public:
     }
 
 private:
-    enum State : std::uint8_t {
+    enum State : std::uint16_t {
         kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16,
         kTwoSheets = 32, kThreeSheets = 64,  // found by an earlier search: two sheets, three
-        kThin = 128
+        kThin = 128,
+        kBeside = 256  // a leaf that is not doubtful lies near
     };
 
     static Bbox box_of(const PointBlock& points) {
@@ -99,14 +101,16 @@ private:
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, LeafWork& work) const;
     void accept(Candidate& c, int level);
-    void mark(const std::vector<Covered>& covered);
+    void accept_leaf(Candidate& c, int level);
+    void mark(const CoveringSurfel& leaf);
+    bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
     const PointBlock& block_;
     const CoverRules& rules_;
     PointPyramid pyramid_;
     LeafMaker leaves_;
     std::vector<float> weight_;        // sum of G over the leaves so far
-    std::vector<std::uint8_t> state_;  // State flags
+    std::vector<std::uint16_t> state_; // State flags
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
@@ -241,6 +245,10 @@ void LevelCover::accept(Candidate& c, int level) {
         stamp_[c.point] = static_cast<std::uint8_t>(level);
         return;
     }
+    accept_leaf(c, level);
+}
+
+void LevelCover::accept_leaf(Candidate& c, int level) {
     state_[c.point] |= kClosed;
     if (!c.surfel.explains_center) {
         ++out_.counts.unexplained;
@@ -253,17 +261,24 @@ void LevelCover::accept(Candidate& c, int level) {
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
+    if (is_raw() && (state_[c.point] & kBeside) && is_doubtful(f, rules_.noise_variance)) {
+        ++out_.counts.beside;
+        return;
+    }
     out_.counts.recentred += c.center != c.point;
-    mark(c.surfel.covered);
+    mark(c.surfel);
     out_.counts.add_leaf(c.surfel);
     out_.surfels.push_back(f);
 }
 
-void LevelCover::mark(const std::vector<Covered>& covered) {
-    for (const Covered& p : covered) {
+void LevelCover::mark(const CoveringSurfel& leaf) {
+    for (const Covered& p : leaf.covered) {
         weight_[p.point] += p.weight;
         if (p.in_core) state_[p.point] |= kCore;
     }
+    if (!is_raw() || is_doubtful(leaf.fitted, rules_.noise_variance)) return;
+    for (const Covered& p : leaf.covered) state_[p.point] |= kBeside;
+    for (const std::uint32_t p : leaf.beside) state_[p] |= kBeside;
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "slim/cover/scatter.h"
 
+#include "slim/model/surfel_tree.h"
+
+#include <cmath>
+
 namespace slim {
 namespace {
 
@@ -8,6 +12,10 @@ constexpr double kThickOfSparse = 0.03;       // noise is small against so large
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;              // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
+constexpr std::uint32_t kFewOfForced = 25;
+constexpr std::uint32_t kFewOfThick = 60;
+constexpr double kThickOfDoubtful = 0.12;
+constexpr double kNoisy = 0.07;  // sqrt(lambda) / rho; below it a few points are a detail (0.01 to 0.06 on clean clouds)
 
 }  // namespace
 
@@ -22,6 +30,13 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
     // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
     const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
     return is_line || is_thick || is_torn;
+}
+
+bool is_doubtful(const FittedSurfel& leaf, double noise_variance) {
+    const double rho = leaf.surfel.support_radius;
+    if (!(std::sqrt(noise_variance) > kNoisy * rho)) return false;
+    const bool few = (leaf.flags & kForced) && leaf.n_points <= kFewOfForced;
+    return few || (leaf.n_points <= kFewOfThick && leaf.fit_error > kThickOfDoubtful * rho);
 }
 
 }  // namespace slim

@@ -65,7 +65,7 @@ std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_vari
     BallPoints<double> work;
     for (const FittedSurfel& s : leaves_of(c)) {
         centers.insert(s.point_id);
-        for (const Covered& p : covered_points(tree, s, noise_variance, work)) {
+        for (const Covered& p : cover_again(tree, s, noise_variance, work).covered) {
             weight[p.point] += p.weight;
             if (p.in_core) core[p.point] = true;
         }
