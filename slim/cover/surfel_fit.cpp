@@ -12,7 +12,7 @@ namespace {
 constexpr float kAtCenter = 0.9999999f;
 constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
-constexpr double kBeside = 9;     // and up to this many sqrt(lambda) are beside it: rims of scans scatter so far
+constexpr double kBeside = 9;     // up to this many sqrt(lambda): beside it; rims scatter so far
 constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -33,8 +33,8 @@ bool faces_away(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
     return dot(g, normal) < static_cast<double>(kOtherSideCos) * length(g);
 }
 
-/// Lists the ball's points that the surfel explains and those beside it. Other sheets' points have sq = 2 and
-/// are passed over.
+/// Lists the ball's points that the surfel explains and those beside it. Other sheets' points have
+/// sq = 2 and are passed over.
 void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
                   CoveringSurfel& out) {
     const Surfel& s = out.fitted.surfel;

@@ -269,8 +269,8 @@ TEST(LevelCover, APoleGetsNoDiscsOfTheSizeOfItsSearch) {
     EXPECT_GT(on_pole, 5u);
 }
 
-/// A noisy square sheet, and along its rim x = 1 points that a grazing beam put off it by 5 to 7 sigma, with normals
-/// turned outwards by 57 to 92 degrees.
+/// A noisy square sheet, and along its rim x = 1 points that a grazing beam put off it by 5 to 7
+/// sigma, with normals turned outwards by 57 to 92 degrees.
 PointBlock sheet_with_grazed_rim(double sigma, std::size_t n_rim) {
     PointBlock block = graph_points(40000, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < block.size(); ++i) block.position[i].z += sigma * gaussian(6, i);
