@@ -43,6 +43,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"sharp_rungs", c.sharp_rungs},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
+            {"dropped_beside", c.beside},
             {"searches", c.evaluated},
             {"searches_discarded", c.discarded},
             {"rungs", c.rungs},
