@@ -159,7 +159,7 @@ std::optional<json> Stamp::up_to_date() const {
     }
 }
 
-json Stamp::commit(const std::vector<fs::path>& outputs, json result) {
+json Stamp::commit(const std::vector<fs::path>& outputs, json result, Outlasts outlasts) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start_;
     json manifest = {{"stage", context_.stage},
                      {"program", program_version()},
@@ -177,7 +177,7 @@ json Stamp::commit(const std::vector<fs::path>& outputs, json result) {
     for (const fs::path& output : outputs)
         manifest["outputs"].push_back(file_json(output, relative_to(folder_of(manifest_), output)));
     const std::string text = manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
-    write_file_atomically(manifest_.string(), text);
+    write_file_atomically(manifest_.string(), text, outlasts);
     return result;
 }
 

@@ -26,4 +26,8 @@ private:
 void parallel_blocks(std::size_t n, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
 
+/// Does two pieces of work, at the same time if there are threads.
+/// throws what either throws, once both have ended
+void run_both(const std::function<void()>& a, const std::function<void()>& b);
+
 }  // namespace slim
