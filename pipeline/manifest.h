@@ -59,6 +59,7 @@ private:
         bool optional;
     };
     nlohmann::json inputs_json() const;
+    std::string hash_of_input(const std::filesystem::path& file) const;
 
     const StageContext& context_;
     std::filesystem::path manifest_;
