@@ -102,8 +102,8 @@ void sort_along_curve(PointBlock& block, const Bbox& box) {
     order_places(block, keys);
     const std::vector<std::uint32_t> order = indices_of(keys);
     keys = {};
-    run_both([&] { reorder(order, block.position); }, [&] {
-        reorder(order, block.normal);
+    reorder(order, block.position);
+    run_both([&] { reorder(order, block.normal); }, [&] {
         reorder(order, block.id);
         reorder(order, block.scan);
     });
