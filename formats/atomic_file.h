@@ -12,12 +12,13 @@ namespace slim {
 /// on several hosts write into one folder, where process ids alone would collide.
 const std::string& temporary_suffix();
 
-/// Whether a new file must outlast a power cut. Files that a job can make anew, and whose damage shows by
-/// a checksum, need not: waiting for the disk takes longer than making them.
+/// Whether a new file must outlast a power cut. Files that a job can make anew, and whose damage
+/// shows by a checksum, need not: waiting for the disk takes longer than making them.
 enum class Outlasts { power_cut, process };
 
 /// A file that appears under its name whole or not at all: written as `name` + temporary_suffix() in the
-/// same directory, then flushed to disk (unless it may be lost) and renamed by commit(). Without commit() the destructor removes it.
+/// same directory, then flushed to disk (unless it may be lost) and renamed by commit(). Without
+/// commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage` when
 /// the place cannot be written to at all

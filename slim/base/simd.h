@@ -48,8 +48,8 @@ inline std::uint64_t lane_bits(const M& mask) {
 template <class T>
 using LanesOfDouble = stdx::simd<T, stdx::simd_abi::deduce_t<T, stdx::native_simd<double>::size()>>;
 
-/// Writes the lanes of v whose bit is set side by side to out, which has room for all lanes; what it
-/// holds after the chosen ones is not defined. T is float, double or std::uint32_t.
+/// Writes the lanes of v whose bit is set side by side to out, which has room for all lanes; what
+/// it holds after the chosen ones is not defined. T is float, double or std::uint32_t.
 template <class T>
 inline void compress_to(const LanesOfDouble<T>& v, std::uint64_t bits, T* out) {
     // The one place without lanes of the standard library, which cannot do it: a loop over the bits
@@ -64,7 +64,8 @@ inline void compress_to(const LanesOfDouble<T>& v, std::uint64_t bits, T* out) {
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
                             _mm256_maskz_compress_epi32(mask, static_cast<__m256i>(v)));
 #else
-    for (; bits != 0; bits &= bits - 1) *out++ = v[static_cast<std::size_t>(std::countr_zero(bits))];
+    for (; bits != 0; bits &= bits - 1)
+        *out++ = v[static_cast<std::size_t>(std::countr_zero(bits))];
 #endif
 }
 

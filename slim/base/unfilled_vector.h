@@ -24,8 +24,8 @@ struct UnfilledAllocator : std::allocator<T> {
     }
 };
 
-/// A vector for large arrays that threads fill block by block: the first to touch a page pays for it,
-/// and that is then not one thread for all.
+/// A vector for large arrays that threads fill block by block: the first to touch a page pays for
+/// it, and that is then not one thread for all.
 template <class T>
 using UnfilledVector = std::vector<T, UnfilledAllocator<T>>;
 
