@@ -79,10 +79,24 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
     return fit;
 }
 
-template <int Degree, class T>
+/// What a term of a degree takes off sum G w^2 by fitting noise alone, over sum G^2 / sum G and the
+/// noise's variance: terms of higher degree live where G is small. Disc averages under G (notes/0005).
+constexpr double kNoiseOfTerm[] = {1, 0.5182, 0.3715, 0.3064, 0.2694};
+
+/// Fills in what the next degree would find.
+void look_ahead(const NestedCholesky& solver, double weight, double radius, LocalFit& fit) {
+    const int next = fit.degree + 1;
+    if (fit.degree < 1 || solver.rank_degree() < next) return;
+    const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
+    fit.sq_missed = radius * radius * solver.sq_gain(next) / weight - noise * (next + 1);
+    fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
+}
+
+/// Sums are taken to the degree MomentDegree, of which the fit leaves the highest for look_ahead.
+template <int Degree, int MomentDegree, class T>
 LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
-    const auto m = accumulate_moments<Degree>(points, frame, shrink);
-    const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
+    const auto m = accumulate_moments<MomentDegree>(points, frame, shrink);
+    const NestedCholesky solver(MomentDegree, m.monomial, m.height, m.sq_height);
     std::size_t n = 0;
     const T limit = static_cast<T>(shrink * shrink);
     for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
@@ -114,6 +128,7 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
     fit.fallback = cause;
     fit.n_effective = m.n_effective();
     fit.n_points = n;
+    if constexpr (MomentDegree > Degree) look_ahead(solver, m.weight(), points.radius, fit);
     return fit;
 }
 
@@ -191,9 +206,17 @@ std::size_t count_off_sheet(const BallPoints<T>& p, std::span<const SetAside<T>>
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree) {
-    if (degree <= 1) return fit_degree<1>(points, shrink, frame);
-    if (degree == 2) return fit_degree<2>(points, shrink, frame);
-    return fit_degree<3>(points, shrink, frame);
+    if (degree <= 1) return fit_degree<1, 1>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 2>(points, shrink, frame);
+    return fit_degree<3, 3>(points, shrink, frame);
+}
+
+template <class T>
+LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                        int degree) {
+    if (degree <= 1) return fit_degree<1, 2>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 3>(points, shrink, frame);
+    return fit_degree<3, 4>(points, shrink, frame);
 }
 
 template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
@@ -206,5 +229,6 @@ template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const 
                                      const Frame<double>&, const LocalFit&, double);
 template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

@@ -21,6 +21,9 @@ struct LocalFit {
     Polynomial<double> polynomial;  ///< in the fit's frame, coordinates divided by its radius
     int degree = 0;
     double sq_error = 0;     ///< eps^2, unbiased: weighted mean squared residual / (1 - K / n_eff), length^2
+    /// What the terms of the next degree would take off eps^2 beyond the share of them that noise
+    /// explains, and the standard error of that (length^2; fit_ball_ahead alone fills them in). May be negative.
+    double sq_missed = 0, sq_missed_error = 0;
     double n_effective = 0;  ///< (sum G)^2 / sum G^2
     std::size_t n_points = 0;
     Fallback fallback = Fallback::none;
@@ -67,6 +70,12 @@ std::size_t count_off_sheet(const BallPoints<T>& points, std::span<const SetAsid
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree);
+
+/// fit_ball that also looks at the terms of the next degree, in the same pass and factor (notes/0005).
+/// Cost: the sums of the next degree.
+template <class T>
+LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                        int degree);
 
 /// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
 bool too_steep(const Polynomial<double>& polynomial);

@@ -82,16 +82,45 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
         gather_ball(points_.level(++level), center, radius, work.ball);
     ++work.rungs;
-    work.point_visits += work.ball.n;
-    const Vec3d n = average_normal(work.ball, 1, normal).normal;
-    const Frame<double> frame = frame_from_normal(n);
-    set_contrary_aside(work.ball, n, work.aside);
-    const LocalFit fit = fit_ball(work.ball, 1, frame, degree_);
+    LadderFit found = fit_gathered(normal, work);
+    // What is missed must be known as well as E asks for; only balls that show noise alone need more points.
+    for (std::size_t finer = level; finer > 0 && work.ball.n < rules_.most_sample / 3 &&
+                                    2 * found.fit.sq_missed_error > energy_.price(radius);) {
+        gather_ball(points_.level(--finer), center, radius, work.ball);
+        found = fit_gathered(normal, work);
+    }
+    const LocalFit& fit = found.fit;
     const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
     const std::size_t off =
-        count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
+        count_off_sheet<float>(work.ball, work.aside, found.frame, fit, kOffSheet * noise);
     if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
-    return Rung{rung, level, energy_(fit.sq_error, radius), energy_.upper_bound(fit, radius)};
+    const double energy = energy_(fit.sq_error, radius);
+    const double upper = energy_.upper_bound(fit, radius);
+    const double missed = fit.sq_missed + energy_.price(radius);
+    return Rung{rung,         level,  energy, upper, energy - missed, upper - missed, missed,
+                2 * fit.sq_missed_error};
+}
+
+RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
+    work.point_visits += work.ball.n;
+    const Vec3d n = average_normal(work.ball, 1, normal).normal;
+    LadderFit out{frame_from_normal(n), {}};
+    set_contrary_aside(work.ball, n, work.aside);
+    out.fit = fit_ball_ahead(work.ball, 1, out.frame, degree_);
+    return out;
+}
+
+/// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some hundred points,
+/// in which a bias of half the noise hides. What the next degree would find shows a tenth of that. So the
+/// rungs are taken to have the same noise as far as their errors allow.
+int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
+    double noise = INFINITY, least = INFINITY;
+    for (const auto& r : rungs) noise = std::min(noise, r->noise_upper);
+    const auto cost = [&](const Rung& r) { return std::max(0.0, r.noise - noise) + r.missed; };
+    for (const auto& r : rungs) least = std::min(least, cost(*r) + r->missed_error);
+    const auto found = std::find_if(rungs.begin(), rungs.end(),
+                                    [&](const auto& r) { return cost(*r) <= least; });
+    return found->value().index;
 }
 
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
@@ -141,9 +170,9 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
     if (coarsest > finest)
         return {rung_radius(finest), false, true, false, false, forced_energy, rung_radius(finest)};
-    int chosen = finest;
-    for (int r = finest; r >= coarsest; --r)
-        if (rungs[r]->energy <= least_upper) chosen = r;
+    const int chosen = largest_as_good(
+        std::span(rungs).subspan(static_cast<std::size_t>(coarsest),
+                                 static_cast<std::size_t>(finest - coarsest + 1)));
     // Where even the finest ball but one is poor, the last one may be too large to show an edge.
     if (rules_.look_for_edges && chosen == finest)
         work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
