@@ -64,6 +64,7 @@ private:
         input.format = info.format;
         input.has_normals = info.has_normals;
         input.normals_from_faces = info.normals_from_faces;
+        input.faces_turned = info.faces_turned;
         input.has_scan = info.has_scan;
         input.first_id = first_id;
         input.first_scan = end_scan_;

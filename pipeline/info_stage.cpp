@@ -156,7 +156,7 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
                 {"bounds", bounds_json(totals.box)},
                 {"attributes", attributes},
                 {"skipped", info.skipped},
-                {"normals", info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
+                {"normals", info.faces_turned ? "from faces, turned outwards" : info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
                 {"truth", fs::exists(truth_path(info.path))},
                 {"health", {{"not_finite", totals.not_finite}}}};
     if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;

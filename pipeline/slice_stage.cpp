@@ -150,7 +150,8 @@ void make_folder(const fs::path& folder) {
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
         reporter.info(fmt::format("{}: {}, {} points{}", in.path, in.format, in.n_points,
-                                  in.normals_from_faces ? ", normals from its faces"
+                                  in.faces_turned ? ", normals from its faces, which are wound inwards: turned"
+                                  : in.normals_from_faces ? ", normals from its faces"
                                   : in.has_normals      ? ", with normals"
                                                         : ""));
         if (in.n_dropped > 0)
