@@ -14,7 +14,7 @@ namespace slim {
 struct BuildConfig {
     std::vector<std::string> inputs;
     std::string output;
-    int degree = 2;
+    std::string degree = "2";
     double t_mdl = 0.01;
     double lambda = 0;
     std::string sharp = "off";
@@ -31,7 +31,10 @@ struct BuildConfig {
         field.input("inputs", inputs,
                     "point clouds: PLY or text (.xyz .txt .asc .pts .csv), .gz allowed");
         field.output("output", output, "model to write (model.slim)");
-        field("degree", degree, "polynomial degree of a surfel", 1, 3);
+        field.choice("degree", degree,
+                     "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
+                     "for its error",
+                     {"1", "2", "3", "auto"});
         field("t_mdl", t_mdl,
               "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12, 1e3);
         field("lambda", lambda, "noise variance of eq. (3), model units squared; 0: measured", 0, 1e300);

@@ -193,7 +193,10 @@ std::vector<std::string> Field::items() const {
 
 std::string Field::toml() const {
     std::vector<std::string> all = items();
-    for (std::string& item : all) item = toml_item(item, kind());
+    for (std::string& item : all) {
+        std::int64_t number = 0;  // a choice may be a number: it stands without quotes
+        if (choices.empty() || !parse_number(item, number)) item = toml_item(item, kind());
+    }
     return is_list() ? "[" + join(all) + "]" : all[0];
 }
 

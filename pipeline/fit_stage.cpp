@@ -54,7 +54,8 @@ nlohmann::json counts_json(const CoverCounts& c) {
 
 CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const GlobalNoise& noise) {
     CoverRules rules;
-    rules.degree = config.degree;
+    rules.ladder.choose_degree = config.degree == "auto";
+    rules.degree = rules.ladder.choose_degree ? kMaxDegree : config.degree[0] - '0';
     rules.mdl_threshold = config.t_mdl;
     rules.diagonal = plan.diagonal;
     rules.noise_variance = noise.noise_variance;
@@ -96,6 +97,7 @@ void append_points(const PointBlock& from, Wanted&& wanted, PointBlock& out) {
 /// What a tree needs to know of a fit, and what all fits of a job must share.
 nlohmann::json rules_json(const CoverRules& rules) {
     return {{"degree", rules.degree},
+            {"choose_degree", rules.ladder.choose_degree},
             {"t_mdl", rules.mdl_threshold},
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},

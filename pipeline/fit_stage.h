@@ -16,7 +16,7 @@ struct FitConfig {
     std::string work;
     int slice = -1;
     bool coarse = false;
-    int degree = 2;
+    std::string degree = "2";
     double t_mdl = 0.01;
     double lambda = 0;
     std::string sharp = "off";
@@ -29,7 +29,10 @@ struct FitConfig {
         field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
         field.part("coarse", coarse,
                    "only the coarse levels that all slices share: once before an array job over slices");
-        field("degree", degree, "polynomial degree of a surfel", 1, 3);
+        field.choice("degree", degree,
+                     "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
+                     "for its error",
+                     {"1", "2", "3", "auto"});
         field("t_mdl", t_mdl, "T_MDL of eq. (3), fraction of the diagonal: sparseness against accuracy",
               1e-12, 1e3);
         field("lambda", lambda,

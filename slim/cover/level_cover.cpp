@@ -90,11 +90,12 @@ public:
           ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
                   root_radius_, rules.least_radius, rules.degree, ladder_rules(rules)),
           sharp_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                 root_radius_, rules.degree, rules.ladder),
+                 root_radius_, usual_degree(rules), rules.ladder),
           weight_(points.size(), 0.0f),
           state_(points.size(), 0),
           stamp_(points.size(), 0),
           radius_(points.size(), 0.0f),
+          degree_(points.size(), 0),
           place_(points.size()),
           open_(points.size()) {
         std::iota(open_.begin(), open_.end(), 0u);
@@ -141,6 +142,11 @@ private:
         if (rules.first_level > 1) ladder.above_root = 0;
         ladder.look_for_edges = rules.sharp;
         return ladder;
+    }
+    /// Where the degree is not chosen one by one: of internal surfels, which stand in for their children where
+    /// these are a few pixels large, and of edges, whose price is that of quadratic sheets.
+    static int usual_degree(const CoverRules& rules) {
+        return rules.ladder.choose_degree ? std::min(rules.degree, 2) : rules.degree;
     }
     static Bbox box_of(const PointBlock& points) {
         Bbox box;
@@ -191,6 +197,7 @@ private:
     std::vector<std::uint8_t> state_;  // State flags
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
+    std::vector<std::uint8_t> degree_;  // and the degree that goes with it
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
     double usual_radius_ = 0;           // of a ball with enough points for the finest rung
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
@@ -279,7 +286,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     c.center = c.point;
     if (radius_[c.point] > 0) {
-        c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
+        c.choice = {radius_[c.point], degree_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
         c.sparse = (state_[c.point] & kThin) != 0;
         c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
@@ -305,9 +312,9 @@ CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
     if (lends && (choice.forced || choice.limited))
-        return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
+        return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree,
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
                       choice.forced, rules_.noise_variance, work.exact.ball);
 }
 
@@ -321,11 +328,11 @@ void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) con
         return;
     }
     found->radius = static_cast<float>(found->radius);
-    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.degree,
+    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, usual_degree(rules_),
                                    rules_.noise_variance, work.exact.ball, work.sharp);
     if (!fitted) return;
     c.surfel = std::move(*fitted);
-    c.choice = {found->radius};
+    c.choice = {found->radius, usual_degree(rules_)};
     c.n_sheets = found->n_sheets;
 }
 
@@ -353,7 +360,7 @@ void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
     if (c.n_sheets > 1) {
         if (!c.surfel.fitted.surfel.sharp)  // the choice was made at an earlier level
             c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
-                                         rules_.degree, rules_.noise_variance, work.exact.ball,
+                                         usual_degree(rules_), rules_.noise_variance, work.exact.ball,
                                          work.sharp);
         return;
     }
@@ -441,7 +448,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, usual_degree(rules_), false,
                                   rules_.noise_variance, work.exact.ball);
     c.internal = s.fitted;
     gather_ball(tree, center, radius, work.exact.ball);
@@ -451,6 +458,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
+    degree_[c.point] = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
     if (c.choice.limited) state_[c.point] |= kLimited;

@@ -78,19 +78,33 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
     return fit;
 }
 
+/// What one pass over a ball gives: sums, and one factor that serves every degree.
+template <int Degree>
+struct BallSolution {
+    Moments<Degree> moments;
+    NestedCholesky solver;
+    std::size_t n;  // points within the fit's radius
+};
+
 template <int Degree, class T>
-LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+BallSolution<Degree> solve_ball(const BallPoints<T>& points, double shrink,
+                                const Frame<double>& frame) {
     const auto m = accumulate_moments<Degree>(points, frame, shrink);
-    const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
     std::size_t n = 0;
     const T limit = static_cast<T>(shrink * shrink);
     for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
+    return {m, NestedCholesky(Degree, m.monomial, m.height, m.sq_height), n};
+}
 
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it.
+template <int Degree, class T>
+LocalFit fit_of_degree(const BallSolution<Degree>& solution, int degree,
+                       const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    const auto& [m, solver, n] = solution;
     LocalFit fit;
     Fallback cause = Fallback::none;
-    int degree = Degree;
     const double n_eff = m.n_effective();
-    const auto has_points_for = [&](int d) {
+    const auto has_points_for = [&, n = n](int d) {
         const int k = n_coefficients(d);
         return n >= 2 * static_cast<std::size_t>(k) && n_eff >= k + kLeastFreedom;
     };
@@ -111,9 +125,14 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
     }
     if (degree < 1) fit = mean_plane(m, shrink, points.radius), cause = Fallback::plane;
     fit.fallback = cause;
-    fit.n_effective = m.n_effective();
+    fit.n_effective = n_eff;
     fit.n_points = n;
     return fit;
+}
+
+template <int Degree, class T>
+LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    return fit_of_degree(solve_ball<Degree>(points, shrink, frame), Degree, points, shrink, frame);
 }
 
 }  // namespace
@@ -182,6 +201,16 @@ LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double
     return fit_degree<3>(points, shrink, frame);
 }
 
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame) {
+    const auto solution = solve_ball<kMaxDegree>(points, shrink, frame);
+    std::array<LocalFit, kMaxDegree> fits;
+    for (int d = 1; d <= kMaxDegree; ++d)
+        fits[static_cast<std::size_t>(d - 1)] = fit_of_degree(solution, d, points, shrink, frame);
+    return fits;
+}
+
 template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
 template BallNormal average_normal(const BallPoints<double>&, double, const Vec3d&);
 template void set_contrary_aside(BallPoints<float>&, const Vec3d&, std::vector<SetAside<float>>&);
@@ -192,5 +221,9 @@ template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const 
                                      const Frame<double>&, const LocalFit&, double);
 template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<float>&, double,
+                                                           const Frame<double>&);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
+                                                           const Frame<double>&);
 
 }  // namespace slim

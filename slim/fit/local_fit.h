@@ -4,6 +4,7 @@
 #include "slim/fit/ball_points.h"
 #include "slim/model/polynomial.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -67,6 +68,13 @@ std::size_t count_off_sheet(const BallPoints<T>& points, std::span<const SetAsid
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree);
+
+/// fit_ball of degrees 1, 2 and 3 (places 0, 1, 2) from one pass and one factor (NUMERICS 2.2); a place
+/// whose fit has a lower degree than its own fell back to it.
+/// Cost: that of degree 3 alone, and a residual pass for each degree whose residual is lost to cancellation.
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame);
 
 /// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
 bool too_steep(const Polynomial<double>& polynomial);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
+constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -41,7 +42,8 @@ double RadiusLadder::rung_radius(int rung) const {
 }
 
 std::size_t RadiusLadder::least_points() const {
-    const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(degree_));
+    const int least_degree = rules_.choose_degree ? kLeastChosen : degree_;
+    const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(least_degree));
     return std::min(static_cast<std::size_t>(wanted), points_.all().size());
 }
 
@@ -83,12 +85,35 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const Vec3d n = average_normal(work.ball, 1, normal).normal;
     const Frame<double> frame = frame_from_normal(n);
     set_contrary_aside(work.ball, n, work.aside);
-    const LocalFit fit = fit_ball(work.ball, 1, frame, degree_);
+    Rung out{rung, level, degree_, INFINITY, INFINITY};
+    const LocalFit fit = estimate(frame, work.ball, out);
     const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
     const std::size_t off =
         count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
     if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
-    return Rung{rung, level, energy_(fit.sq_error, radius), energy_.upper_bound(fit, radius)};
+    return out;
+}
+
+/// Fills in a rung's energy, of the degree that has the least there; returns the fit of the highest degree.
+LocalFit RadiusLadder::estimate(const Frame<double>& frame, const BallPoints<float>& ball,
+                                Rung& out) const {
+    if (!rules_.choose_degree) {
+        const LocalFit fit = fit_ball(ball, 1, frame, degree_);
+        out.energy = energy_(fit.sq_error, ball.radius);
+        out.upper = energy_.upper_bound(fit, ball.radius);
+        return fit;
+    }
+    const auto fits = fit_every_degree(ball, 1, frame);
+    for (int d = 1; d <= degree_; ++d) {
+        const LocalFit& fit = fits[static_cast<std::size_t>(d - 1)];
+        const double enough = rules_.points_per_coefficient * n_coefficients(d);
+        if (d > 1 && (fit.degree < d || static_cast<double>(fit.n_points) < enough)) break;
+        const MdlEnergy energy = energy_.at_price(degree_price(d));
+        const double e = energy(fit.sq_error, ball.radius);
+        if (e < out.energy) out.energy = e, out.degree = d;
+        out.upper = std::min(out.upper, energy.upper_bound(fit, ball.radius));
+    }
+    return fits[static_cast<std::size_t>(degree_ - 1)];
 }
 
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
@@ -97,12 +122,14 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
     set_contrary_aside(work.ball, frame.normal, work.aside);
+    const MdlEnergy energy =
+        rules_.choose_degree ? energy_.at_price(degree_price(chosen.degree)) : energy_;
     const auto energy_at = [&](double log_radius) {
         const double radius = std::exp(log_radius) * hi;
         ++work.refinements;
         work.point_visits += work.ball.n;
-        const LocalFit fit = fit_ball(work.ball, radius / hi, frame, degree_);
-        return energy_(fit.sq_error, radius);
+        const LocalFit fit = fit_ball(work.ball, radius / hi, frame, chosen.degree);
+        return energy(fit.sq_error, radius);
     };
     // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away from 0,
     // where the library's tolerance would vanish.
@@ -118,8 +145,9 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess, work);
     work.edge_in_sight = false;
-    if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
-    if (finest < 0) return {rung_radius(finest), false, true, finest < -rules_.above_root};
+    if (finest <= 0 && stands_alone(center, finest))
+        return {rung_radius(finest), degree_, false, true, true};
+    if (finest < 0) return {rung_radius(finest), degree_, false, true, finest < -rules_.above_root};
     const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
@@ -137,7 +165,8 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     }
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
     if (coarsest > finest)
-        return {rung_radius(finest), false, true, false, false, forced_energy, rung_radius(finest)};
+        return {rung_radius(finest), degree_,       false,              true, false, false,
+                forced_energy,       rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)
         if (rungs[r]->energy <= least_upper) chosen = r;
@@ -149,10 +178,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     const double energy = rungs[chosen]->energy;
+    const int degree = rungs[chosen]->degree;
     const double radius = saturated || lo == hi
                               ? rung_radius(chosen)
                               : refine(*rungs[chosen], lo, hi, center, normal, work);
-    return {radius, saturated, false, false, limited, energy, rung_radius(finest)};
+    return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest)};
 }
 
 }  // namespace slim

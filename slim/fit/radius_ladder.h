@@ -19,6 +19,8 @@ struct LadderRules {
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    /// Each centre takes the degree that E favours, its price by bytes (notes/0004); else all the same.
+    bool choose_degree = false;
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
 };
@@ -26,6 +28,7 @@ struct LadderRules {
 /// What the search found for one centre.
 struct RadiusChoice {
     double radius = 0;
+    int degree = 0;          ///< asked of the fit there
     bool saturated = false;  ///< the top rung won: E still falls there
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
@@ -70,8 +73,10 @@ private:
     struct Rung {
         int index;
         std::size_t level;  // of the pyramid
-        double energy, upper;
+        int degree;            // with the least energy
+        double energy, upper;  // the least of all degrees
     };
+    LocalFit estimate(const Frame<double>& frame, const BallPoints<float>& ball, Rung& out) const;
     std::size_t least_points() const;
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;

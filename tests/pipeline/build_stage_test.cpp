@@ -68,7 +68,8 @@ TEST_F(BuildStage, EveryOptionCounts) {
         return read_bytes(file("other.slim"));
     };
     EXPECT_EQ(bytes_with([](BuildConfig&) {}), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = 3; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "3"; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "auto"; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.lambda = 1e-5; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.normals = "estimate"; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.seed = 1; }), plain);
@@ -97,7 +98,7 @@ TEST_F(BuildStage, SharpTakesFewerLeavesAndASmallerErrorOnACubeInAnySlicesAndDeg
         for (const int slices : {1, 3}) {
             SCOPED_TRACE(testing::Message() << "degree " << degree << ", slices " << slices);
             auto config = build_config(cloud, "m.slim");
-            config.degree = degree;
+            config.degree = std::to_string(degree);
             config.slices = slices;
             const auto smooth = build(config), smooth_error = measure(config.output, cloud);
             EXPECT_TRUE(ModelFile::open(config.output).tree().sharp().empty());

@@ -82,6 +82,27 @@ TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
         }
 }
 
+TEST(LocalFit, EveryDegreeAtOnceIsEachDegreeAlone) {
+    for (const std::size_t n : {300u, 40u, 20u, 9u})  // the last are too few for cubics, for quadratics
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            SCOPED_TRACE(testing::Message() << n << " points, seed " << seed);
+            std::uint64_t i = 0;
+            const auto ball = ball_of<double>(n, 0.01, seed, [&](double u, double v) {
+                return 0.2 * u + 0.3 * u * v * v + 0.02 * gaussian(seed, i++);
+            });
+            const auto fits = fit_every_degree(ball, 0.9, kUpright);
+            for (int degree = 1; degree <= 3; ++degree) {
+                const LocalFit& fit = fits[static_cast<std::size_t>(degree - 1)];
+                const LocalFit alone = fit_ball(ball, 0.9, kUpright, degree);
+                ASSERT_EQ(fit.degree, alone.degree);
+                ASSERT_EQ(fit.fallback, alone.fallback);
+                ASSERT_EQ(fit.n_points, alone.n_points);
+                ASSERT_NEAR(fit.sq_error, alone.sq_error, 1e-9 * alone.sq_error);
+                expect_coefficients(fit, alone.polynomial, 1e-9);
+            }
+        }
+}
+
 TEST(LocalFit, AgreesWithQrOnNoisyPoints) {
     for (int degree = 1; degree <= 3; ++degree)
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
