@@ -1,6 +1,7 @@
 #include "slim/cover/level_cover.h"
 
 #include "slim/base/parallel.h"
+#include "slim/fit/radius_windows.h"
 #include "slim/model/surfel_tree.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -89,6 +90,8 @@ public:
           root_radius_(level_radius(rules.diagonal, rules.first_level)),
           ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
                   root_radius_, rules.least_radius, rules.degree, ladder_rules(rules)),
+          windows_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
+                   root_radius_, rules.least_radius, rules.degree, rules.ladder),
           sharp_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
                  root_radius_, usual_degree(rules), rules.ladder),
           weight_(points.size(), 0.0f),
@@ -97,7 +100,12 @@ public:
           radius_(points.size(), 0.0f),
           degree_(points.size(), 0),
           place_(points.size()),
-          open_(points.size()) {
+          open_(points.size()),
+          work_([&rules] {
+              Workspace w;
+              w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
+              return w;
+          }) {
         std::iota(open_.begin(), open_.end(), 0u);
         if (points.size() > 0) usual_radius_ = usual_radius();
         for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
@@ -172,16 +180,22 @@ private:
         return n;
     }
     std::size_t thinning_for(double radius) const;
+    /// The least radius of a leaf of this level.
+    double lower_end(int level) const {
+        return level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
+    }
     void run_level(int level);
     void run_pass(int level, std::size_t thinning, float most_overlap,
                   std::vector<std::uint32_t>& waiting);
+    RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                               Workspace& work) const;
     void search(Candidate& c, int level, std::size_t thinning);
     void sharpen(Candidate& c, const Vec3d& center, Workspace& work) const;
     void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
-    void make_leaf(Candidate& c, double lower, Workspace& work) const;
+    void make_leaf(Candidate& c, int level, Workspace& work) const;
     CoveringSurfel fit_leaf(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                             Workspace& work) const;
-    std::optional<double> move_inwards(Candidate& c, double lower, Workspace& work) const;
+    std::optional<double> move_inwards(Candidate& c, int level, Workspace& work) const;
     std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
     void mark(const std::vector<Covered>& covered);
@@ -192,6 +206,7 @@ private:
     PointPyramid pyramid_;
     double root_radius_;
     RadiusLadder ladder_;
+    RadiusWindows windows_;
     SharpSearch sharp_;
     std::vector<float> weight_;        // sum of G over the leaves so far
     std::vector<std::uint8_t> state_;  // State flags
@@ -280,6 +295,17 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
     waiting.swap(later);
 }
 
+/// The radius about a point of the full tree.
+RadiusChoice LevelCover::choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                                       Workspace& work) const {
+    const Vec3d center = pyramid_.all().position(place);
+    ++work.searches;
+    if (rules_.windows)
+        return windows_.choose(center, normal, level - rules_.first_level, work.ladder);
+    return ladder_.choose(center, normal, kGuess * pyramid_.all().bucket_diagonal(place),
+                          work.ladder);
+}
+
 void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     Workspace& work = work_.local();
     const Vec3d center = block_.position[c.point];
@@ -291,19 +317,16 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
         c.sparse = (state_[c.point] & kThin) != 0;
         c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
     } else {
-        const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
-        c.choice = ladder_.choose(center, normal, guess, work.ladder);
+        c.choice = choose_radius(place_[c.point], normal, level, work);
         const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
         c.sparse = finest > kSparse * usual_radius_;
         if (rules_.sharp) sharpen(c, center, work);
         // Rounded here, so that a search remembered gives the same surfel as a fresh one.
         c.choice.radius = static_cast<float>(c.choice.radius);
-        ++work.searches;
     }
-    const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
-    c.leaf = c.choice.radius >= lower && !c.choice.isolated;
+    c.leaf = c.choice.radius >= lower_end(level) && !c.choice.isolated;
     if (c.choice.isolated) return;
-    if (c.leaf) make_leaf(c, lower, work);
+    if (c.leaf) make_leaf(c, level, work);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
@@ -354,7 +377,8 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
 
 /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
 /// that is too small for this level: the point waits.
-void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
+void LevelCover::make_leaf(Candidate& c, int level, Workspace& work) const {
+    const double lower = lower_end(level);
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     if (c.n_sheets > 1) {
@@ -378,7 +402,7 @@ void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
             return;
         }
         if (length(c.surfel.lean) <= kBorder) return;
-        const std::optional<double> smaller = move_inwards(c, lower, work);
+        const std::optional<double> smaller = move_inwards(c, level, work);
         if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;
@@ -411,7 +435,7 @@ std::optional<std::uint32_t> LevelCover::nearest_point(const Vec3d& p, double ra
 /// own radius allows it. If the radius there is smaller, the border must not have a larger one (a corner sees
 /// a quarter of the data only): that radius is returned.
 /// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
-std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const {
+std::optional<double> LevelCover::move_inwards(Candidate& c, int level, Workspace& work) const {
     const Vec3d from = block_.position[c.point];
     const double rho = c.surfel.fitted.surfel.support_radius;
     const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
@@ -421,14 +445,12 @@ std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Works
     const Vec3d center = tree.position(*place);
     const Vec3d normal = normalized(to_double(tree.normal(*place)));
     if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
-    const RadiusChoice choice =
-        ladder_.choose(center, normal, kGuess * tree.bucket_diagonal(*place), work.ladder);
-    ++work.searches;
+    const RadiusChoice choice = choose_radius(*place, normal, level, work);
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
     if (choice.forced || (rules_.owns && !rules_.owns(center))) return {};
     if (radius < kClearlySmaller * rho) return radius;
-    if (radius < lower || length(center - from) > 0.5 * radius) return {};
+    if (radius < lower_end(level) || length(center - from) > 0.5 * radius) return {};
     RadiusChoice moved_choice = choice;
     moved_choice.radius = radius;
     CoveringSurfel moved = fit_leaf(center, normal, moved_choice, work);
@@ -493,12 +515,14 @@ void LevelCover::accept(Candidate& c, int level) {
     out_.counts.recentred += c.center != c.point;
     mark(c.surfel.covered);
     count(c.surfel);
+    out_.counts.contrary += c.choice.limited;
     out_.surfels.push_back(f);
 }
 
 void LevelCover::mark(const std::vector<Covered>& covered) {
     for (const Covered& p : covered) {
-        weight_[p.point] += p.weight;
+        weight_[p.point] +=
+            rules_.reading == CoverReading::b ? p.weight : overlap_weight(rules_.reading, p.sq);
         if (p.in_core) state_[p.point] |= kCore;
     }
 }
@@ -523,7 +547,7 @@ double level_radius(double diagonal, int level) {
 
 CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
-    saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
+    saturated += b.saturated, forced += b.forced, contrary += b.contrary, normals_disagree += b.normals_disagree;
     unexplained += b.unexplained, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred;

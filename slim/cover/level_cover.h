@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/reporter.h"
+#include "slim/cover/overlap.h"
 #include "slim/cover/surfel_fit.h"
 #include "slim/fit/radius_ladder.h"
 #include "slim/model/fitted_surfel.h"
@@ -23,6 +24,9 @@ struct CoverRules {
     double least_radius = 0;      ///< below it coordinates are rounding
     std::uint64_t seed = 0;
     LadderRules ladder;
+    bool windows = false;  ///< the radius by the paper's windows, not the ladder (slim/fit/notes/0005)
+    FitWeight weight = FitWeight::gauss;
+    CoverReading reading = CoverReading::b;
     bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
     std::function<bool(const Vec3d&)> owns;  ///< centres and points to cover; empty: all
     int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
@@ -34,6 +38,7 @@ struct CoverRules {
 struct CoverCounts {
     std::uint64_t leaves = 0, internals = 0, levels = 0;
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
+    std::uint64_t contrary = 0;     ///< leaves whose ball ends at normals of a fold or another sheet
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
     std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two and of three sheets
@@ -57,7 +62,7 @@ struct Cover {
 /// Covers points by surfels, level by level (Ohtake 2005 sec. 2 with the ladder of DESIGN 4).
 ///
 /// A point is covered when the leaves' weights add up to gamma at it and it lies in the core of one
-/// (NUMERICS 3.4, reading B). At level k, centres are open points by random priority; one whose best radius
+/// (NUMERICS 3.4, reading B unless the rules say another). At level k, centres are open points by random priority; one whose best radius
 /// reaches the level's lower end becomes a leaf, any other an internal surfel of radius rho_r, and waits.
 /// Points need normals; a point without one takes part in fits but is no centre's side.
 /// Deterministic: centres are searched in batches of fixed size, accepted one by one in order.

@@ -27,7 +27,7 @@ Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
     double weight = 0;
     for (int pass = 0; pass < 2; ++pass) {
         for (std::size_t i = 0; i < p.n; ++i) {
-            const double g = weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink));
+            const double g = fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink));
             const Eigen::Vector3d x(p.x[i], p.y[i], p.z[i]);
             if (pass == 0)
                 mean += g * x, weight += g;
@@ -49,7 +49,7 @@ double residual_pass(const BallPoints<T>& p, double shrink, const Frame<double>&
     for (std::size_t i = 0; i < p.n; ++i) {
         const Vec3d x = f.local_from_world(Vec3d{p.x[i], p.y[i], p.z[i]});
         const double r = x.z - gather_scaled.value(x.x, x.y);
-        rss += weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
+        rss += fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
     }
     return rss;
 }
@@ -144,7 +144,8 @@ bool too_steep(const Polynomial<double>& p) {
 }
 
 const char* fallback_name(Fallback fallback) {
-    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank", "steep", "plane"};
+    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank",
+                                                 "steep", "plane", "lower_explains"};
     return names[static_cast<std::size_t>(fallback)];
 }
 
@@ -156,7 +157,7 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
     double weight = 0;
     for (std::size_t i = 0; i < p.n; ++i) {
         const bool same = p.nx[i] * s.x + p.ny[i] * s.y + p.nz[i] * s.z > 0;
-        const double g = same ? static_cast<double>(weight_kernel(p.sq[i] * to_fit)) : 0.0;
+        const double g = same ? static_cast<double>(fit_weight(p.weight, p.sq[i] * to_fit)) : 0.0;
         sum += Vec3d{p.nx[i], p.ny[i], p.nz[i]} * g;
         weight += g;
     }

@@ -12,9 +12,10 @@
 
 namespace slim {
 
-/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried.
-enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane };
-inline constexpr std::size_t kFallbacks = 5;
+/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried; the last of forced
+/// leaves, which take the lowest degree that explains their points.
+enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane, lower_explains };
+inline constexpr std::size_t kFallbacks = 6;
 const char* fallback_name(Fallback fallback);
 
 /// A height field fitted to one ball.

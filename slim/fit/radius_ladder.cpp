@@ -165,7 +165,7 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     }
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
     if (coarsest > finest)
-        return {rung_radius(finest), degree_,       false,              true, false, false,
+        return {rung_radius(finest), degree_,       false,              true, false, true,
                 forced_energy,       rung_radius(finest)};
     int chosen = finest;
     for (int r = finest; r >= coarsest; --r)

@@ -33,8 +33,8 @@ struct RadiusChoice {
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
-    bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the
-                             ///< ladder, not E
+    bool limited = false;    ///< the coarsest admissible rung won, or there was none: a fold or another
+                             ///< sheet ended the ladder, not E
     double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
     double finest = 0;       ///< radius of the finest admissible rung
 };

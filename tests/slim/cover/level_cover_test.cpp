@@ -214,6 +214,34 @@ TEST(LevelCover, LinearLeavesAreManyMoreAndCubicFewer) {
     EXPECT_GT(leaves[2], leaves[3]);
 }
 
+TEST(LevelCover, TheReadingsOfTheCoverDifferAsTheirRadii) {
+    const PointBlock block = block_of(sampled("sphere", 100000));
+    CoverRules rules = rules_for(block, 0.02);
+    const auto leaves = [&](CoverReading reading) {
+        rules.reading = reading;
+        return static_cast<double>(cover(block, rules).counts.leaves);
+    };
+    const double b = leaves(CoverReading::b);
+    // NUMERICS 3.4: 400, 177 and 110 balls on a sphere, drawn in plain random order.
+    EXPECT_NEAR(leaves(CoverReading::a) / b, 400.0 / 177, 0.25 * 400 / 177);
+    // Leaves are not drawn so: centres far from others come first, and then cores hardly overlap.
+    EXPECT_LT(leaves(CoverReading::c), 0.95 * b);
+}
+
+TEST(LevelCover, WindowsAreMoreAndSmallerUnderNoise) {
+    const PointBlock block = block_of(sampled("bumpy", 50000, 1, 1e-3));
+    CoverRules rules = rules_for(block, 0.01);
+    const Cover ladder = cover(block, rules);
+    rules.windows = true;
+    const Cover windows = cover(block, rules);
+    EXPECT_GT(windows.counts.leaves, 2 * ladder.counts.leaves);
+    EXPECT_LT(median_radius(leaves_of(windows)), median_radius(leaves_of(ladder)));
+    EXPECT_LE(uncovered(block, windows, rules.noise_variance),
+              windows.counts.unexplained + windows.counts.isolated);
+    const ThreadLimit limit(2);
+    expect_same(windows, cover(block, rules));
+}
+
 /// Bytes that the leaves' records and nodes take.
 double bytes_of(const Cover& c) {
     double sum = 0;

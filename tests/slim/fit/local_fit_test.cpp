@@ -42,7 +42,7 @@ Eigen::VectorXd fit_by_qr(const BallPoints<double>& ball, double shrink, int deg
     for (Eigen::Index i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const double u = ball.x[k] / shrink, v = ball.y[k] / shrink, w = ball.z[k] / shrink;
-        const double root = std::sqrt(weight_kernel(ball.sq[k] / (shrink * shrink)));
+        const double root = std::sqrt(fit_weight(ball.weight, ball.sq[k] / (shrink * shrink)));
         Eigen::Index column = 0;
         for (int d = 0; d <= degree; ++d)
             for (int t = 0; t <= d; ++t)
@@ -80,6 +80,23 @@ TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
                 EXPECT_LT(std::sqrt(fit.sq_error), rounding * radius);
             }
         }
+}
+
+TEST(LocalFit, TakesTheWeightOfItsBall) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::uint64_t i = 0;
+        auto ball = ball_of<double>(200, 0.01, seed, [&](double u, double) {
+            return 0.2 * u + 0.05 * gaussian(seed, i++);
+        });
+        const LocalFit gauss = fit_ball(ball, 0.9, kUpright, 2);
+        ball.weight = FitWeight::polynomial;
+        const LocalFit fit = fit_ball(ball, 0.9, kUpright, 2);
+        const Eigen::VectorXd reference = fit_by_qr(ball, 0.9, 2);
+        for (Eigen::Index k = 0; k < reference.size(); ++k)
+            ASSERT_NEAR(fit.polynomial.a[static_cast<std::size_t>(k)], reference[k], 1e-12);
+        EXPECT_GT(fit.n_effective, gauss.n_effective);  // a wider weight
+    }
 }
 
 TEST(LocalFit, EveryDegreeAtOnceIsEachDegreeAlone) {
