@@ -121,7 +121,7 @@ TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
 
 TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
     // A cube's corners, a scan with noise: forced leaves, too few points, contrary normals.
-    const std::string cube = folder_.write("cube.xyz", cube_text(12));
+    const std::string cube = folder_.write("cube.xyz", cube_text(24));
     const std::string noisy = write(sampled("bumpy", 3000, 1, 5e-3), "noisy.ply");
     for (const std::string& cloud : {cube, noisy})
         for (const int slices : {1, 3}) {
