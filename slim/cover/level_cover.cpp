@@ -119,7 +119,7 @@ public:
         BallPoints<double> work;
         for (const FittedSurfel& s : rules_.done)
             if (s.flags & kLeaf)
-                mark(covered_points(pyramid_.all(), s, rules_.noise_variance, work));
+                mark(s.surfel, covered_points(pyramid_.all(), s, rules_.noise_variance, work));
         std::size_t open = count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
@@ -198,7 +198,7 @@ private:
     std::optional<double> move_inwards(Candidate& c, int level, Workspace& work) const;
     std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
     void accept(Candidate& c, int level);
-    void mark(const std::vector<Covered>& covered);
+    void mark(const Surfel& leaf, const std::vector<Covered>& covered);
     void count(const CoveringSurfel& leaf);
 
     const PointBlock& block_;
@@ -513,16 +513,21 @@ void LevelCover::accept(Candidate& c, int level) {
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
     out_.counts.recentred += c.center != c.point;
-    mark(c.surfel.covered);
+    mark(f.surfel, c.surfel.covered);
     count(c.surfel);
     out_.counts.contrary += c.choice.limited;
     out_.surfels.push_back(f);
 }
 
-void LevelCover::mark(const std::vector<Covered>& covered) {
+void LevelCover::mark(const Surfel& leaf, const std::vector<Covered>& covered) {
+    const double sq_radius = leaf.support_radius * leaf.support_radius;
+    const auto overlap = [&](const Covered& p) {
+        if (rules_.reading == CoverReading::b) return p.weight;
+        const double sq = sq_length(block_.position[p.point] - leaf.center) / sq_radius;
+        return overlap_weight(rules_.reading, static_cast<float>(sq));
+    };
     for (const Covered& p : covered) {
-        weight_[p.point] +=
-            rules_.reading == CoverReading::b ? p.weight : overlap_weight(rules_.reading, p.sq);
+        weight_[p.point] += overlap(p);
         if (p.in_core) state_[p.point] |= kCore;
     }
 }

@@ -47,7 +47,6 @@ std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double
         if (s.sharp && faces_away(s, x, {ball.nx[i], ball.ny[i], ball.nz[i]})) continue;
         covered.push_back({tree.source(ball.index[i]),
                            static_cast<float>(weight_kernel(ball.sq[i])),
-                           static_cast<float>(ball.sq[i]),
                            ball.sq[i] < kTrim * kTrim});
     }
     return covered;

@@ -17,7 +17,6 @@ namespace slim {
 struct Covered {
     std::uint32_t point;  ///< index in the block
     float weight;         ///< G(|p - c| / rho)
-    float sq;             ///< (|p - c| / rho)^2
     bool in_core;         ///< |p - c| < alpha rho
 };
 
