@@ -100,8 +100,10 @@ std::string join(const std::vector<std::string>& words) {
 void check_range(const Field& field, const std::string& item, const std::string& where) {
     if (!field.choices.empty()) {
         if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end()) return;
+        const bool is_letter = item.size() < 2;  // near to everything
         throw ConfigError(fmt::format("{}: expected one of {}; found '{}'{}", where,
-                                      join(field.choices), item, suggestion(item, field.choices)));
+                                      join(field.choices), item,
+                                      is_letter ? "" : suggestion(item, field.choices)));
     }
     if (field.kind() != Field::Kind::integer && field.kind() != Field::Kind::real) return;
     const double value = std::strtod(item.c_str(), nullptr);
