@@ -138,7 +138,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");
     result["dropped"] = fit.at("dropped_isolated").get<std::uint64_t>() +
-                        fit.at("dropped_unexplained").get<std::uint64_t>();
+                        fit.at("dropped_unexplained").get<std::uint64_t>() +
+                        fit.at("dropped_beside").get<std::uint64_t>();
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
     result["leaf_error_rms"] = leaf_error_rms(config.output);

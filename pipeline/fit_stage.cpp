@@ -44,6 +44,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"sharp_rungs", c.sharp_rungs},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
+            {"dropped_beside", c.beside},
             {"searches", c.evaluated},
             {"searches_discarded", c.discarded},
             {"rungs", c.rungs},
@@ -199,15 +200,19 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.
+/// A slice that needed fewer neighbours than others stays as it is at its last: flat.
 void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
-    if (sums.size() < slice.size()) sums.resize(slice.size());
-    for (std::size_t i = 0; i < slice.size(); ++i) {
+    if (slice.empty()) return;
+    if (sums.size() < slice.size())
+        sums.resize(slice.size(), sums.empty() ? NoiseVariance{} : sums.back());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
         NoiseVariance& s = sums[i];
-        const std::size_t n = slice[i].at("samples");
+        const nlohmann::json& one = slice[std::min(i, slice.size() - 1)];
+        const std::size_t n = one.at("samples");
         if (n == 0) continue;
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
-        s.value += share * (slice[i].at("variance").get<double>() - s.value);
-        s.flatness += share * (slice[i].at("flatness").get<double>() - s.flatness);
+        s.value += share * (one.at("variance").get<double>() - s.value);
+        s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
         s.n_sampled += n;
     }
 }

@@ -154,7 +154,8 @@ NormalsReport give_normals(PointBlock& points, const std::optional<Vec3d>& cente
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
-/// number of neighbours counts is decided for all slices together: a job of several measures each.
+/// number of neighbours counts is decided for all slices together: a job of several measures each, up to
+/// the first that is flat here.
 std::vector<NoiseVariance> noise_of(const PointBlock& points, const SlicePlan& plan) {
     const double rate = kSamples / static_cast<double>(plan.n_points);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
@@ -168,8 +169,10 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const SlicePlan& p
     const NearestSearch search(points.position);
     if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0)};
     std::vector<NoiseVariance> noise;
-    for (const std::size_t k : kNoiseNeighbors)
+    for (const std::size_t k : kNoiseNeighbors) {
         noise.push_back(estimate_noise_variance(search, samples, k));
+        if (noise.back().flatness <= kFlat) break;
+    }
     return noise;
 }
 

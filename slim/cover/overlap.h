@@ -7,7 +7,7 @@
 
 namespace slim {
 
-/// What the overlap of eq. (2) sums at a point (NUMERICS 3.4, notes/0003): the weight G with support
+/// What the overlap of eq. (2) sums at a point (NUMERICS 3.4, notes/0004): the weight G with support
 /// alpha rho, as the paper's words say; G with support rho; or the quadratic B-spline reaching rho.
 enum class CoverReading : unsigned char { a, b, c };
 

@@ -78,29 +78,43 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
     return fit;
 }
 
+/// What a term of a degree takes off sum G w^2 by fitting noise alone, over sum G^2 / sum G and the
+/// noise's variance: terms of higher degree live where G is small. Disc averages under G (notes/0005).
+constexpr double kNoiseOfTerm[] = {1, 0.5182, 0.3715, 0.3064, 0.2694};
+
+/// Fills in what the next degree would find.
+void look_ahead(const NestedCholesky& solver, double weight, double radius, LocalFit& fit) {
+    const int next = fit.degree + 1;
+    if (fit.degree < 1 || solver.rank_degree() < next) return;
+    const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
+    fit.sq_missed = radius * radius * solver.sq_gain(next) / weight - noise * (next + 1);
+    fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
+}
+
 /// What one pass over a ball gives: sums, and one factor that serves every degree.
-template <int Degree>
+template <int MomentDegree>
 struct BallSolution {
-    Moments<Degree> moments;
+    Moments<MomentDegree> moments;
     NestedCholesky solver;
     std::size_t n;  // points within the fit's radius
 };
 
-template <int Degree, class T>
-BallSolution<Degree> solve_ball(const BallPoints<T>& points, double shrink,
-                                const Frame<double>& frame) {
-    const auto m = accumulate_moments<Degree>(points, frame, shrink);
+template <int MomentDegree, class T>
+BallSolution<MomentDegree> solve_ball(const BallPoints<T>& points, double shrink,
+                                      const Frame<double>& frame) {
+    const auto m = accumulate_moments<MomentDegree>(points, frame, shrink);
     std::size_t n = 0;
     const T limit = static_cast<T>(shrink * shrink);
     for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
-    return {m, NestedCholesky(Degree, m.monomial, m.height, m.sq_height), n};
+    return {m, NestedCholesky(MomentDegree, m.monomial, m.height, m.sq_height), n};
 }
 
-/// The fit of a degree, or what NUMERICS 2.4 leaves of it.
-template <int Degree, class T>
-LocalFit fit_of_degree(const BallSolution<Degree>& solution, int degree,
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
+template <int MomentDegree, class T>
+LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
                        const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
     const auto& [m, solver, n] = solution;
+    const bool looks_ahead = MomentDegree > degree;
     LocalFit fit;
     Fallback cause = Fallback::none;
     const double n_eff = m.n_effective();
@@ -127,12 +141,14 @@ LocalFit fit_of_degree(const BallSolution<Degree>& solution, int degree,
     fit.fallback = cause;
     fit.n_effective = n_eff;
     fit.n_points = n;
+    if (looks_ahead) look_ahead(solver, m.weight(), points.radius, fit);
     return fit;
 }
 
-template <int Degree, class T>
+template <int Degree, int MomentDegree, class T>
 LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
-    return fit_of_degree(solve_ball<Degree>(points, shrink, frame), Degree, points, shrink, frame);
+    return fit_of_degree(solve_ball<MomentDegree>(points, shrink, frame), Degree, points, shrink,
+                         frame);
 }
 
 }  // namespace
@@ -197,15 +213,23 @@ std::size_t count_off_sheet(const BallPoints<T>& p, std::span<const SetAside<T>>
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree) {
-    if (degree <= 1) return fit_degree<1>(points, shrink, frame);
-    if (degree == 2) return fit_degree<2>(points, shrink, frame);
-    return fit_degree<3>(points, shrink, frame);
+    if (degree <= 1) return fit_degree<1, 1>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 2>(points, shrink, frame);
+    return fit_degree<3, 3>(points, shrink, frame);
+}
+
+template <class T>
+LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                        int degree) {
+    if (degree <= 1) return fit_degree<1, 2>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 3>(points, shrink, frame);
+    return fit_degree<3, 4>(points, shrink, frame);
 }
 
 template <class T>
 std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
                                                   const Frame<double>& frame) {
-    const auto solution = solve_ball<kMaxDegree>(points, shrink, frame);
+    const auto solution = solve_ball<kMaxDegree + 1>(points, shrink, frame);
     std::array<LocalFit, kMaxDegree> fits;
     for (int d = 1; d <= kMaxDegree; ++d)
         fits[static_cast<std::size_t>(d - 1)] = fit_of_degree(solution, d, points, shrink, frame);
@@ -226,5 +250,6 @@ template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<floa
                                                            const Frame<double>&);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
                                                            const Frame<double>&);
+template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

@@ -81,39 +81,70 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
         gather_ball(points_.level(++level), center, radius, work.ball);
     ++work.rungs;
-    work.point_visits += work.ball.n;
-    const Vec3d n = average_normal(work.ball, 1, normal).normal;
-    const Frame<double> frame = frame_from_normal(n);
-    set_contrary_aside(work.ball, n, work.aside);
-    Rung out{rung, level, degree_, INFINITY, INFINITY};
-    const LocalFit fit = estimate(frame, work.ball, out);
+    LadderFit found = fit_gathered(normal, work);
+    // What is missed must be known as well as E asks for; only balls that show noise alone need more points.
+    for (std::size_t finer = level; finer > 0 && work.ball.n < rules_.most_sample / 3 &&
+                                    2 * found.fit.sq_missed_error > energy_of(found.degree).price(radius);) {
+        gather_ball(points_.level(--finer), center, radius, work.ball);
+        found = fit_gathered(normal, work);
+    }
+    const LocalFit& fit = found.fit;
     const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
     const std::size_t off =
-        count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
+        count_off_sheet<float>(work.ball, work.aside, found.frame, fit, kOffSheet * noise);
     if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
+    const MdlEnergy mdl = energy_of(found.degree);
+    const double energy = mdl(fit.sq_error, radius);
+    const double upper = mdl.upper_bound(fit, radius);
+    const double missed = fit.sq_missed + mdl.price(radius);
+    return Rung{rung,           level,          found.degree, energy,
+                upper,          energy - missed, upper - missed, missed,
+                2 * fit.sq_missed_error};
+}
+
+RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
+    work.point_visits += work.ball.n;
+    const Vec3d n = average_normal(work.ball, 1, normal).normal;
+    LadderFit out{frame_from_normal(n), degree_, {}};
+    set_contrary_aside(work.ball, n, work.aside);
+    if (rules_.choose_degree)
+        fit_cheapest(work.ball, out);
+    else
+        out.fit = fit_ball_ahead(work.ball, 1, out.frame, degree_);
     return out;
 }
 
-/// Fills in a rung's energy, of the degree that has the least there; returns the fit of the highest degree.
-LocalFit RadiusLadder::estimate(const Frame<double>& frame, const BallPoints<float>& ball,
-                                Rung& out) const {
-    if (!rules_.choose_degree) {
-        const LocalFit fit = fit_ball(ball, 1, frame, degree_);
-        out.energy = energy_(fit.sq_error, ball.radius);
-        out.upper = energy_.upper_bound(fit, ball.radius);
-        return fit;
-    }
-    const auto fits = fit_every_degree(ball, 1, frame);
+MdlEnergy RadiusLadder::energy_of(int degree) const {
+    return rules_.choose_degree ? energy_.at_price(degree_price(degree)) : energy_;
+}
+
+/// The fit of the degree that has the least energy in this ball.
+void RadiusLadder::fit_cheapest(const BallPoints<float>& ball, LadderFit& out) const {
+    const auto fits = fit_every_degree(ball, 1, out.frame);
+    double least = INFINITY;
     for (int d = 1; d <= degree_; ++d) {
         const LocalFit& fit = fits[static_cast<std::size_t>(d - 1)];
         const double enough = rules_.points_per_coefficient * n_coefficients(d);
         if (d > 1 && (fit.degree < d || static_cast<double>(fit.n_points) < enough)) break;
-        const MdlEnergy energy = energy_.at_price(degree_price(d));
-        const double e = energy(fit.sq_error, ball.radius);
-        if (e < out.energy) out.energy = e, out.degree = d;
-        out.upper = std::min(out.upper, energy.upper_bound(fit, ball.radius));
+        const double energy = energy_of(d)(fit.sq_error, ball.radius);
+        if (energy >= least) continue;
+        least = energy;
+        out.degree = d;
+        out.fit = fit;
     }
-    return fits[static_cast<std::size_t>(degree_ - 1)];
+}
+
+/// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some hundred points,
+/// in which a bias of half the noise hides. What the next degree would find shows a tenth of that. So the
+/// rungs are taken to have the same noise as far as their errors allow.
+int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
+    double noise = INFINITY, least = INFINITY;
+    for (const auto& r : rungs) noise = std::min(noise, r->noise_upper);
+    const auto cost = [&](const Rung& r) { return std::max(0.0, r.noise - noise) + r.missed; };
+    for (const auto& r : rungs) least = std::min(least, cost(*r) + r->missed_error);
+    const auto found = std::find_if(rungs.begin(), rungs.end(),
+                                    [&](const auto& r) { return cost(*r) <= least; });
+    return found->value().index;
 }
 
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
@@ -122,8 +153,7 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
     set_contrary_aside(work.ball, frame.normal, work.aside);
-    const MdlEnergy energy =
-        rules_.choose_degree ? energy_.at_price(degree_price(chosen.degree)) : energy_;
+    const MdlEnergy energy = energy_of(chosen.degree);
     const auto energy_at = [&](double log_radius) {
         const double radius = std::exp(log_radius) * hi;
         ++work.refinements;
@@ -167,9 +197,9 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     if (coarsest > finest)
         return {rung_radius(finest), degree_,       false,              true, false, true,
                 forced_energy,       rung_radius(finest)};
-    int chosen = finest;
-    for (int r = finest; r >= coarsest; --r)
-        if (rungs[r]->energy <= least_upper) chosen = r;
+    const int chosen = largest_as_good(
+        std::span(rungs).subspan(static_cast<std::size_t>(coarsest),
+                                 static_cast<std::size_t>(finest - coarsest + 1)));
     // Where even the finest ball but one is poor, the last one may be too large to show an edge.
     if (rules_.look_for_edges && chosen == finest)
         work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;

@@ -7,6 +7,7 @@
 #include "slim/neighbors/point_pyramid.h"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -19,6 +20,7 @@ struct LadderRules {
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    std::size_t most_sample = 4096;       ///< and of one that shows noise alone
     /// Each centre takes the degree that E favours, its price by bytes (notes/0004); else all the same.
     bool choose_degree = false;
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
@@ -72,11 +74,23 @@ public:
 private:
     struct Rung {
         int index;
-        std::size_t level;  // of the pyramid
-        int degree;            // with the least energy
-        double energy, upper;  // the least of all degrees
+        std::size_t level;     // of the pyramid
+        int degree;            // of the least energy, if it is chosen
+        double energy, upper;  // E, and two standard errors above it
+        double noise, noise_upper;    // eps^2 without what the next degree would find, and two errors more
+        double missed, missed_error;  // that and the price lambda (T L / rho)^2; two errors
     };
-    LocalFit estimate(const Frame<double>& frame, const BallPoints<float>& ball, Rung& out) const;
+    /// Index of the largest ball that is no worse than any other, of rungs by falling radius (notes/0005).
+    static int largest_as_good(std::span<const std::optional<Rung>> rungs);
+    /// A rung's fit to the points gathered in the workspace.
+    struct LadderFit {
+        Frame<double> frame;
+        int degree;
+        LocalFit fit;
+    };
+    MdlEnergy energy_of(int degree) const;
+    void fit_cheapest(const BallPoints<float>& ball, LadderFit& out) const;
+    LadderFit fit_gathered(const Vec3d& normal, LadderWork& work) const;
     std::size_t least_points() const;
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;

@@ -5,7 +5,7 @@
 namespace slim {
 
 /// The radius by the paper's windows of three radii (Ohtake 2005 sec. 2, eqs (4) and (5)), for comparison with
-/// RadiusLadder (notes/0005). The window of level k is rho_0 (g^(k+1), g^k, g^(k-1)) = (l, m, r):
+/// RadiusLadder (notes/0006). The window of level k is rho_0 (g^(k+1), g^k, g^(k-1)) = (l, m, r):
 ///     E(l) > E(m) < E(r) and eps(l) < eps(m) < eps(r)      a leaf, at the minimum of E in the window
 ///     E(r) <= min(E(l), E(m)) (1 + 1e-3), coarsest window  a saturated leaf at r
 ///     fewer than 2 K points at l, or l below least_radius  a forced leaf at r
