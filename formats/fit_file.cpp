@@ -125,7 +125,7 @@ void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
     writer.add("header_json", std::span<const char>(header_json));
     writer.add("surfels", std::span<const Record>(records));
     if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
-    writer.commit();
+    writer.commit(Outlasts::process);
 }
 
 FitFile read_fit(const std::string& path) {

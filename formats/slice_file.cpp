@@ -3,6 +3,7 @@
 #include "formats/message.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
 namespace slim {
 namespace {
@@ -28,11 +29,14 @@ void read_columns(const ChunkFile& file, std::size_t n, const Keep& keep, PointB
         out.insert(out.end(), piece.begin(), piece.end());
     };
     block.origin = read_column<Vec3d>(file, "origin", 1, everything)[0];
-    block.position = read_column<Vec3d>(file, "position", n, keep);
-    block.id = read_column<std::uint64_t>(file, "id", n, keep);
-    if (!file.array<Vec3f>("normal").empty()) block.normal = read_column<Vec3f>(file, "normal", n, keep);
-    if (!file.array<std::uint16_t>("scan").empty())
-        block.scan = read_column<std::uint16_t>(file, "scan", n, keep);
+    // Half of the bytes are positions.
+    run_both([&] { block.position = read_column<Vec3d>(file, "position", n, keep); }, [&] {
+        block.id = read_column<std::uint64_t>(file, "id", n, keep);
+        if (!file.array<Vec3f>("normal").empty())
+            block.normal = read_column<Vec3f>(file, "normal", n, keep);
+        if (!file.array<std::uint16_t>("scan").empty())
+            block.scan = read_column<std::uint16_t>(file, "scan", n, keep);
+    });
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     write_cover(output, rules, cover);
     nlohmann::json result = counts_json(cover.counts);
     result["sample"] = sample.size();
-    return stamp.commit({output}, result);
+    return stamp.commit({output}, result, Outlasts::process);
 }
 
 /// The slice's points and those of others nearer than the halo.
@@ -196,7 +196,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     const Cover cover = cover_points(block, rules, context.reporter);
     context.check_stop();
     write_cover(output, rules, cover);
-    return stamp.commit({output}, counts_json(cover.counts));
+    return stamp.commit({output}, counts_json(cover.counts), Outlasts::process);
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.

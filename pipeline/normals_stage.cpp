@@ -5,6 +5,7 @@
 #include "pipeline/sensors.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
+#include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/neighbors/point_tree.h"
 #include "slim/normals/estimate.h"
@@ -220,10 +221,14 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report = give_normals(points, center, config, plan, sensors, context.reporter);
     drop_rim(config, plan, slice, points);
-    const std::vector<NoiseVariance> noise = noise_of(points, plan);
+    // Neither keeps all threads busy: the file system takes one writer at a time.
+    std::vector<NoiseVariance> noise;
+    SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
+                       points.has_scans());
+    run_both([&] { writer.append(points); }, [&] { noise = noise_of(points, plan); });
     context.check_stop();
-    write_slice(output.string(), points);
-    return stamp.commit({output}, report_json(report, noise, points.size()));
+    writer.commit();
+    return stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
 }
 
 /// Counts of all slices added up.

@@ -109,7 +109,8 @@ std::filesystem::path slice_points_path(const std::filesystem::path& work, std::
 }
 
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
-    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n");
+    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n",
+                          Outlasts::process);
 }
 
 SlicePlan read_plan(const std::filesystem::path& work) {

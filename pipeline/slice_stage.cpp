@@ -222,7 +222,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     std::vector<fs::path> outputs{plan_path(work)};
     for (std::size_t i = 0; i < plan.slices.size(); ++i)
         outputs.push_back(slice_points_path(work, i));
-    return stamp.commit(outputs, summary(plan));
+    return stamp.commit(outputs, summary(plan), Outlasts::process);
 }
 
 }  // namespace slim

@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -22,6 +23,7 @@ namespace {
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 constexpr std::size_t kBatch = 256;         // searches between two rounds of acceptance; fixes the result
 constexpr std::size_t kLookAhead = 4;       // batches of deferred centres before a round must start
+constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
 constexpr double kConflict = 0.5;           // share of rho_r within which two centres are not searched at once
 constexpr std::size_t kWantedInBall = 128;  // points of a thinning in a ball of the level
 
@@ -96,8 +98,13 @@ private:
         return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
     }
     std::size_t count_open() const {
-        std::size_t n = 0;
-        for (std::uint32_t p = 0; p < block_.size(); ++p) n += is_open(p) ? 1u : 0u;
+        std::atomic<std::size_t> n = 0;
+        parallel_blocks(block_.size(), 65536, [&](std::size_t begin, std::size_t end) {
+            std::size_t own = 0;
+            for (std::size_t p = begin; p < end; ++p)
+                own += is_open(static_cast<std::uint32_t>(p)) ? 1u : 0u;
+            n += own;
+        });
         return n;
     }
     std::size_t thinning_for(double radius) const;
@@ -141,7 +148,7 @@ std::size_t LevelCover::thinning_for(double radius) const {
 
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-    std::erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
+    parallel_erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting;
     for (auto rank = open_.begin(); rank != end; ++rank)
@@ -181,8 +188,14 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
             }
         };
         for (const std::uint32_t p : deferred) consider(p);
-        while (batch.size() < kBatch && next < waiting.size() && still.size() < kLookAhead * kBatch)
+        while (batch.size() < kBatch && next < waiting.size() && still.size() < kLookAhead * kBatch) {
+            // Points by priority lie anywhere in memory.
+            const std::uint32_t soon = waiting[std::min(next + kPrefetch, waiting.size() - 1)];
+            __builtin_prefetch(&state_[soon]);
+            __builtin_prefetch(&weight_[soon]);
+            __builtin_prefetch(&stamp_[soon]);
             consider(waiting[next++]);
+        }
         deferred.swap(still);
         if (batch.empty()) break;
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {

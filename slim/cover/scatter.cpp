@@ -15,6 +15,10 @@ constexpr double kThick = 0.15;  // eps / rho of one whose points fill a volume 
 constexpr std::uint32_t kFewOfForced = 25;
 constexpr std::uint32_t kFewOfThick = 60;
 constexpr double kThickOfDoubtful = 0.12;
+// A ball with two sheets in it, where scans disagree, up to the points and down to the noise it may hold.
+constexpr double kTwoSheets = 0.2;
+constexpr std::uint32_t kFewOfTwoSheets = 200;
+constexpr double kNoisyTwoSheets = 0.04;
 // sqrt(lambda) / rho, below it a few points are a detail; of the usual finest ball it is 0.10 and
 // 0.27 on bunny_raw and happy_stand_raw, 0.02 to 0.03 on clean meshes, 0.06 on autzen_stadium.
 constexpr double kNoisy = 0.07;
@@ -36,8 +40,10 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
 }
 
 bool is_doubtful(const FittedSurfel& leaf, double noise_variance) {
-    const double rho = leaf.surfel.support_radius;
-    if (!(std::sqrt(noise_variance) > kNoisy * rho)) return false;
+    const double rho = leaf.surfel.support_radius, noise = std::sqrt(noise_variance);
+    if (leaf.n_points <= kFewOfTwoSheets && leaf.fit_error > kTwoSheets * rho)
+        return noise > kNoisyTwoSheets * rho;
+    if (!(noise > kNoisy * rho)) return false;
     const bool few = (leaf.flags & kForced) && leaf.n_points <= kFewOfForced;
     return few || (leaf.n_points <= kFewOfThick && leaf.fit_error > kThickOfDoubtful * rho);
 }

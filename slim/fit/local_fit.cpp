@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -167,16 +168,21 @@ const char* fallback_name(Fallback fallback) {
 
 template <class T>
 BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
-    const Vec3f s = to_float(side);
-    const T to_fit = static_cast<T>(1 / (shrink * shrink));
-    Vec3d sum;
-    double weight = 0;
-    for (std::size_t i = 0; i < p.n; ++i) {
-        const bool same = p.nx[i] * s.x + p.ny[i] * s.y + p.nz[i] * s.z > 0;
-        const double g = same ? static_cast<double>(fit_weight(p.weight, p.sq[i] * to_fit)) : 0.0;
-        sum += Vec3d{p.nx[i], p.ny[i], p.nz[i]} * g;
-        weight += g;
+    using V = stdx::native_simd<T>;
+    const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
+    const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
+    const V to_fit = V(T(1 / (shrink * shrink)));
+    Vec3<V> lane_sum{V(T(0)), V(T(0)), V(T(0))};
+    V lane_weight = T(0);
+    for (std::size_t i = 0; i < p.padded(); i += V::size()) {
+        const V nx = lanes(p.nx, i), ny = lanes(p.ny, i), nz = lanes(p.nz, i);
+        const auto same = nx * s.x + ny * s.y + nz * s.z > T(0);
+        const V g = select(same, fit_weight(p.weight, lanes(p.sq, i) * to_fit), V(T(0)));
+        lane_sum.x += g * nx, lane_sum.y += g * ny, lane_sum.z += g * nz;
+        lane_weight += g;
     }
+    const Vec3d sum{stdx::reduce(lane_sum.x), stdx::reduce(lane_sum.y), stdx::reduce(lane_sum.z)};
+    const double weight = stdx::reduce(lane_weight);
     const double len = length(sum);
     if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
     const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
@@ -187,14 +193,22 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
 
 template <class T>
 void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
+    using V = LanesOfDouble<float>;
+    const auto lanes = [](const std::vector<float>& a, std::size_t i) {
+        return V(&a[i], stdx::element_aligned);
+    };
     const Vec3f n = to_float(normal);
     out.clear();
-    for (std::size_t i = 0; i < p.n; ++i) {
-        const float cosine = p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z;
-        const bool measured = p.nx[i] != 0 || p.ny[i] != 0 || p.nz[i] != 0;
-        if (!measured || cosine >= kLeastCos) continue;
-        out.push_back({i, p.sq[i]});
-        p.sq[i] = T(2);
+    // Padding has no normal.
+    for (std::size_t first = 0; first < p.padded(); first += V::size()) {
+        const V nx = lanes(p.nx, first), ny = lanes(p.ny, first), nz = lanes(p.nz, first);
+        const auto measured = nx != 0.0f || ny != 0.0f || nz != 0.0f;
+        const auto contrary = measured && nx * n.x + ny * n.y + nz * n.z < kLeastCos;
+        for (std::uint64_t bits = lane_bits(contrary); bits != 0; bits &= bits - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+            out.push_back({i, p.sq[i]});
+            p.sq[i] = T(2);
+        }
     }
 }
 

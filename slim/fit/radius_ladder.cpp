@@ -58,10 +58,13 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
         list_sq_distances(points_.all(), center, rung_radius(rung), work.sq_distances);
     } while (work.sq_distances.size() < enough && --rung >= -rules_.above_root);
     if (work.sq_distances.size() < enough) return rung;
-    const auto last_needed = work.sq_distances.begin() + static_cast<std::ptrdiff_t>(enough) - 1;
-    std::nth_element(work.sq_distances.begin(), last_needed, work.sq_distances.end());
-    const auto holds_it = [&](int r) { return *last_needed < rung_radius(r) * rung_radius(r); };
-    while (rung < last_rung_ && holds_it(rung + 1)) ++rung;
+    const auto holds_enough = [&](int r) {
+        const double sq_radius = rung_radius(r) * rung_radius(r);
+        std::size_t inside = 0;
+        for (const double sq : work.sq_distances) inside += sq < sq_radius ? 1u : 0u;
+        return inside >= enough;
+    };
+    while (rung < last_rung_ && holds_enough(rung + 1)) ++rung;
     return rung;
 }
 

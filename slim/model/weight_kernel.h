@@ -11,7 +11,7 @@ namespace slim {
 /// (NUMERICS 2.3). One body for float, double and SIMD lanes. exp on [0, 2] is a polynomial of
 /// degree 8, absolute error 5e-9.
 template <class T>
-inline T weight_kernel(const T& s) {
+[[gnu::always_inline]] inline T weight_kernel(const T& s) {
     using std::sqrt;
     const T t = s * constant<T>(8);
     T e = constant<T>(9.354704060759648e-06);

@@ -15,8 +15,8 @@ constexpr std::size_t kSmallest = 512;           // a thinning below this many p
 
 PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed) {
     const std::size_t n = block.size();
-    std::vector<std::uint64_t> priority(n);
-    std::vector<KeyedIndex> keys(n);
+    UnfilledVector<std::uint64_t> priority(n);
+    KeyedIndices keys(n);
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             priority[i] = keyed_hash(seed, block.id[i], kPriority);
@@ -25,7 +25,9 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
     });
     sort_by_key(keys);
     by_priority_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].index;
+    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) by_priority_[i] = keys[i].index;
+    });
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
     levels_.emplace_back(block, chosen);
@@ -33,7 +35,7 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
     while (true) {
         share *= kGoldenRatio * kGoldenRatio;
         const auto limit = static_cast<std::uint64_t>(share * 0x1.0p64);
-        std::erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
+        parallel_erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
         if (chosen.size() < kSmallest) break;
         levels_.emplace_back(block, chosen);
     }

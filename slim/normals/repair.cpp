@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
+#include "slim/base/unfilled_vector.h"
 #include "slim/neighbors/box_tree.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ struct LocalBucket {
 /// The points of an audit: tree and local buckets. 28 bytes a point.
 struct Neighborhoods {
     BoxTree tree;
-    std::vector<LocalBucket> buckets;
+    UnfilledVector<LocalBucket> buckets;
 
     explicit Neighborhoods(const PointBlock& points)
         : tree(points.size(), [&](std::size_t i) { return points.position[i]; }),
@@ -144,10 +145,16 @@ double usual_diagonal(const BoxTree& tree) {
     return *middle;
 }
 
+/// A normal that its neighbours overrule.
+struct Mended {
+    std::size_t point;
+    Vec3f normal;
+};
+
 /// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those
 /// that are mended go to `mended`.
 void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
-                  double radius, const Surroundings& around, std::vector<Vec3f>& mended,
+                  double radius, const Surroundings& around, std::vector<Mended>& mended,
                   NormalAudit& audit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Vec3f own = points.normal[i];
@@ -166,14 +173,14 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
         if (agreement > kClear && cosine < kNoisy && cosine > kContrary) ++audit.noisy;
         if (agreement < kMajority || cosine > kContrary) continue;
         ++audit.contrary;
-        mended[i] = to_float(mean / agreement);
+        mended.push_back({i, to_float(mean / agreement)});
     }
 }
 
 /// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of
 /// the curve are taken in parts.
 void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
-                 double radius, double most_radius, Surroundings& around, std::vector<Vec3f>& mended,
+                 double radius, double most_radius, Surroundings& around, std::vector<Mended>& mended,
                  NormalAudit& audit) {
     Bbox box;
     for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
@@ -192,18 +199,19 @@ void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t
 NormalAudit repair_contrary_normals(PointBlock& points) {
     const Neighborhoods all(points);
     const double most_radius = usual_diagonal(all.tree);
-    std::vector<Vec3f> mended = points.normal;
     std::vector<NormalAudit> partial((all.buckets.size() + kGrain - 1) / kGrain);
+    std::vector<std::vector<Mended>> mended(partial.size());
     parallel_blocks(all.buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         Surroundings around;
         for (std::size_t b = begin; b < end; ++b) {
             const std::size_t first = b * kBucket;
             const double radius = std::min(0.5 * all.tree.bucket(b).diagonal(), most_radius);
             audit_range(points, all, first, std::min(first + kBucket, points.size()), radius,
-                        most_radius, around, mended, partial[begin / kGrain]);
+                        most_radius, around, mended[begin / kGrain], partial[begin / kGrain]);
         }
     });
-    points.normal = std::move(mended);
+    for (const std::vector<Mended>& some : mended)
+        for (const Mended& m : some) points.normal[m.point] = m.normal;
     NormalAudit audit;
     audit.n = points.size();
     for (const NormalAudit& p : partial) {

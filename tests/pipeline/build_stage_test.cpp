@@ -1,6 +1,7 @@
 #include "pipeline/build_stage.h"
 
 #include "formats/model_file.h"
+#include "pipeline/manifest.h"
 #include "slim/base/parallel.h"
 #include "pipeline/info_stage.h"
 #include "tests/pipeline/fit_stages_support.h"
@@ -204,6 +205,24 @@ TEST_F(BuildStage, GivesTheSameBytesForAnyNumberOfThreadsAndWhenResumed) {
         }
         for (const std::string& m : models) EXPECT_TRUE(m == models[0]);
     }
+}
+
+TEST_F(BuildStage, ManifestsOfItsStagesHoldTheHashesOfTheFilesAsTheyStand) {
+    auto config = build_config(scanned_sphere(5000), "m.slim");
+    config.slices = 2;
+    config.work = file("work");
+    build(config);
+    std::size_t n_files = 0;
+    for (const fs::path& output : {oriented_points_path(config.work, 1), fit_path(config.work, 1),
+                                   coarse_fit_path(config.work)}) {
+        const auto manifest = nlohmann::json::parse(read_bytes(manifest_path(output).string()));
+        for (const auto& in : manifest.at("inputs")) {
+            if (in.contains("absent")) continue;
+            EXPECT_EQ(in.at("xxh3_128"), hash_file(in.at("path").get<std::string>())) << in;
+            ++n_files;
+        }
+    }
+    EXPECT_GE(n_files, 9u);
 }
 
 TEST_F(BuildStage, SlicesChangeTheResultWithinABound) {
