@@ -53,6 +53,9 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     f.degree = c.degree;
     f.t_mdl = c.t_mdl;
     f.lambda = c.lambda;
+    f.radius_rule = c.radius_rule;
+    f.weight = c.weight;
+    f.cover = c.cover;
     f.sharp = c.sharp;
     f.memory = c.memory;
     f.seed = c.seed;
@@ -167,6 +170,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
+    check_fit_config(fit_config(config, ""));
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : config.output + ".work";
     Stamp stamp(context, manifest_path(config.output));

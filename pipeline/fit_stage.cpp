@@ -36,6 +36,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"levels", c.levels},
             {"saturated", c.saturated},
             {"forced", c.forced},
+            {"contrary", c.contrary},
             {"normals_disagree", c.normals_disagree},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
@@ -55,13 +56,17 @@ nlohmann::json counts_json(const CoverCounts& c) {
 
 CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const GlobalNoise& noise) {
     CoverRules rules;
-    rules.degree = config.degree;
+    rules.ladder.choose_degree = config.degree == "auto";
+    rules.degree = rules.ladder.choose_degree ? kMaxDegree : config.degree[0] - '0';
     rules.mdl_threshold = config.t_mdl;
     rules.diagonal = plan.diagonal;
     rules.noise_variance = noise.noise_variance;
     rules.least_radius =
         std::max(2 * plan.coordinate_quantum, plan.diagonal * std::numeric_limits<double>::epsilon());
     rules.seed = config.seed;
+    rules.windows = config.radius_rule == "windows";
+    rules.weight = config.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
+    rules.reading = static_cast<CoverReading>(config.cover[0] - 'A');
     rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
     return rules;
@@ -97,10 +102,14 @@ void append_points(const PointBlock& from, Wanted&& wanted, PointBlock& out) {
 /// What a tree needs to know of a fit, and what all fits of a job must share.
 nlohmann::json rules_json(const CoverRules& rules) {
     return {{"degree", rules.degree},
+            {"choose_degree", rules.ladder.choose_degree},
             {"t_mdl", rules.mdl_threshold},
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},
             {"contrary_share", rules.ladder.contrary_share},
+            {"radius_rule", rules.windows ? "windows" : "ladder"},
+            {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
+            {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
             {"sharp", rules.sharp},
             {"seed", rules.seed}};
 }
@@ -271,7 +280,17 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     return out;
 }
 
+void check_fit_config(const FitConfig& config) {
+    if (config.radius_rule != "windows") return;
+    if (config.degree == "auto" || config.sharp == "on")
+        throw ConfigError(fmt::format(
+            "--radius-rule windows: goes with one degree and without sharp features, found --degree {} "
+            "--sharp {}",
+            config.degree, config.sharp));
+}
+
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
+    check_fit_config(config);
     const SlicePlan plan = read_plan(config.work);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
         throw DataError(fmt::format(

@@ -19,7 +19,8 @@ void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
 
 CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
-    saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
+    saturated += b.saturated, forced += b.forced, contrary += b.contrary;
+    normals_disagree += b.normals_disagree;
     unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred;

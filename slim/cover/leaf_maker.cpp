@@ -52,7 +52,9 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
       pyramid_(pyramid),
       ladder_(pyramid, energy_of(rules), root_radius, rules.least_radius, rules.degree,
               ladder_rules(rules)),
-      sharp_(pyramid, energy_of(rules), root_radius, rules.degree, rules.ladder),
+      windows_(pyramid, energy_of(rules), root_radius, rules.least_radius, rules.degree,
+               rules.ladder),
+      sharp_(pyramid, energy_of(rules), root_radius, rules.usual_degree(), rules.ladder),
       place_(points.size()) {
     if (points.size() > 0) usual_radius_ = usual_radius();
     for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
@@ -69,17 +71,26 @@ double LeafMaker::usual_radius() const {
     return kGuess * sizes[500];
 }
 
+/// The radius about a point of the full tree.
+RadiusChoice LeafMaker::choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                                      LeafWork& work) const {
+    const Vec3d center = pyramid_.all().position(place);
+    ++work.searches;
+    if (rules_.windows)
+        return windows_.choose(center, normal, level - rules_.first_level, work.ladder);
+    return ladder_.choose(center, normal, kGuess * pyramid_.all().bucket_diagonal(place),
+                          work.ladder);
+}
+
 void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
-    const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
-    c.choice = ladder_.choose(center, normal, guess, work.ladder);
+    c.choice = choose_radius(place_[c.point], normal, c.level, work);
     const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
     c.sparse = finest > kSparse * usual_radius_;
     if (rules_.sharp) sharpen(c, center, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
-    ++work.searches;
 }
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
@@ -87,9 +98,9 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
     if (lends && (choice.forced || choice.limited))
-        return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
+        return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree,
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
                       choice.forced, rules_.noise_variance, work.exact.ball);
 }
 
@@ -103,11 +114,11 @@ void LeafMaker::sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) c
         return;
     }
     found->radius = static_cast<float>(found->radius);
-    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.degree,
+    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.usual_degree(),
                                    rules_.noise_variance, work.exact.ball, work.sharp);
     if (!fitted) return;
     c.surfel = std::move(*fitted);
-    c.choice = {found->radius};
+    c.choice = {found->radius, rules_.usual_degree()};
     c.n_sheets = found->n_sheets;
 }
 
@@ -117,8 +128,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     if (c.n_sheets > 1) {
         if (!c.surfel.fitted.surfel.sharp)  // the choice was made at an earlier level
             c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
-                                         rules_.degree, rules_.noise_variance, work.exact.ball,
-                                         work.sharp);
+                                         rules_.usual_degree(), rules_.noise_variance,
+                                         work.exact.ball, work.sharp);
         return;
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
@@ -162,9 +173,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     const Vec3d center = tree.position(*place);
     const Vec3d normal = normalized(to_double(tree.normal(*place)));
     if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
-    const RadiusChoice choice =
-        ladder_.choose(center, normal, kGuess * tree.bucket_diagonal(*place), work.ladder);
-    ++work.searches;
+    const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
     if (choice.forced || (rules_.owns && !rules_.owns(center))) return {};

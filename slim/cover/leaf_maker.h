@@ -3,6 +3,7 @@
 #include "slim/cover/cover_rules.h"
 #include "slim/cover/surfel_fit.h"
 #include "slim/fit/radius_ladder.h"
+#include "slim/fit/radius_windows.h"
 #include "slim/fit/sharp_search.h"
 #include "slim/model/point_block.h"
 #include "slim/neighbors/point_pyramid.h"
@@ -17,6 +18,7 @@ namespace slim {
 /// One centre, the radius that its search found and the leaf made of it.
 struct LeafCandidate {
     std::uint32_t point = 0;
+    int level = 1;              ///< that looks at it: where the paper's windows begin
     std::uint32_t center = 0;   ///< where the leaf is centred: at `point`, or at one further inwards
     bool leaf = false;
     RadiusChoice choice;
@@ -40,7 +42,7 @@ public:
     LeafMaker(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid,
               double root_radius);
 
-    /// Fills in choice, n_sheets and sparse of c.point; cost: one radius search (10 us).
+    /// Fills in choice, n_sheets and sparse of c.point at c.level; cost: one radius search (10 us).
     void choose(LeafCandidate& c, LeafWork& work) const;
 
     /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes
@@ -49,6 +51,8 @@ public:
 
 private:
     double usual_radius() const;
+    RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                               LeafWork& work) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work) const;
@@ -58,6 +62,7 @@ private:
     const CoverRules& rules_;
     const PointPyramid& pyramid_;
     RadiusLadder ladder_;
+    RadiusWindows windows_;
     SharpSearch sharp_;
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
     double usual_radius_ = 0;           // of a ball with enough points for the finest rung

@@ -45,7 +45,13 @@ public:
           state_(points.size(), 0),
           stamp_(points.size(), 0),
           radius_(points.size(), 0.0f),
-          open_(points.size()) {
+          degree_(points.size(), 0),
+          open_(points.size()),
+          work_([&rules] {
+              LeafWork w;
+              w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
+              return w;
+          }) {
         std::iota(open_.begin(), open_.end(), 0u);
         if (rules.owns)
             for (std::size_t i = 0; i < points.size(); ++i)
@@ -120,6 +126,7 @@ private:
     std::vector<std::uint16_t> state_; // State flags
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
+    std::vector<std::uint8_t> degree_; // and the degree that goes with it
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
@@ -209,8 +216,9 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
 void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     LeafWork& work = work_.local();
     c.center = c.point;
+    c.level = level;
     if (radius_[c.point] > 0) {
-        c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
+        c.choice = {radius_[c.point], degree_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
         c.sparse = (state_[c.point] & kThin) != 0;
         c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
@@ -229,7 +237,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
                                   rules_.noise_variance, work.exact.ball);
     c.internal = s.fitted;
     gather_ball(tree, center, radius, work.exact.ball);
@@ -239,6 +247,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
+    degree_[c.point] = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
     if (c.choice.limited) state_[c.point] |= kLimited;
@@ -281,12 +290,20 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     out_.counts.recentred += c.center != c.point;
     mark(c.surfel);
     out_.counts.add_leaf(c.surfel);
+    out_.counts.contrary += c.choice.limited;
     out_.surfels.push_back(f);
 }
 
 void LevelCover::mark(const CoveringSurfel& leaf) {
+    const Surfel& surfel = leaf.fitted.surfel;
+    const double sq_radius = surfel.support_radius * surfel.support_radius;
+    const auto overlap = [&](const Covered& p) {
+        if (rules_.reading == CoverReading::b) return p.weight;
+        const double sq = sq_length(block_.position[p.point] - surfel.center) / sq_radius;
+        return overlap_weight(rules_.reading, static_cast<float>(sq));
+    };
     for (const Covered& p : leaf.covered) {
-        weight_[p.point] += p.weight;
+        weight_[p.point] += overlap(p);
         if (p.in_core) state_[p.point] |= kCore;
     }
     if (!is_raw() || is_doubtful(leaf.fitted, rules_.noise_variance)) return;

@@ -21,7 +21,7 @@ struct Cover {
 /// Covers points by surfels, level by level (Ohtake 2005 sec. 2 with the ladder of DESIGN 4).
 ///
 /// A point is covered when the leaves' weights add up to gamma at it and it lies in the core of one
-/// (NUMERICS 3.4, reading B). At level k, centres are open points by random priority; one whose best radius
+/// (NUMERICS 3.4, reading B unless the rules say another). At level k, centres are open points by random priority; one whose best radius
 /// reaches the level's lower end becomes a leaf, any other an internal surfel of radius rho_r, and waits.
 /// Points need normals; a point without one takes part in fits but is no centre's side.
 /// Deterministic: centres are searched in batches of fixed size, accepted one by one in order.

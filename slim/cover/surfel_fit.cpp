@@ -106,6 +106,8 @@ BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d
     out.fit = fit_ball(ball, 1, out.frame, forced ? 1 : degree);
     for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
         out.fit = fit_ball(ball, 1, out.frame, d);
+    if (out.fit.fallback == Fallback::none && out.fit.degree < degree)
+        out.fit.fallback = Fallback::lower_explains;
     return out;
 }
 
@@ -143,6 +145,7 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
                                  noise_variance, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
+    if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;
     return cover_by(points.all(), center, fit, noise_variance, work.ball);
 }
 

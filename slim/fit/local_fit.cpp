@@ -28,7 +28,7 @@ Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
     double weight = 0;
     for (int pass = 0; pass < 2; ++pass) {
         for (std::size_t i = 0; i < p.n; ++i) {
-            const double g = weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink));
+            const double g = fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink));
             const Eigen::Vector3d x(p.x[i], p.y[i], p.z[i]);
             if (pass == 0)
                 mean += g * x, weight += g;
@@ -50,7 +50,7 @@ double residual_pass(const BallPoints<T>& p, double shrink, const Frame<double>&
     for (std::size_t i = 0; i < p.n; ++i) {
         const Vec3d x = f.local_from_world(Vec3d{p.x[i], p.y[i], p.z[i]});
         const double r = x.z - gather_scaled.value(x.x, x.y);
-        rss += weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
+        rss += fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
     }
     return rss;
 }
@@ -92,20 +92,34 @@ void look_ahead(const NestedCholesky& solver, double weight, double radius, Loca
     fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
 }
 
-/// Sums are taken to the degree MomentDegree, of which the fit leaves the highest for look_ahead.
-template <int Degree, int MomentDegree, class T>
-LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+/// What one pass over a ball gives: sums, and one factor that serves every degree.
+template <int MomentDegree>
+struct BallSolution {
+    Moments<MomentDegree> moments;
+    NestedCholesky solver;
+    std::size_t n;  // points within the fit's radius
+};
+
+template <int MomentDegree, class T>
+BallSolution<MomentDegree> solve_ball(const BallPoints<T>& points, double shrink,
+                                      const Frame<double>& frame) {
     const auto m = accumulate_moments<MomentDegree>(points, frame, shrink);
-    const NestedCholesky solver(MomentDegree, m.monomial, m.height, m.sq_height);
     std::size_t n = 0;
     const T limit = static_cast<T>(shrink * shrink);
     for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
+    return {m, NestedCholesky(MomentDegree, m.monomial, m.height, m.sq_height), n};
+}
 
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
+template <int MomentDegree, class T>
+LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
+                       const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    const auto& [m, solver, n] = solution;
+    const bool looks_ahead = MomentDegree > degree;
     LocalFit fit;
     Fallback cause = Fallback::none;
-    int degree = Degree;
     const double n_eff = m.n_effective();
-    const auto has_points_for = [&](int d) {
+    const auto has_points_for = [&, n = n](int d) {
         const int k = n_coefficients(d);
         return n >= 2 * static_cast<std::size_t>(k) && n_eff >= k + kLeastFreedom;
     };
@@ -126,10 +140,16 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
     }
     if (degree < 1) fit = mean_plane(m, shrink, points.radius), cause = Fallback::plane;
     fit.fallback = cause;
-    fit.n_effective = m.n_effective();
+    fit.n_effective = n_eff;
     fit.n_points = n;
-    if constexpr (MomentDegree > Degree) look_ahead(solver, m.weight(), points.radius, fit);
+    if (looks_ahead) look_ahead(solver, m.weight(), points.radius, fit);
     return fit;
+}
+
+template <int Degree, int MomentDegree, class T>
+LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    return fit_of_degree(solve_ball<MomentDegree>(points, shrink, frame), Degree, points, shrink,
+                         frame);
 }
 
 }  // namespace
@@ -141,7 +161,8 @@ bool too_steep(const Polynomial<double>& p) {
 }
 
 const char* fallback_name(Fallback fallback) {
-    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank", "steep", "plane"};
+    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank",
+                                                 "steep", "plane", "lower_explains"};
     return names[static_cast<std::size_t>(fallback)];
 }
 
@@ -156,7 +177,7 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
     for (std::size_t i = 0; i < p.padded(); i += V::size()) {
         const V nx = lanes(p.nx, i), ny = lanes(p.ny, i), nz = lanes(p.nz, i);
         const auto same = nx * s.x + ny * s.y + nz * s.z > T(0);
-        const V g = select(same, weight_kernel(lanes(p.sq, i) * to_fit), V(T(0)));
+        const V g = select(same, fit_weight(p.weight, lanes(p.sq, i) * to_fit), V(T(0)));
         lane_sum.x += g * nx, lane_sum.y += g * ny, lane_sum.z += g * nz;
         lane_weight += g;
     }
@@ -219,6 +240,16 @@ LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<
     return fit_degree<3, 4>(points, shrink, frame);
 }
 
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame) {
+    const auto solution = solve_ball<kMaxDegree + 1>(points, shrink, frame);
+    std::array<LocalFit, kMaxDegree> fits;
+    for (int d = 1; d <= kMaxDegree; ++d)
+        fits[static_cast<std::size_t>(d - 1)] = fit_of_degree(solution, d, points, shrink, frame);
+    return fits;
+}
+
 template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
 template BallNormal average_normal(const BallPoints<double>&, double, const Vec3d&);
 template void set_contrary_aside(BallPoints<float>&, const Vec3d&, std::vector<SetAside<float>>&);
@@ -229,6 +260,10 @@ template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const 
                                      const Frame<double>&, const LocalFit&, double);
 template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<float>&, double,
+                                                           const Frame<double>&);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
+                                                           const Frame<double>&);
 template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

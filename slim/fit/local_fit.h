@@ -4,6 +4,7 @@
 #include "slim/fit/ball_points.h"
 #include "slim/model/polynomial.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,9 +12,10 @@
 
 namespace slim {
 
-/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried.
-enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane };
-inline constexpr std::size_t kFallbacks = 5;
+/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried; the last of forced
+/// leaves, which take the lowest degree that explains their points.
+enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane, lower_explains };
+inline constexpr std::size_t kFallbacks = 6;
 const char* fallback_name(Fallback fallback);
 
 /// A height field fitted to one ball.
@@ -76,6 +78,13 @@ LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double
 template <class T>
 LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                         int degree);
+
+/// fit_ball_ahead of degrees 1, 2 and 3 (places 0, 1, 2) from one pass and one factor (NUMERICS 2.2); a place
+/// whose fit has a lower degree than its own fell back to it.
+/// Cost: that of degree 3, and a residual pass for each degree whose residual is lost to cancellation.
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame);
 
 /// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
 bool too_steep(const Polynomial<double>& polynomial);

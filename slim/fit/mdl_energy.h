@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/fit/local_fit.h"
+#include "slim/model/surfel_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,8 @@ struct MdlEnergy {
     double operator()(double sq_error, double radius) const {
         return whole_variance(sq_error, radius) + price(radius);
     }
+    /// The energy of surfels that take `price` times the bytes of the one that T is meant for.
+    MdlEnergy at_price(double price) const { return {noise_variance, length * std::sqrt(price)}; }
     /// E plus two standard errors of the estimate eps^2 (DESIGN 4.3).
     double upper_bound(const LocalFit& fit, double radius) const {
         const double freedom = std::max(fit.n_effective - n_coefficients(fit.degree), 0.5);
@@ -34,5 +37,12 @@ struct MdlEnergy {
                2 * whole_variance(fit.sq_error, radius) * std::sqrt(2 / freedom);
     }
 };
+
+/// Bytes of a surfel of a degree in the file, its node included, over those of a quadratic one: the
+/// description lengths that `--degree auto` compares (NUMERICS 2.4).
+constexpr double degree_price(int degree) {
+    constexpr auto bytes = [](int d) { return 4.0 * floats_per_surfel(d) + sizeof(TreeNode); };
+    return bytes(degree) / bytes(2);
+}
 
 }  // namespace slim

@@ -42,7 +42,7 @@ Eigen::VectorXd fit_by_qr(const BallPoints<double>& ball, double shrink, int deg
     for (Eigen::Index i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const double u = ball.x[k] / shrink, v = ball.y[k] / shrink, w = ball.z[k] / shrink;
-        const double root = std::sqrt(weight_kernel(ball.sq[k] / (shrink * shrink)));
+        const double root = std::sqrt(fit_weight(ball.weight, ball.sq[k] / (shrink * shrink)));
         Eigen::Index column = 0;
         for (int d = 0; d <= degree; ++d)
             for (int t = 0; t <= d; ++t)
@@ -78,6 +78,44 @@ TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
                 const double rounding = 1e-12 + 2e-15 / radius;
                 expect_coefficients(fit, scaled, rounding);
                 EXPECT_LT(std::sqrt(fit.sq_error), rounding * radius);
+            }
+        }
+}
+
+TEST(LocalFit, TakesTheWeightOfItsBall) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::uint64_t i = 0;
+        auto ball = ball_of<double>(200, 0.01, seed, [&](double u, double) {
+            return 0.2 * u + 0.05 * gaussian(seed, i++);
+        });
+        const LocalFit gauss = fit_ball(ball, 0.9, kUpright, 2);
+        ball.weight = FitWeight::polynomial;
+        const LocalFit fit = fit_ball(ball, 0.9, kUpright, 2);
+        const Eigen::VectorXd reference = fit_by_qr(ball, 0.9, 2);
+        for (Eigen::Index k = 0; k < reference.size(); ++k)
+            ASSERT_NEAR(fit.polynomial.a[static_cast<std::size_t>(k)], reference[k], 1e-12);
+        EXPECT_GT(fit.n_effective, gauss.n_effective);  // a wider weight
+    }
+}
+
+TEST(LocalFit, EveryDegreeAtOnceIsEachDegreeAlone) {
+    for (const std::size_t n : {300u, 40u, 20u, 9u})  // the last are too few for cubics, for quadratics
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            SCOPED_TRACE(testing::Message() << n << " points, seed " << seed);
+            std::uint64_t i = 0;
+            const auto ball = ball_of<double>(n, 0.01, seed, [&](double u, double v) {
+                return 0.2 * u + 0.3 * u * v * v + 0.02 * gaussian(seed, i++);
+            });
+            const auto fits = fit_every_degree(ball, 0.9, kUpright);
+            for (int degree = 1; degree <= 3; ++degree) {
+                const LocalFit& fit = fits[static_cast<std::size_t>(degree - 1)];
+                const LocalFit alone = fit_ball(ball, 0.9, kUpright, degree);
+                ASSERT_EQ(fit.degree, alone.degree);
+                ASSERT_EQ(fit.fallback, alone.fallback);
+                ASSERT_EQ(fit.n_points, alone.n_points);
+                ASSERT_NEAR(fit.sq_error, alone.sq_error, 1e-9 * alone.sq_error);
+                expect_coefficients(fit, alone.polynomial, 1e-9);
             }
         }
 }
