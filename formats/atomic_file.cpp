@@ -107,20 +107,22 @@ void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t n)
 
 std::uint64_t AtomicFile::size() const { return std::max(furthest_, end_ + buffer_.size()); }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(Outlasts outlasts) {
     SLIM_CHECK(file_, >=, 0);
     flush();
-    if (::fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be flushed to disk");
+    const bool to_disk = outlasts == Outlasts::power_cut;
+    if (to_disk && ::fsync(file_) != 0 && errno != EINVAL && errno != EROFS)
+        fail("cannot be flushed to disk");
     if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
     ::close(file_);
     file_ = -1;
-    sync_folder(folder_of(path_));
+    if (to_disk) sync_folder(folder_of(path_));
 }
 
-void write_file_atomically(const std::string& path, std::string_view bytes) {
+void write_file_atomically(const std::string& path, std::string_view bytes, Outlasts outlasts) {
     AtomicFile file(path);
     file.write(bytes);
-    file.commit();
+    file.commit(outlasts);
 }
 
 }  // namespace slim

@@ -12,8 +12,13 @@ namespace slim {
 /// on several hosts write into one folder, where process ids alone would collide.
 const std::string& temporary_suffix();
 
+/// Whether a new file must outlast a power cut. Files that a job can make anew, and whose damage
+/// shows by a checksum, need not: waiting for the disk takes longer than making them.
+enum class Outlasts { power_cut, process };
+
 /// A file that appears under its name whole or not at all: written as `name` + temporary_suffix() in the
-/// same directory, then flushed to disk and renamed by commit(). Without commit() the destructor removes it.
+/// same directory, then flushed to disk (unless it may be lost) and renamed by commit(). Without
+/// commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage` when
 /// the place cannot be written to at all
@@ -33,7 +38,7 @@ public:
     /// Bytes so far: the furthest one that was written, plus one.
     std::uint64_t size() const;
     /// Makes the file visible under its name; nothing may be written afterwards.
-    void commit();
+    void commit(Outlasts outlasts = Outlasts::power_cut);
     const std::string& path() const { return path_; }
 
 private:
@@ -50,6 +55,7 @@ private:
 };
 
 /// Replaces the file by these bytes, atomically. Throws as AtomicFile.
-void write_file_atomically(const std::string& path, std::string_view bytes);
+void write_file_atomically(const std::string& path, std::string_view bytes,
+                           Outlasts outlasts = Outlasts::power_cut);
 
 }  // namespace slim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "formats/atomic_file.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -38,7 +40,7 @@ public:
     /// Room for `count` elements; returns the chunk's number. Names have at most 23 characters.
     std::size_t reserve(std::string_view name, std::size_t element_size, std::uint64_t count);
     void append(std::size_t chunk, const void* elements, std::size_t n);
-    void commit();
+    void commit(Outlasts outlasts = Outlasts::power_cut);
 
 private:
     struct State;

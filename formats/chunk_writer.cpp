@@ -68,7 +68,7 @@ void ChunkWriter::append(std::size_t chunk, const void* elements, std::size_t n)
     c.n_written += n;
 }
 
-void ChunkWriter::commit() {
+void ChunkWriter::commit(Outlasts outlasts) {
     std::vector<ChunkEntry> table;
     for (OpenChunk& c : state_->chunks) {
         SLIM_CHECK(c.n_written, ==, c.entry.count);
@@ -84,7 +84,7 @@ void ChunkWriter::commit() {
     header.header_checksum = XXH3_64bits(&header, kHeaderHashedBytes);
     state_->file.write_at(header.table_offset, table.data(), table_size);
     state_->file.write_at(0, &header, sizeof(header));
-    state_->file.commit();
+    state_->file.commit(outlasts);
 }
 
 }  // namespace slim

@@ -136,7 +136,7 @@ void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
     }
     if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
     if (!dropped.empty()) writer.add("dropped", dropped);
-    writer.commit();
+    writer.commit(Outlasts::process);
 }
 
 FitFile read_fit(const std::string& path,

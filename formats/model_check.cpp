@@ -22,12 +22,35 @@ ModelFault check_header(const SurfelTree& tree) {
     const std::size_t n = tree.n_nodes();
     const std::size_t stride = static_cast<std::size_t>(floats_per_surfel(h.degree));
     if (n == 0) return fault("a model has at least a root, found no node");
-    if (tree.records().size() != n * stride)
+    if (tree.record_index().empty() && tree.records().size() != n * stride)
         return fault(n, " nodes need ", n * stride, " floats of records, found ",
                      tree.records().size());
     const std::size_t n_pages = (n + kSurfelsPerPage - 1) / kSurfelsPerPage;
     if (tree.page_origins().size() != n_pages)
         return fault(n, " nodes need ", n_pages, " pages, found ", tree.page_origins().size());
+    return {};
+}
+
+/// Whether records of unequal size stand one after the other, as long as their nodes' degrees say.
+ModelFault check_index(const SurfelTree& tree) {
+    const RecordIndex& index = tree.record_index();
+    if (index.empty()) return {};
+    if (index.in_page.size() != tree.n_nodes() ||
+        index.page_start.size() != tree.page_origins().size())
+        return {"in_page", 0, message(index.in_page.size(), " records in ", index.page_start.size(),
+                                      " pages, but there are ", tree.n_nodes(), " nodes")};
+    std::uint64_t at = 0;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i) {
+        const std::uint64_t start = index.page_start[i / kSurfelsPerPage] + index.in_page[i];
+        if (start != at)
+            return {"in_page", i, message("record begins at float ", start, ", expected ", at)};
+        if (tree.node(i).degree > kMaxDegree)
+            return {"nodes", i, message("degree ", int{tree.node(i).degree})};
+        at += static_cast<std::uint64_t>(floats_per_surfel(tree.node(i).degree));
+    }
+    if (tree.records().size() != at)
+        return {"in_page", 0, message("records need ", at, " floats, found ",
+                                      tree.records().size())};
     return {};
 }
 
@@ -38,7 +61,7 @@ ModelFault check_pages(const SurfelTree& tree) {
 }
 
 ModelFault check_record(const SurfelTree& tree, std::size_t i) {
-    const std::size_t stride = static_cast<std::size_t>(floats_per_surfel(tree.header().degree));
+    const auto stride = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(i)));
     const float* r = tree.record(i);
     for (std::size_t k = 0; k < stride; ++k)
         if (!std::isfinite(r[k])) return {"records", i, message("number ", k, " is not finite")};
@@ -121,6 +144,7 @@ ModelFault check_all_sharp(const SurfelTree& tree) {
 
 ModelFault check_model(const SurfelTree& tree) {
     if (ModelFault f = check_header(tree); !f.chunk.empty()) return f;
+    if (ModelFault f = check_index(tree); !f.chunk.empty()) return f;
     if (ModelFault f = check_pages(tree); !f.chunk.empty()) return f;
     std::vector<bool> has_parent(tree.n_nodes());
     std::uint64_t n_leaves = 0;

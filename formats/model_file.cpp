@@ -9,9 +9,11 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels; a model without them is still version 1.
+/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size; a model
+/// is of the lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
-constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 2};
+constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
+constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 3};
 
 /// ModelHeader as it stands in the file: no gaps, sizes fixed.
 struct HeaderRecord {
@@ -42,11 +44,14 @@ ModelHeader read_header(const ChunkFile& file) {
 }
 
 std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const ModelFault& fault) {
-    const auto stride = static_cast<std::size_t>(floats_per_surfel(tree.header().degree));
+    if (fault.chunk == "records")
+        return file.offset(fault.chunk) +
+               sizeof(float) *
+                   static_cast<std::uint64_t>(tree.record(fault.entry) - tree.records().data());
     const std::size_t size = fault.chunk == "nodes"     ? sizeof(TreeNode)
                              : fault.chunk == "pages"   ? sizeof(Vec3d)
-                             : fault.chunk == "records" ? stride * sizeof(float)
                              : fault.chunk == "sharp"   ? sizeof(SharpEntry)
+                             : fault.chunk == "in_page" ? sizeof(std::uint16_t)
                              : fault.chunk == "sheets"  ? sizeof(float)
                                                         : 0;
     return file.offset(fault.chunk) + fault.entry * size;
@@ -57,12 +62,18 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json) {
     const HeaderRecord header = pack(data.header);
-    ChunkWriter writer(path, data.sharp.empty() ? kSmoothModelKind : kModelKind);
+    ChunkWriter writer(path, !data.in_page.empty() ? kModelKind
+                             : !data.sharp.empty() ? kSharpModelKind
+                                                   : kSmoothModelKind);
     writer.add("header", std::span<const HeaderRecord>(&header, 1));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", std::span<const Vec3d>(data.page_origins));
     writer.add("nodes", std::span<const TreeNode>(data.nodes));
     writer.add("records", std::span<const float>(data.records));
+    if (!data.in_page.empty()) {
+        writer.add("page_start", std::span<const std::uint64_t>(data.page_start));
+        writer.add("in_page", std::span<const std::uint16_t>(data.in_page));
+    }
     if (!data.sharp.empty()) {
         writer.add("sharp", std::span<const SharpEntry>(data.sharp));
         writer.add("sheets", std::span<const float>(data.sheets));
@@ -92,8 +103,11 @@ SurfelTree ModelFile::tree() const {
         sharp = file_.array<SharpEntry>("sharp");
         sheets = file_.array<float>("sheets");
     }
+    RecordIndex index;
+    if (file_.has("in_page"))
+        index = {file_.array<std::uint64_t>("page_start"), file_.array<std::uint16_t>("in_page")};
     return {header_, file_.array<Vec3d>("pages"), file_.array<float>("records"),
-            file_.array<TreeNode>("nodes"), sharp, sheets};
+            file_.array<TreeNode>("nodes"), sharp, sheets, index};
 }
 
 }  // namespace slim

@@ -1,6 +1,7 @@
 #include "formats/ply_face_normals.h"
 
 #include "formats/message.h"
+#include "slim/base/bbox.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
@@ -30,11 +31,28 @@ PlyFaceNormals::PlyFaceNormals(PlyReader& vertices) {
     }
     info_.has_normals = info_.normals_from_faces = true;
     sums_.resize(all_.size());
+    find_middle();
     add_faces();
+    info_.faces_turned = wound_inwards();
+    if (info_.faces_turned)
+        for (Vec3d& sum : sums_) sum = -sum;
     all_.normal.resize(all_.size());
     std::transform(sums_.begin(), sums_.end(), all_.normal.begin(), unit_normal);
     sums_ = {};
 }
+
+void PlyFaceNormals::find_middle() {
+    Bbox box;
+    for (const Vec3d& p : all_.position)
+        if (is_finite(p)) box.extend(p);
+    if (box.empty()) return;
+    middle_ = box.center();
+    reach_ = box.diagonal() / 2;
+}
+
+/// The middle may move by reach_ without changing the sign: range images, which enclose nothing, stay as
+/// they are, and meshes with small holes are told.
+bool PlyFaceNormals::wound_inwards() const { return volume_ < -reach_ * length(area_); }
 
 void PlyFaceNormals::add_faces() {
     // A second reader: faces may stand before the vertices.
@@ -71,6 +89,8 @@ void PlyFaceNormals::add_polygon(const std::vector<double>& corners, const PlyRo
         area += cross(all_.position[polygon_[k]] - first, all_.position[polygon_[k + 1]] - first);
     if (!is_finite(area)) return;
     for (const std::size_t vertex : polygon_) sums_[vertex] += area;
+    area_ += area;
+    volume_ += dot(first - middle_, area);
 }
 
 bool PlyFaceNormals::read(PointChunk& out, std::size_t max_points) {

@@ -9,7 +9,8 @@
 namespace slim {
 
 /// A PLY with faces and no normals: the whole mesh is read at once, and every vertex gets the
-/// area-weighted mean of its faces' normals, of unit length; zero if no face uses it.
+/// area-weighted mean of its faces' normals, of unit length; zero if no face uses it. Those of a closed mesh
+/// point outwards, however its faces are wound.
 /// throws FormatError naming the face and the index when an index is out of range
 class PlyFaceNormals : public PointSource {
 public:
@@ -18,7 +19,9 @@ public:
     std::uint64_t bytes_read() const override { return info_.file_size; }
 
 private:
+    void find_middle();
     void add_faces();
+    bool wound_inwards() const;
     void add_polygon(const std::vector<double>& corners, const PlyRows& rows);
     std::size_t vertex_index(double value, const PlyRows& rows) const;
 
@@ -26,6 +29,10 @@ private:
     std::vector<Vec3d> sums_;
     std::vector<std::size_t> polygon_;
     std::size_t n_given_ = 0;
+    Vec3d area_;         ///< twice the sum of the faces' area vectors: zero if they close
+    double volume_ = 0;  ///< six times what they enclose, seen from middle_; negative if wound inwards
+    Vec3d middle_;
+    double reach_ = 0;   ///< of the points from middle_
 };
 
 /// Opens a PLY in the way that its header asks for.

@@ -23,6 +23,7 @@ struct CloudInfo {
     bool has_scan = false;
     bool has_faces = false;
     bool normals_from_faces = false;
+    bool faces_turned = false;              ///< a closed mesh wound inwards: its normals were turned
     std::vector<std::string> carried;       ///< names of properties that are read
     std::vector<std::string> skipped;       ///< names of properties of a point that are passed over
     CoordinateType coordinates = CoordinateType::float64;

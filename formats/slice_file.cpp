@@ -3,6 +3,7 @@
 #include "formats/message.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
 #include <algorithm>
 #include <vector>
@@ -28,6 +29,10 @@ void append_column(const ChunkFile& file, const char* name, const std::vector<bo
     column<T>(file, name, wanted.size());
     out.reserve(out.size() + n_wanted);
     file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) {
+        if (n_wanted == wanted.size()) {
+            out.insert(out.end(), piece.begin(), piece.end());
+            return;
+        }
         for (std::size_t i = 0; i < piece.size(); ++i)
             if (wanted[first + i]) out.push_back(piece[i]);
     });
@@ -43,10 +48,12 @@ void append_columns(const ChunkFile& file, const std::vector<bool>& wanted, Poin
         throw FormatError(message(file.path(), ": has other columns than the slices before it"));
     file.verify("origin");
     out.origin = column<Vec3d>(file, "origin", 1)[0];
-    append_column(file, "position", wanted, n, out.position);
-    append_column(file, "id", wanted, n, out.id);
-    if (has_normals) append_column(file, "normal", wanted, n, out.normal);
-    if (has_scans) append_column(file, "scan", wanted, n, out.scan);
+    // Half of the bytes are positions.
+    run_both([&] { append_column(file, "position", wanted, n, out.position); }, [&] {
+        append_column(file, "id", wanted, n, out.id);
+        if (has_normals) append_column(file, "normal", wanted, n, out.normal);
+        if (has_scans) append_column(file, "scan", wanted, n, out.scan);
+    });
 }
 
 /// The bits of the points whose values in a column are wanted.

@@ -21,7 +21,7 @@ public:
     /// at.
     void append(const PointBlock& block);
     /// All announced points must have come (a SLIM_CHECK).
-    void commit() { chunks_.commit(); }
+    void commit() { chunks_.commit(Outlasts::process); }
 
 private:
     ChunkWriter chunks_;

@@ -18,6 +18,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 namespace slim {
 namespace {
@@ -52,6 +53,9 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     f.degree = c.degree;
     f.t_mdl = c.t_mdl;
     f.lambda = c.lambda;
+    f.radius_rule = c.radius_rule;
+    f.weight = c.weight;
+    f.cover = c.cover;
     f.sharp = c.sharp;
     f.memory = c.memory;
     f.seed = c.seed;
@@ -62,8 +66,9 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
 /// its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
-                       nlohmann::json& stages) {
+                       std::map<std::string, std::string>& written, nlohmann::json& stages) {
     StageContext context = for_stage(parent, name, config);
+    context.written = &written;
     const PeakMeter peak;
     const auto start = std::chrono::steady_clock::now();
     nlohmann::json result = run(config, context);
@@ -122,20 +127,24 @@ void check_output(const BuildConfig& config) {
 nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
                         StageContext& context) {
     nlohmann::json stages = nlohmann::json::object();
-    run_one("slice", slice_config(config, work), run_slice, context, stages);
-    const auto normals =
-        run_one("normals", normals_config(config, work), run_normals, context, stages);
-    const auto fit = run_one("fit", fit_config(config, work), run_fit, context, stages);
+    std::map<std::string, std::string> written;
+    const auto run_next = [&](const char* name, const auto& of_stage, auto run) {
+        return run_one(name, of_stage, run, context, written, stages);
+    };
+    run_next("slice", slice_config(config, work), run_slice);
+    const auto normals = run_next("normals", normals_config(config, work), run_normals);
+    const auto fit = run_next("fit", fit_config(config, work), run_fit);
     TreeConfig tree;
     tree.work = work;
     tree.output = config.output;
-    nlohmann::json result = run_one("tree", tree, run_tree, context, stages);
+    nlohmann::json result = run_next("tree", tree, run_tree);
     take_recorded_costs(work, stages);
     result.erase("up_to_date");
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");
     result["dropped"] = fit.at("dropped_isolated").get<std::uint64_t>() +
-                        fit.at("dropped_unexplained").get<std::uint64_t>();
+                        fit.at("dropped_unexplained").get<std::uint64_t>() +
+                        fit.at("dropped_beside").get<std::uint64_t>();
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
     result["leaf_error_rms"] = leaf_error_rms(config.output);
@@ -161,6 +170,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
+    check_fit_config(fit_config(config, ""));
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : config.output + ".work";
     Stamp stamp(context, manifest_path(config.output));

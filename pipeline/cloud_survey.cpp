@@ -1,11 +1,13 @@
 #include "pipeline/cloud_survey.h"
 
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <limits>
 
@@ -62,6 +64,7 @@ private:
         input.format = info.format;
         input.has_normals = info.has_normals;
         input.normals_from_faces = info.normals_from_faces;
+        input.faces_turned = info.faces_turned;
         input.has_scan = info.has_scan;
         input.first_id = first_id;
         input.first_scan = end_scan_;
@@ -143,16 +146,28 @@ void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::function<void(const PointChunk&, std::uint64_t, std::size_t,
                                              const CloudInfo&)>& take) {
     ByteProgress progress(paths, doing, reporter);
-    PointChunk chunk;
+    PointChunk chunk, next;
     std::uint64_t first_id = 0;
     for (std::size_t i = 0; i < paths.size(); ++i) {
         const auto source = open_cloud(paths[i]);
-        bool more = true;
-        while (more) {
-            more = source->read(chunk, kChunkPoints);
-            take(chunk, first_id, i, source->info());
+        bool more = source->read(chunk, kChunkPoints), after = false;
+        while (true) {
+            // The next chunk is read while this one is taken; what is wrong here comes first.
+            std::exception_ptr unreadable;
+            const auto read_next = [&] {
+                try {
+                    after = more && source->read(next, kChunkPoints);
+                } catch (...) {
+                    unreadable = std::current_exception();
+                }
+            };
+            run_both(read_next, [&] { take(chunk, first_id, i, source->info()); });
+            if (unreadable) std::rethrow_exception(unreadable);
+            if (!more) break;
             first_id += chunk.size();
             progress.show(source->bytes_read());
+            std::swap(chunk, next);
+            more = after;
         }
         progress.finish_file(source->info().file_size);
     }

@@ -54,7 +54,7 @@ struct CloudSurvey {
 
 /// Reads all clouds once. strict: a point without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
-/// cost   one chunk of points in memory
+/// cost   two chunks of points in memory
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict, Reporter& reporter);
 
 /// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all points.

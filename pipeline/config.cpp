@@ -100,8 +100,10 @@ std::string join(const std::vector<std::string>& words) {
 void check_range(const Field& field, const std::string& item, const std::string& where) {
     if (!field.choices.empty()) {
         if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end()) return;
+        const bool is_letter = item.size() < 2;  // near to everything
         throw ConfigError(fmt::format("{}: expected one of {}; found '{}'{}", where,
-                                      join(field.choices), item, suggestion(item, field.choices)));
+                                      join(field.choices), item,
+                                      is_letter ? "" : suggestion(item, field.choices)));
     }
     if (field.kind() != Field::Kind::integer && field.kind() != Field::Kind::real) return;
     const double value = std::strtod(item.c_str(), nullptr);
@@ -193,7 +195,10 @@ std::vector<std::string> Field::items() const {
 
 std::string Field::toml() const {
     std::vector<std::string> all = items();
-    for (std::string& item : all) item = toml_item(item, kind());
+    for (std::string& item : all) {
+        std::int64_t number = 0;  // a choice may be a number: it stands without quotes
+        if (choices.empty() || !parse_number(item, number)) item = toml_item(item, kind());
+    }
     return is_list() ? "[" + join(all) + "]" : all[0];
 }
 

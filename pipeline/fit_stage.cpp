@@ -32,6 +32,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"levels", c.levels},
             {"saturated", c.saturated},
             {"forced", c.forced},
+            {"contrary", c.contrary},
             {"normals_disagree", c.normals_disagree},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
@@ -39,6 +40,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"sharp_rungs", c.sharp_rungs},
             {"dropped_unexplained", c.unexplained},
             {"dropped_isolated", c.isolated},
+            {"dropped_beside", c.beside},
             {"searches", c.evaluated},
             {"searches_discarded", c.discarded},
             {"rungs", c.rungs},
@@ -50,13 +52,17 @@ nlohmann::json counts_json(const CoverCounts& c) {
 
 CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const GlobalNoise& noise) {
     CoverRules rules;
-    rules.degree = config.degree;
+    rules.ladder.choose_degree = config.degree == "auto";
+    rules.degree = rules.ladder.choose_degree ? kMaxDegree : config.degree[0] - '0';
     rules.mdl_threshold = config.t_mdl;
     rules.diagonal = plan.diagonal;
     rules.noise_variance = noise.noise_variance;
     rules.least_radius =
         std::max(2 * plan.coordinate_quantum, plan.diagonal * std::numeric_limits<double>::epsilon());
     rules.seed = config.seed;
+    rules.windows = config.radius_rule == "windows";
+    rules.weight = config.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
+    rules.reading = static_cast<CoverReading>(config.cover[0] - 'A');
     rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
@@ -66,10 +72,14 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
 /// What a tree needs to know of a fit, and what all fits of a job must share.
 nlohmann::json rules_json(const CoverRules& rules) {
     return {{"degree", rules.degree},
+            {"choose_degree", rules.ladder.choose_degree},
             {"t_mdl", rules.mdl_threshold},
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},
             {"contrary_share", rules.ladder.contrary_share},
+            {"radius_rule", rules.windows ? "windows" : "ladder"},
+            {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
+            {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
             {"sharp", rules.sharp},
             {"seed", rules.seed}};
 }
@@ -107,7 +117,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     write_cover(output, rules, cover);
     nlohmann::json result = counts_json(cover.counts);
     result["sample"] = sample.size();
-    return stamp.commit({output}, result);
+    return stamp.commit({output}, result, Outlasts::process);
 }
 
 /// What the fine levels of a slice take over from the coarse ones: surfels whose balls meet it and its halo.
@@ -149,20 +159,24 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     const Cover cover = cover_points(block, rules, context.reporter);
     context.check_stop();
     write_cover(output, rules, cover);
-    return stamp.commit({output}, counts_json(cover.counts));
+    return stamp.commit({output}, counts_json(cover.counts), Outlasts::process);
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.
+/// A slice that needed fewer neighbours than others stays as it is at its last: flat.
 void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
-    if (sums.size() < slice.size()) sums.resize(slice.size());
-    for (std::size_t i = 0; i < slice.size(); ++i) {
+    if (slice.empty()) return;
+    if (sums.size() < slice.size())
+        sums.resize(slice.size(), sums.empty() ? NoiseVariance{} : sums.back());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
         NoiseVariance& s = sums[i];
-        const std::size_t n = slice[i].at("samples");
+        const nlohmann::json& one = slice[std::min(i, slice.size() - 1)];
+        const std::size_t n = one.at("samples");
         if (n == 0) continue;
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
-        s.value += share * (slice[i].at("variance").get<double>() - s.value);
-        s.flatness += share * (slice[i].at("flatness").get<double>() - s.flatness);
-        const double spacing = slice[i].at("spacing");  // geometric means
+        s.value += share * (one.at("variance").get<double>() - s.value);
+        s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
+        const double spacing = one.at("spacing");  // geometric means
         s.spacing = s.n_sampled == 0 ? spacing : s.spacing * std::pow(spacing / s.spacing, share);
         s.n_sampled += n;
     }
@@ -233,7 +247,17 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     return out;
 }
 
+void check_fit_config(const FitConfig& config) {
+    if (config.radius_rule != "windows") return;
+    if (config.degree == "auto" || config.sharp == "on")
+        throw ConfigError(fmt::format(
+            "--radius-rule windows: goes with one degree and without sharp features, found --degree {} "
+            "--sharp {}",
+            config.degree, config.sharp));
+}
+
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
+    check_fit_config(config);
     return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
     if (plan.n_points < 3 || !(plan.diagonal > 0))

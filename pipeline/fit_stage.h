@@ -16,9 +16,12 @@ struct FitConfig {
     std::string work;
     int slice = -1;
     bool coarse = false;
-    int degree = 2;
+    std::string degree = "2";
     double t_mdl = 0.01;
     double lambda = 0;
+    std::string radius_rule = "ladder";
+    std::string weight = "gauss";
+    std::string cover = "B";
     std::string sharp = "off";
     std::string memory = "1GiB";
     std::uint64_t seed = 0;
@@ -29,11 +32,23 @@ struct FitConfig {
         field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
         field.part("coarse", coarse,
                    "only the coarse levels that all slices share: once before an array job over slices");
-        field("degree", degree, "polynomial degree of a surfel", 1, 3);
+        field.choice("degree", degree,
+                     "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
+                     "for its error",
+                     {"1", "2", "3", "auto"});
         field("t_mdl", t_mdl, "T_MDL of eq. (3), fraction of the diagonal: sparseness against accuracy",
               1e-12, 1e3);
         field("lambda", lambda,
               "noise variance of eq. (3) in model units squared; 0: measured from the points", 0, 1e300);
+        field.choice("radius_rule", radius_rule,
+                     "how a surfel's radius is found; windows: the paper's, for comparison",
+                     {"ladder", "windows"});
+        field.choice("weight", weight,
+                     "of the points in a fit; gauss: the paper's, polynomial: (1 - r^2)^4",
+                     {"gauss", "polynomial"});
+        field.choice("cover", cover,
+                     "how far a leaf covers; A: the paper to the letter, B: G up to its radius, C: a B-spline",
+                     {"A", "B", "C"});
         field.choice("sharp", sharp,
                      "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
                      {"on", "off"});
@@ -55,6 +70,9 @@ struct GlobalNoise {
 };
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
+
+/// throws ConfigError if options do not go together: the windows know neither prices nor edges
+void check_fit_config(const FitConfig& config);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
 /// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 namespace slim {
@@ -58,12 +59,37 @@ private:
     std::array<std::uint64_t, 256> counts_{};
 };
 
+/// The options that the model was fitted with, as its provenance has them.
+json fit_options(const json& provenance) {
+    json out = json::object();
+    if (!provenance.is_object() || !provenance.contains("rules")) return out;
+    const json& rules = provenance.at("rules");
+    out["degree"] = rules.value("choose_degree", false) ? json("auto") : rules.at("degree");
+    for (const char* key : {"radius_rule", "weight", "cover", "sharp"})
+        if (rules.contains(key)) out[key] = rules.at(key);
+    return out;
+}
+
+/// Leaves that are not as asked, by cause, over all fits of the model.
+json fallback_sums(const json& provenance) {
+    std::map<std::string, std::uint64_t> sums;
+    if (provenance.is_object() && provenance.contains("fits"))
+        for (const json& fit : provenance.at("fits")) {
+            for (const auto& [cause, n] : fit.at("fallbacks").items())
+                sums[cause] += n.get<std::uint64_t>();
+            for (const char* cause : {"forced", "contrary", "normals_disagree", "recentred"})
+                sums[cause] += fit.value(cause, std::uint64_t{0});
+        }
+    return sums;
+}
+
 json model_info(const std::string& path) {
     const ModelFile file = ModelFile::open(path);
     const ModelHeader& header = file.header();
     const SurfelTree tree = file.tree();
     Tally levels, degrees, sheets;
     std::uint64_t saturated = 0, forced = 0;
+    const json provenance = parsed(file.provenance_json());
     for (const SharpEntry& sharp : tree.sharp()) sheets.add(std::size_t{1} + sharp.n_extra);
     for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
         if (!node.is_leaf()) continue;
@@ -89,7 +115,9 @@ json model_info(const std::string& path) {
             {"sharp_leaves_by_sheets", sheets.to_json()},
             {"health",
              {{"checksums", "ok"}, {"radius_at_the_largest", saturated}, {"radius_not_chosen", forced}}},
-            {"provenance", parsed(file.provenance_json())}};
+            {"fit", fit_options(provenance)},
+            {"fallbacks", fallback_sums(provenance)},
+            {"provenance", provenance}};
 }
 
 json slice_info(const std::string& path) {
@@ -156,7 +184,7 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
                 {"bounds", bounds_json(totals.box)},
                 {"attributes", attributes},
                 {"skipped", info.skipped},
-                {"normals", info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
+                {"normals", info.faces_turned ? "from faces, turned outwards" : info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
                 {"truth", fs::exists(truth_path(info.path))},
                 {"health", {{"not_finite", totals.not_finite}}}};
     if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;

@@ -48,8 +48,7 @@ std::string hex(const XXH128_hash_t& hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
-json file_json(const fs::path& file, const fs::path& shown) {
-    const std::string hash = hash_file(file);  // first: its message names a missing file
+json file_json(const fs::path& file, const fs::path& shown, const std::string& hash) {
     return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"xxh3_128", hash}};
 }
 
@@ -124,6 +123,14 @@ void Stamp::input(const fs::path& file) { inputs_.push_back({file, false}); }
 void Stamp::optional_input(const fs::path& file) { inputs_.push_back({file, true}); }
 void Stamp::depends(const std::string& text) { depends_ += text + "\n"; }
 
+std::string Stamp::hash_of_input(const fs::path& file) const {
+    if (context_.written) {
+        const auto known = context_.written->find(file.string());
+        if (known != context_.written->end()) return known->second;
+    }
+    return hash_file(file);
+}
+
 json Stamp::inputs_json() const {
     if (!hashed_.is_null()) return hashed_;
     hashed_ = json::array();
@@ -131,7 +138,7 @@ json Stamp::inputs_json() const {
         if (input.optional && !fs::exists(input.path))
             hashed_.push_back({{"path", input.path.string()}, {"absent", true}});
         else
-            hashed_.push_back(file_json(input.path, input.path));
+            hashed_.push_back(file_json(input.path, input.path, hash_of_input(input.path)));
     }
     return hashed_;
 }
@@ -159,7 +166,7 @@ std::optional<json> Stamp::up_to_date() const {
     }
 }
 
-json Stamp::commit(const std::vector<fs::path>& outputs, json result) {
+json Stamp::commit(const std::vector<fs::path>& outputs, json result, Outlasts outlasts) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start_;
     json manifest = {{"stage", context_.stage},
                      {"program", program_version()},
@@ -174,10 +181,14 @@ json Stamp::commit(const std::vector<fs::path>& outputs, json result) {
                      {"threads", context_.threads},
                      {"host", host_name()},
                      {"finished", utc_now()}};
-    for (const fs::path& output : outputs)
-        manifest["outputs"].push_back(file_json(output, relative_to(folder_of(manifest_), output)));
+    for (const fs::path& output : outputs) {
+        const std::string hash = hash_file(output);
+        manifest["outputs"].push_back(
+            file_json(output, relative_to(folder_of(manifest_), output), hash));
+        if (context_.written) (*context_.written)[output.string()] = hash;
+    }
     const std::string text = manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
-    write_file_atomically(manifest_.string(), text);
+    write_file_atomically(manifest_.string(), text, outlasts);
     return result;
 }
 

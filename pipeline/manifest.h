@@ -1,5 +1,6 @@
 #pragma once
 
+#include "formats/atomic_file.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/stage.h"
 
@@ -48,7 +49,9 @@ public:
     std::optional<nlohmann::json> up_to_date() const;
 
     /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.
-    nlohmann::json commit(const std::vector<std::filesystem::path>& outputs, nlohmann::json result);
+    /// What stands in a work folder need not outlast a power cut: the hashes show what was lost.
+    nlohmann::json commit(const std::vector<std::filesystem::path>& outputs, nlohmann::json result,
+                          Outlasts outlasts = Outlasts::power_cut);
 
 private:
     struct Input {
@@ -56,6 +59,7 @@ private:
         bool optional;
     };
     nlohmann::json inputs_json() const;
+    std::string hash_of_input(const std::filesystem::path& file) const;
 
     const StageContext& context_;
     std::filesystem::path manifest_;

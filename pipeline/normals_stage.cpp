@@ -6,6 +6,7 @@
 #include "pipeline/sensors.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
+#include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/neighbors/point_tree.h"
 #include "slim/normals/estimate.h"
@@ -196,7 +197,8 @@ NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
-/// number of neighbours counts is decided for all slices together: a job of several measures each.
+/// number of neighbours counts is decided for all slices together: a job of several measures each, up to
+/// the first that is flat here.
 std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<bool>& own,
                                     const SlicePlan& plan) {
     const double rate = kSamples / static_cast<double>(plan.n_points);
@@ -211,8 +213,10 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<
     const NearestSearch search(points.position);
     if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0)};
     std::vector<NoiseVariance> noise;
-    for (const std::size_t k : kNoiseNeighbors)
+    for (const std::size_t k : kNoiseNeighbors) {
         noise.push_back(estimate_noise_variance(search, samples, k));
+        if (noise.back().flatness <= kFlat) break;
+    }
     return noise;
 }
 
@@ -261,11 +265,19 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const NormalsReport report =
         give_normals(points, own, center, config, plan, sensors,
                      was_from_above(config, plan, slice), context.reporter);
-    const std::vector<NoiseVariance> noise = noise_of(points, own, plan);
-    drop_rims(own, points);
+    std::vector<NoiseVariance> noise;
+    if (plan.slices.size() > 1) {
+        noise = noise_of(points, own, plan);
+        drop_rims(own, points);
+    }
+    SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
+                       points.has_scans());
+    // Neither keeps all threads busy: the file system takes one writer at a time.
+    run_both([&] { writer.append(points); },
+             [&] { if (noise.empty()) noise = noise_of(points, own, plan); });
     context.check_stop();
-    write_slice(output.string(), points);
-    return stamp.commit({output}, report_json(report, noise, points.size()));
+    writer.commit();
+    return stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
 }
 
 /// Counts of all slices added up.

@@ -30,6 +30,7 @@ json to_json(const PlanInput& in) {
             {"bad_normals", in.n_bad_normals},
             {"has_normals", in.has_normals},
             {"normals_from_faces", in.normals_from_faces},
+            {"faces_turned", in.faces_turned},
             {"has_scan", in.has_scan},
             {"first_id", in.first_id},
             {"first_scan", in.first_scan}};
@@ -44,6 +45,7 @@ PlanInput input_from(const json& j) {
     j.at("bad_normals").get_to(in.n_bad_normals);
     j.at("has_normals").get_to(in.has_normals);
     j.at("normals_from_faces").get_to(in.normals_from_faces);
+    j.at("faces_turned").get_to(in.faces_turned);
     j.at("has_scan").get_to(in.has_scan);
     j.at("first_id").get_to(in.first_id);
     j.at("first_scan").get_to(in.first_scan);
@@ -109,7 +111,8 @@ std::filesystem::path slice_points_path(const std::filesystem::path& work, std::
 }
 
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
-    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n");
+    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n",
+                          Outlasts::process);
 }
 
 SlicePlan read_plan(const std::filesystem::path& work) {

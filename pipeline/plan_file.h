@@ -19,6 +19,7 @@ struct PlanInput {
     std::uint64_t n_bad_normals = 0;///< not finite: set to zero, "none measured"
     bool has_normals = false;
     bool normals_from_faces = false;
+    bool faces_turned = false;
     bool has_scan = false;
     std::uint64_t first_id = 0;     ///< id of its first point
     std::uint32_t first_scan = 0;   ///< added to its own scan numbers

@@ -9,7 +9,7 @@
 
 namespace slim {
 
-/// How the fit of a job in slices is divided (slim/cover/notes/0003).
+/// How the fit of a job in slices is divided (slim/cover/notes/0005).
 struct FitDivision {
     int first_fine = 1;  ///< levels before it are fitted once for all slices; 1: the job has one slice
     double halo = 0;     ///< a slice sees the points of others so near to its slab, model units

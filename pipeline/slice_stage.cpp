@@ -168,7 +168,8 @@ void make_folder(const fs::path& folder) {
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
         reporter.info(fmt::format("{}: {}, {} points{}", in.path, in.format, in.n_points,
-                                  in.normals_from_faces ? ", normals from its faces"
+                                  in.faces_turned ? ", normals from its faces, which are wound inwards: turned"
+                                  : in.normals_from_faces ? ", normals from its faces"
                                   : in.has_normals      ? ", with normals"
                                                         : ""));
         if (in.n_dropped > 0)
@@ -240,7 +241,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     std::vector<fs::path> outputs{plan_path(work)};
     for (std::size_t i = 0; i < plan.slices.size(); ++i)
         outputs.push_back(slice_points_path(work, i));
-    return stamp.commit(outputs, summary(plan));
+    return stamp.commit(outputs, summary(plan), Outlasts::process);
 }
 
 }  // namespace slim

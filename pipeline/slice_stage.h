@@ -36,7 +36,7 @@ Vec3d choose_origin(const Bbox& world_bounds);
 /// WORK/slice_NNNN/points.slice, ordered by id (the number of the point among all of all inputs, those
 /// dropped included); writes WORK/plan.json last. Returns what the plan says, in short.
 /// throws DataError without a finite point or with a diagonal beyond 1e-12 to 1e12; what the readers throw
-/// cost   memory: a chunk of points, and one open file a slice
+/// cost   memory: a chunk or two of points, and one open file a slice
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context);
 
 }  // namespace slim

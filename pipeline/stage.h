@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,9 @@ struct StageContext {
     std::string config_toml = {};  ///< the whole resolved configuration
     std::string text = {};  ///< if set: printed on stdout instead of the result's values (no --json)
     std::vector<std::string> passed_on = {};  ///< common options for child processes: --threads=2
+    /// Hashes of what the stages of one build wrote into its locked folder, so that none is read
+    /// for its hash again.
+    std::map<std::string, std::string>* written = nullptr;
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
     void check_stop() const;

@@ -107,7 +107,8 @@ const char* kind_name(Field::Kind kind) {
 
 void check_type(const TomlValue& value, const Field& field, const std::string& where) {
     const bool same = value.kind == field.kind() || value.items.empty() ||
-                      (field.kind() == Field::Kind::real && value.kind == Field::Kind::integer);
+                      (field.kind() == Field::Kind::real && value.kind == Field::Kind::integer) ||
+                      (!field.choices.empty() && value.kind == Field::Kind::integer);
     if (same && value.is_list == field.is_list()) return;
     throw ConfigError(fmt::format("{}: expected {}{}, found {}{}", where,
                                   field.is_list() ? "an array, each item " : "",

@@ -84,8 +84,6 @@ nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
             {"inputs", inputs},
             {"rules", fits.rules},
             {"fits", fits.counts},
-            {"weight", "gauss-like, C2 (NUMERICS 2.3)"},
-            {"cover", "B"},
             {"orphans", counts.orphans},
             {"childless", counts.childless}};
 }

@@ -124,21 +124,35 @@ inline void add_to_sums(TileBuffers& t, std::size_t i, const FloatV::mask_type& 
     add_hessian(w);
 }
 
+/// One group's q^ seen from a surfel.
+struct GuessInBall {
+    PixelRays<FloatV> rays;
+    BallRay<FloatV> ball;
+    FloatV guess;               // its parameter on the surfel's local ray
+    FloatV half;                // of the chord in the ball
+    FloatV::mask_type inside;   // lanes whose q^ lies in the ball
+};
+inline GuessInBall guess_in_ball(const DrawRecord& r, const RecordDepths& depth, int tile_y,
+                                 int group, TileBuffers& t) {
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV z = t.z.load(group_index(tile_y, group));
+    const FloatV tau = (z - depth.base) * r.inv_radius * rays.inv_dz;
+    t.counts.distance_tests += kLanes;
+    return {rays, ball, tau + ball.along,
+            stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f))),
+            ball.sq_distance_at(r, rays, tau) < 1.0f};
+}
+
 /// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter
 /// (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel>
 inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, int group,
                   TileBuffers& t) {
     const std::size_t i = group_index(tile_y, group);
-    const PixelRays<FloatV> rays = t.rays(tile_y, group);
-    const BallRay<FloatV> ball = ball_ray(r, rays);
-    const FloatV tau = (t.z.load(i) - depth.base) * r.inv_radius * rays.inv_dz;
-    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
-    t.counts.distance_tests += kLanes;
+    const auto [rays, ball, guess, s, inside] = guess_in_ball(r, depth, tile_y, group, t);
     if (stdx::none_of(inside)) return;
     t.counts.root_tests += static_cast<std::uint64_t>(stdx::popcount(inside));
-    const FloatV s = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
-    const FloatV guess = tau + ball.along;
     const SurfelRay<FloatV> ray = surfel_ray(r, rays, ball);
     const auto root =
         nearest_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray), guess, s, inside);
@@ -160,18 +174,12 @@ inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int til
                         TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = group_index(tile_y, group);
-    const PixelRays<FloatV> rays = t.rays(tile_y, group);
-    const BallRay<FloatV> ball = ball_ray(r, rays);
-    const FloatV tau = (t.z.load(i) - depth.base) * r.inv_radius * rays.inv_dz;
-    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
-    t.counts.distance_tests += kLanes;
+    const auto [rays, ball, guess, half, inside] = guess_in_ball(r, depth, tile_y, group, t);
     if (stdx::none_of(inside)) return;
     t.counts.root_tests += s.n_sheets * static_cast<std::uint64_t>(stdx::popcount(inside));
-    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
-    const FloatV guess = tau + ball.along;
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
     const auto found = best_joined_root<Degree, FloatV>(
-        s, f, -half, half, inside, [&](const FloatV& x) { return stdx::abs(x - guess); });
+        s, f, -half, half, inside, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
     const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
     const auto taken =
         found.root.hit && belongs(found.root.t, guess) && admitted<true>(g, i, t);

@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <charconv>
@@ -50,6 +51,10 @@ void parallel_blocks(std::size_t n, std::size_t grain,
         const std::size_t begin = block * grain;
         body(begin, std::min(n, begin + grain));
     });
+}
+
+void run_both(const std::function<void()>& a, const std::function<void()>& b) {
+    tbb::parallel_invoke(a, b);
 }
 
 }  // namespace slim

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace slim {
 
@@ -25,5 +27,27 @@ private:
 /// for any number of threads, so a result kept per block is deterministic.
 void parallel_blocks(std::size_t n, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+/// std::erase_if, in parallel; `unwanted` may be asked in any order.
+template <class T, class Unwanted>
+void parallel_erase_if(std::vector<T>& values, const Unwanted& unwanted) {
+    constexpr std::size_t kGrain = 16384;
+    const auto at = [&](std::size_t i) { return values.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::vector<std::size_t> kept((values.size() + kGrain - 1) / kGrain);
+    parallel_blocks(values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        const auto last = std::remove_if(at(begin), at(end), unwanted);
+        kept[begin / kGrain] = static_cast<std::size_t>(last - at(begin));
+    });
+    std::size_t n = 0;
+    for (std::size_t b = 0; b < kept.size(); ++b) {
+        if (n < b * kGrain) std::move(at(b * kGrain), at(b * kGrain + kept[b]), at(n));
+        n += kept[b];
+    }
+    values.resize(n);
+}
+
+/// Does two pieces of work, at the same time if there are threads.
+/// throws what either throws, once both have ended
+void run_both(const std::function<void()>& a, const std::function<void()>& b);
 
 }  // namespace slim

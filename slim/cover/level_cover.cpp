@@ -1,15 +1,18 @@
 #include "slim/cover/level_cover.h"
 
 #include "slim/base/parallel.h"
+#include "slim/cover/batch_places.h"
+#include "slim/cover/leaf_maker.h"
+#include "slim/cover/scatter.h"
 #include "slim/model/surfel_tree.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <set>
 
 namespace slim {
@@ -20,68 +23,16 @@ namespace {
 /// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458, 5,837,
 /// 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
-/// Of the diagonal of a bucket of 16 points: a ball with enough for the finest rung.
-constexpr double kGuess = 0.4;
-constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
-constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
-constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
-constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
-constexpr int kMostAttempts = 12;
-constexpr double kSparse = 4;                // over the usual radius: a region so thin is a surface or strays
-constexpr std::uint32_t kFewest = 3;         // points that any leaf may have
-constexpr std::uint32_t kMany = 15;
-constexpr double kResolved = 8;               // over the finest radius: a sample says nothing of finer detail
-constexpr double kWaits = 1e-30;              // a radius that no level accepts
-constexpr double kThickOfSparse = 0.03;       // noise is small against so large a leaf
-constexpr double kNarrowOfFew = 0.06;
-constexpr double kNarrow = 0.2;              // breadth of a leaf whose points are a line (0.5 on a surface)
-constexpr double kThick = 0.15;              // eps / rho of one whose points fill a volume (0.25 at random)
-constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
+constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
-constexpr double kWantedInBall = 240;  // points of a thinning in a ball of the level
+constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
 /// One centre of a batch and what its search found.
-struct Candidate {
-    std::uint32_t point;
-    std::uint32_t center = 0;  // the point that the leaf is centred at: `point`, or one further inwards
-    bool leaf = false;
-    RadiusChoice choice;
-    std::size_t n_sheets = 1;            // of the leaf
-    bool sparse = false;                 // the finest ball is far larger than usual
-    CoveringSurfel surfel;               // of the leaf
-    FittedSurfel internal;               // otherwise
+struct Candidate : LeafCandidate {
+    FittedSurfel internal;               // if it is no leaf
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
-};
-
-struct Workspace {
-    LadderWork ladder;
-    SteadyWork exact;
-    SharpWork<double> sharp;
-    std::size_t searches = 0;
-};
-
-/// Where the centres of a batch stand: none nearer to another than a distance.
-class BatchPlaces {
-public:
-    explicit BatchPlaces(double least_distance) : sq_(least_distance * least_distance) {}
-    void clear() { x_.clear(), y_.clear(), z_.clear(); }
-    /// False, and nothing is added, if p is too near to one that is there. Cost: a pass by lanes.
-    bool add(const Vec3d& p) {
-        unsigned n_near = 0;
-        for (std::size_t i = 0; i < x_.size(); ++i) {
-            const double dx = x_[i] - p.x, dy = y_[i] - p.y, dz = z_[i] - p.z;
-            n_near += dx * dx + dy * dy + dz * dz < sq_ ? 1u : 0u;
-        }
-        if (n_near > 0) return false;
-        x_.push_back(p.x), y_.push_back(p.y), z_.push_back(p.z);
-        return true;
-    }
-
-private:
-    double sq_;
-    std::vector<double> x_, y_, z_;
 };
 
 /// The state of one run; each method is one step of it.
@@ -91,22 +42,19 @@ public:
         : block_(points),
           rules_(rules),
           pyramid_(points, box_of(points), rules.seed, rules.share),
-          ladder_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                  level_radius(rules.diagonal, 1), rules.least_radius, rules.degree,
-                  ladder_rules(rules)),
-          sharp_(pyramid_, {rules.noise_variance, rules.mdl_threshold * rules.diagonal},
-                 level_radius(rules.diagonal, 1 + top_rung(rules)), rules.degree, rules.ladder),
+          leaves_(points, rules, pyramid_),
           weight_(points.size(), 0.0f),
           state_(points.size(), 0),
           stamp_(points.size(), 0),
           radius_(points.size(), 0.0f),
-          place_(points.size()),
-          spacing_(rules.spacing),
-          open_(points.size()) {
+          degree_(points.size(), 0),
+          open_(points.size()),
+          work_([&rules] {
+              LeafWork w;
+              w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
+              return w;
+          }) {
         std::iota(open_.begin(), open_.end(), 0u);
-        if (!(rules.spacing > 0) && points.size() > 0) spacing_ = spacing_here();
-        for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
-            place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
         const std::set<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
         for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
             if (dropped.contains(points.id[i])) state_[i] = kClosed;
@@ -116,7 +64,7 @@ public:
         BallPoints<double> work;
         for (const FittedSurfel& s : rules_.done)
             if (s.flags & kLeaf)
-                mark(covered_points(pyramid_.all(), s, rules_.noise_variance, work));
+                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
         std::size_t open = count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
@@ -124,7 +72,7 @@ public:
             out_.counts.levels = static_cast<std::uint64_t>(level);
             reporter.progress("fit", block_.size() - open, block_.size());
         }
-        for (const Workspace& w : work_) {
+        for (const LeafWork& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
             out_.counts.sharp_rungs += w.ladder.sharp_rungs;
             out_.counts.refinements += w.ladder.refinements;
@@ -135,22 +83,13 @@ public:
     }
 
 private:
-    enum State : std::uint8_t {
+    enum State : std::uint16_t {
         kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16,
         kTwoSheets = 32, kThreeSheets = 64,  // found by an earlier search: two sheets, three
-        kThin = 128
+        kThin = 128,
+        kBeside = 256  // a leaf that is not doubtful lies near
     };
 
-    /// Fine levels know no points beyond their halo: their leaves must not exceed it.
-    static int top_rung(const CoverRules& rules) {
-        return std::max(0, rules.first_level - 1 - rules.rungs_above);
-    }
-    static LadderRules ladder_rules(const CoverRules& rules) {
-        LadderRules ladder = rules.ladder;
-        ladder.top_rung = top_rung(rules);
-        ladder.look_for_edges = rules.sharp;
-        return ladder;
-    }
     static Bbox box_of(const PointBlock& points) {
         Bbox box;
         for (const Vec3d& p : points.position) box.extend(p);
@@ -160,63 +99,53 @@ private:
         if (state_[p] & kClosed) return false;
         return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
     }
+    std::size_t count_open() const {
+        std::atomic<std::size_t> n = 0;
+        parallel_blocks(block_.size(), 65536, [&](std::size_t begin, std::size_t end) {
+            std::size_t own = 0;
+            for (std::size_t p = begin; p < end; ++p)
+                own += is_open(static_cast<std::uint32_t>(p)) ? 1u : 0u;
+            n += own;
+        });
+        return n;
+    }
+    bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
     bool is_kept(const FittedSurfel& f) const {
         const bool is_provisional = f.level == rules_.last_level &&
                                     f.surfel.support_radius <= rules_.provisional;
         return !is_provisional && owns(f.surfel.center);
-    }
-    bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
-    /// By the median of 1,001 buckets' diagonals.
-    double spacing_here() const {
-        const PointTree& tree = pyramid_.all();
-        std::vector<double> sizes;
-        for (std::size_t k = 0; k < 1001; ++k)
-            sizes.push_back(tree.bucket_diagonal(k * (tree.size() - 1) / 1000));
-        std::nth_element(sizes.begin(), sizes.begin() + 500, sizes.end());
-        return kGuess * sizes[500] / kFinestBall;
-    }
-    std::size_t count_open() const {
-        std::size_t n = 0;
-        for (std::uint32_t p = 0; p < block_.size(); ++p) n += is_open(p) ? 1u : 0u;
-        return n;
     }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
     void run_pass(int level, std::size_t thinning, float most_overlap,
                   std::vector<std::uint32_t>& waiting);
     void search(Candidate& c, int level, std::size_t thinning);
-    void sharpen(Candidate& c, const Vec3d& center, Workspace& work) const;
-    void make_internal(Candidate& c, double radius, std::size_t thinning, Workspace& work) const;
-    void make_leaf(Candidate& c, double lower, Workspace& work) const;
-    CoveringSurfel fit_leaf(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
-                            Workspace& work) const;
-    std::optional<double> move_inwards(Candidate& c, double lower, Workspace& work) const;
-    std::optional<std::uint32_t> nearest_point(const Vec3d& p, double radius) const;
+    void make_internal(Candidate& c, double radius, std::size_t thinning, LeafWork& work) const;
     void accept(Candidate& c, int level);
+    void accept_leaf(Candidate& c, int level);
     bool drop(std::uint32_t point);
-    void mark(const std::vector<Covered>& covered);
-    void count(const CoveringSurfel& leaf);
+    void mark(const CoveringSurfel& leaf);
+    bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
     const PointBlock& block_;
     const CoverRules& rules_;
     PointPyramid pyramid_;
-    RadiusLadder ladder_;
-    SharpSearch sharp_;
+    LeafMaker leaves_;
     std::vector<float> weight_;        // sum of G over the leaves so far
-    std::vector<std::uint8_t> state_;  // State flags
+    std::vector<std::uint16_t> state_; // State flags
     std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
-    std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
-    double spacing_;                    // of the job's points, square root of the area that one usually has
+    std::vector<std::uint8_t> degree_; // and the degree that goes with it
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
-    tbb::enumerable_thread_specific<Workspace> work_;
+    tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
 
 /// The coarsest thinning that still has enough points in a usual ball of this radius.
 std::size_t LevelCover::thinning_for(double radius) const {
-    if (!(spacing_ > 0)) return 0;
-    const double n_in_ball = std::numbers::pi * radius * radius / (spacing_ * spacing_);
+    const double spacing = leaves_.spacing();
+    if (!(spacing > 0)) return 0;
+    const double n_in_ball = std::numbers::pi * radius * radius / (spacing * spacing);
     std::size_t t = pyramid_.n_levels() - 1;
     while (t > 0 && n_in_ball * pyramid_.share(t) < kWantedInBall) --t;
     return t;
@@ -224,7 +153,7 @@ std::size_t LevelCover::thinning_for(double radius) const {
 
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-    std::erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
+    parallel_erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting;
     for (auto rank = open_.begin(); rank != end; ++rank)
@@ -251,6 +180,11 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
         batch.clear();
         places.clear();
         for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
+            // Points by priority lie anywhere in memory.
+            const std::uint32_t soon = waiting[std::min(next + kPrefetch, waiting.size() - 1)];
+            __builtin_prefetch(&state_[soon]);
+            __builtin_prefetch(&weight_[soon]);
+            __builtin_prefetch(&stamp_[soon]);
             const std::uint32_t p = waiting[next];
             if (!may_lead(p)) continue;
             if (!is_free(p)) {
@@ -275,183 +209,31 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
     waiting.swap(later);
 }
 
-/// Whether a sample's search was decided by its points, not by their want.
-bool resolves(const RadiusChoice& choice) {
-    return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
-}
-
 void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
-    Workspace& work = work_.local();
-    const Vec3d center = block_.position[c.point];
-    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    LeafWork& work = work_.local();
     c.center = c.point;
+    c.level = level;
     if (radius_[c.point] > 0) {
-        c.choice = {radius_[c.point], (state_[c.point] & kSaturatedTop) != 0,
+        c.choice = {radius_[c.point], degree_[c.point], (state_[c.point] & kSaturatedTop) != 0,
                     (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
         c.sparse = (state_[c.point] & kThin) != 0;
         c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
     } else {
-        const double guess = kGuess * pyramid_.all().bucket_diagonal(place_[c.point]);
-        c.choice = ladder_.choose(center, normal, guess, work.ladder);
-        const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
-        c.sparse = finest > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
-        const bool is_resolved = rules_.share == 1 || resolves(c.choice);
-        if (!is_resolved) c.choice = {kWaits};
-        if (rules_.sharp && is_resolved) sharpen(c, center, work);
-        // Rounded here, so that a search remembered gives the same surfel as a fresh one.
-        c.choice.radius = static_cast<float>(c.choice.radius);
-        ++work.searches;
+        leaves_.choose(c, work);
     }
     const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
     c.leaf = c.choice.radius >= lower && !c.choice.isolated;
     if (c.choice.isolated) return;
-    if (c.leaf) make_leaf(c, lower, work);
+    if (c.leaf) leaves_.make(c, lower, work);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
-CoveringSurfel LevelCover::fit_leaf(const Vec3d& center, const Vec3d& normal,
-                                    const RadiusChoice& choice, Workspace& work) const {
-    // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
-    const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
-    if (lends && (choice.forced || choice.limited))
-        return fit_steady_surfel(pyramid_, center, normal, choice.radius, rules_.degree,
-                                 choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, rules_.degree,
-                      choice.forced, rules_.noise_variance, work.exact.ball);
-}
-
-/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
-/// The exact fit must confirm them, here and not later, so that the smooth choice is still at hand.
-void LevelCover::sharpen(Candidate& c, const Vec3d& center, Workspace& work) const {
-    auto found = sharp_.choose(center, c.choice, work.ladder);
-    if (!found) {
-        const Vec3d normal = normalized(to_double(block_.normal[c.point]));
-        c.choice.radius = static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
-        return;
-    }
-    found->radius = static_cast<float>(found->radius);
-    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.degree,
-                                   rules_.noise_variance, work.exact.ball, work.sharp);
-    if (!fitted) return;
-    c.surfel = std::move(*fitted);
-    c.choice = {found->radius};
-    c.n_sheets = found->n_sheets;
-}
-
-/// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree. A disc among them
-/// would stand in the air.
-/// sparse: the finest ball with enough points is far larger than the cloud's usual one.
-bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
-    const FittedSurfel& f = leaf.fitted;
-    if (f.n_points <= kFewest) return false;
-    // A few points of a surface may look like a line; where the energy chose, a thick leaf is one of noise.
-    const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
-    const double thick = sparse ? kThickOfSparse : kThick;
-    const bool is_thick = (forced || sparse) && f.fit_error > thick * f.surfel.support_radius;
-    const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
-    // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
-    const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
-    return is_line || is_thick || is_torn;
-}
-
-/// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes false if
-/// that is too small for this level: the point waits.
-void LevelCover::make_leaf(Candidate& c, double lower, Workspace& work) const {
-    const Vec3d center = block_.position[c.point];
-    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
-    if (c.n_sheets > 1) {
-        if (!c.surfel.fitted.surfel.sharp)  // the choice was made at an earlier level
-            c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
-                                         rules_.degree, rules_.noise_variance, work.exact.ball,
-                                         work.sharp);
-        return;
-    }
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        c.surfel = fit_leaf(center, normal, c.choice, work);
-        if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
-            if (rules_.share < 1) c.choice.radius = kWaits;
-            c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
-            c.leaf = c.choice.radius >= lower;
-            if (!c.leaf) return;
-            continue;
-        }
-        if (c.sparse && c.surfel.fitted.n_points <= kFewest) {  // strays, scattered in the air
-            c.choice.isolated = rules_.share == 1;
-            c.leaf = false;
-            return;
-        }
-        if (length(c.surfel.lean) <= kBorder) return;
-        const std::optional<double> smaller = move_inwards(c, lower, work);
-        if (c.choice.forced) return;
-        const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
-        if (!smaller && !at_corner) return;
-        // A corner's leaf that cannot move inwards is tried at the next rung.
-        c.choice.radius = static_cast<float>(smaller.value_or(kGoldenRatio * c.choice.radius));
-        c.choice.saturated = false;
-        c.leaf = c.choice.radius >= lower;
-        if (!c.leaf) return;
-    }
-}
-
-/// Index in the full tree of the point nearest to p within a radius.
-std::optional<std::uint32_t> LevelCover::nearest_point(const Vec3d& p, double radius) const {
-    std::optional<std::uint32_t> best;
-    double best_sq = radius * radius;
-    const PointTree& tree = pyramid_.all();
-    tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
-        for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
-            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} - p);
-            if (sq >= best_sq) continue;
-            best_sq = sq;
-            best = static_cast<std::uint32_t>(first + k);
-        }
-    });
-    return best;
-}
-
-/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that covers the
-/// border point as well reaches beyond it by a quarter of that only; it takes the leaf's place if its
-/// own radius allows it. If the radius there is smaller, the border must not have a larger one (a corner sees
-/// a quarter of the data only): that radius is returned.
-/// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
-std::optional<double> LevelCover::move_inwards(Candidate& c, double lower, Workspace& work) const {
-    const Vec3d from = block_.position[c.point];
-    const double rho = c.surfel.fitted.surfel.support_radius;
-    const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
-    const auto place = nearest_point(target, 0.5 * kInwards * rho);
-    if (!place) return {};
-    const PointTree& tree = pyramid_.all();
-    const Vec3d center = tree.position(*place);
-    const Vec3d normal = normalized(to_double(tree.normal(*place)));
-    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
-    const RadiusChoice choice =
-        ladder_.choose(center, normal, kGuess * tree.bucket_diagonal(*place), work.ladder);
-    ++work.searches;
-    // Never larger than at the border: it still stands near it.
-    const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
-    if (choice.forced) return {};
-    if (radius < kClearlySmaller * rho) return radius;
-    if (radius < lower || length(center - from) > 0.5 * radius) return {};
-    RadiusChoice moved_choice = choice;
-    moved_choice.radius = radius;
-    CoveringSurfel moved = fit_leaf(center, normal, moved_choice, work);
-    const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
-    if (!moved.explains_center ||
-        std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
-        return {};
-    c.surfel = std::move(moved);
-    c.choice.saturated =
-        choice.saturated && radius == static_cast<double>(static_cast<float>(choice.radius));
-    c.center = tree.source(*place);
-    return {};
-}
-
 void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
-                               Workspace& work) const {
+                               LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.degree, false,
+    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
                                   rules_.noise_variance, work.exact.ball);
     c.internal = s.fitted;
     gather_ball(tree, center, radius, work.exact.ball);
@@ -461,6 +243,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
+    degree_[c.point] = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) state_[c.point] |= kForced;
     if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
     if (c.choice.limited) state_[c.point] |= kLimited;
@@ -481,11 +264,14 @@ void LevelCover::accept(Candidate& c, int level) {
         stamp_[c.point] = static_cast<std::uint8_t>(level);
         return;
     }
+    accept_leaf(c, level);
+}
+
+void LevelCover::accept_leaf(Candidate& c, int level) {
     if (!c.surfel.explains_center) {
         out_.counts.unexplained += drop(c.point);
         return;
     }
-    state_[c.point] |= kClosed;
     FittedSurfel& f = c.surfel.fitted;
     f.level = static_cast<std::uint8_t>(level);
     // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
@@ -493,58 +279,45 @@ void LevelCover::accept(Candidate& c, int level) {
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
-    mark(c.surfel.covered);
+    if (is_raw() && (state_[c.point] & kBeside) && is_doubtful(f, rules_.noise_variance)) {
+        out_.counts.beside += drop(c.point);
+        return;
+    }
+    state_[c.point] |= kClosed;
+    mark(c.surfel);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
-    count(c.surfel);
+    out_.counts.add_leaf(c.surfel);
+    out_.counts.contrary += c.choice.limited;
     out_.surfels.push_back(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
 bool LevelCover::drop(std::uint32_t point) {
     state_[point] |= kClosed;
-    if (rules_.share < 1 || !owns(block_.position[point])) return false;
+    if (rules_.is_sample() || !owns(block_.position[point])) return false;
     out_.dropped.push_back(block_.id[point]);
     return true;
 }
 
-void LevelCover::mark(const std::vector<Covered>& covered) {
-    for (const Covered& p : covered) {
-        weight_[p.point] += p.weight;
+void LevelCover::mark(const CoveringSurfel& leaf) {
+    const Surfel& surfel = leaf.fitted.surfel;
+    const double sq_radius = surfel.support_radius * surfel.support_radius;
+    const auto overlap = [&](const Covered& p) {
+        if (rules_.reading == CoverReading::b) return p.weight;
+        const double sq = sq_length(block_.position[p.point] - surfel.center) / sq_radius;
+        return overlap_weight(rules_.reading, static_cast<float>(sq));
+    };
+    for (const Covered& p : leaf.covered) {
+        weight_[p.point] += overlap(p);
         if (p.in_core) state_[p.point] |= kCore;
     }
-}
-
-void LevelCover::count(const CoveringSurfel& leaf) {
-    CoverCounts& counts = out_.counts;
-    ++counts.leaves;
-    counts.saturated += (leaf.fitted.flags & kSaturated) != 0;
-    counts.forced += (leaf.fitted.flags & slim::kForced) != 0;
-    counts.normals_disagree += leaf.normals_disagree;
-    counts.sharp_edges += leaf.fitted.surfel.n_sheets() == 2;
-    counts.sharp_corners += leaf.fitted.surfel.n_sheets() == 3;
-    ++counts.fallbacks[static_cast<std::size_t>(leaf.fallback)];
-    ++counts.degrees[static_cast<std::size_t>(leaf.fitted.surfel.degree)];
+    if (!is_raw() || is_doubtful(leaf.fitted, rules_.noise_variance)) return;
+    for (const Covered& p : leaf.covered) state_[p.point] |= kBeside;
+    for (const std::uint32_t p : leaf.beside) state_[p] |= kBeside;
 }
 
 }  // namespace
-
-double level_radius(double diagonal, int level) {
-    return diagonal / 10 * std::pow(kGoldenRatio, level - 1);
-}
-
-CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
-    leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
-    saturated += b.saturated, forced += b.forced, normals_disagree += b.normals_disagree;
-    unexplained += b.unexplained, isolated += b.isolated;
-    sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
-    recentred += b.recentred;
-    evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
-    refinements += b.refinements, point_visits += b.point_visits;
-    for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];
-    for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] += b.degrees[i];
-    return *this;
-}
 
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
     return LevelCover(points, rules).run(reporter);

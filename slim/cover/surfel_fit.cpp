@@ -12,6 +12,8 @@ namespace {
 constexpr float kAtCenter = 0.9999999f;
 constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
+constexpr double kBeside = 9;     // up to this many sqrt(lambda): beside it; rims scatter so far
+constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
 /// right; left open they would become centres of their own and speckle a curvature map.
@@ -31,25 +33,30 @@ bool faces_away(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
     return dot(g, normal) < static_cast<double>(kOtherSideCos) * length(g);
 }
 
-/// The ball's points that the surfel explains. Other sheets' points have sq = 2 and are passed over.
-std::vector<Covered> list_covered(const PointTree& tree, const BallPoints<double>& ball,
-                                  const FittedSurfel& fitted, double noise_variance) {
-    const Surfel& s = fitted.surfel;
-    const double tolerance =
-        std::min(kExplained * std::max(fitted.fit_error, std::sqrt(noise_variance)) /
-                     s.support_radius,
-                 kBelongs);
-    std::vector<Covered> covered;
+/// Lists the ball's points that the surfel explains and those beside it. Other sheets' points have
+/// sq = 2 and are passed over.
+void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
+                  CoveringSurfel& out) {
+    const Surfel& s = out.fitted.surfel;
+    const double noise = std::sqrt(noise_variance);
+    const double tolerance = std::min(
+        kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
+    const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
     for (std::size_t i = 0; i < ball.n; ++i) {
         if (ball.sq[i] >= 1) continue;
         const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
-        if (!(std::abs(s.value(x)) <= tolerance)) continue;
+        const double off = std::abs(s.value(x));
+        if (!(off <= std::max(tolerance, beside))) continue;
         if (s.sharp && faces_away(s, x, {ball.nx[i], ball.ny[i], ball.nz[i]})) continue;
-        covered.push_back({tree.source(ball.index[i]),
-                           static_cast<float>(weight_kernel(ball.sq[i])),
-                           ball.sq[i] < kTrim * kTrim});
+        const std::uint32_t point = tree.source(ball.index[i]);
+        if (off <= tolerance)
+            out.covered.push_back({point, static_cast<float>(weight_kernel(ball.sq[i])),
+                                   ball.sq[i] < kTrim * kTrim});
+        else
+            out.beside.push_back(point);
     }
-    return covered;
+    // The heaviest weight is G(0) = 1, which only points at the centre have.
+    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
 }
 
 /// Weighted mean of the points that take part, along the tangent plane; 0.2 at a straight border.
@@ -99,6 +106,8 @@ BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d
     out.fit = fit_ball(ball, 1, out.frame, forced ? 1 : degree);
     for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
         out.fit = fit_ball(ball, 1, out.frame, d);
+    if (out.fit.fallback == Fallback::none && out.fit.degree < degree)
+        out.fit.fallback = Fallback::lower_explains;
     return out;
 }
 
@@ -115,9 +124,7 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = ball_fit.normals_disagree;
-    out.covered = list_covered(points, ball, out.fitted, noise_variance);
-    // The heaviest weight is G(0) = 1, which only points at the centre have.
-    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
+    list_covered(points, ball, noise_variance, out);
     return out;
 }
 
@@ -138,6 +145,7 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
                                  noise_variance, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
+    if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;
     return cover_by(points.all(), center, fit, noise_variance, work.ball);
 }
 
@@ -152,20 +160,23 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
     out.fitted.surfel = fit->surfel(center, choice.radius);
     out.fitted.fit_error = std::sqrt(fit->sq_error);
     out.fitted.n_points = static_cast<std::uint32_t>(fit->n_points);
-    out.covered = list_covered(points, ball, out.fitted, noise_variance);
-    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
+    list_covered(points, ball, noise_variance, out);
     if (!out.explains_center) return std::nullopt;
     return out;
 }
 
-std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& fitted,
-                                    double noise_variance, BallPoints<double>& ball) {
+CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& fitted,
+                           double noise_variance, BallPoints<double>& ball) {
+    CoveringSurfel out;
+    out.fitted = fitted;
     gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
-    if (fitted.surfel.sharp) return list_covered(points, ball, fitted, noise_variance);
-    std::vector<SetAside<double>> aside;
-    set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
-    take_back(ball, fitted.surfel.frame.normal, aside);
-    return list_covered(points, ball, fitted, noise_variance);
+    if (!fitted.surfel.sharp) {
+        std::vector<SetAside<double>> aside;
+        set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
+        take_back(ball, fitted.surfel.frame.normal, aside);
+    }
+    list_covered(points, ball, noise_variance, out);
+    return out;
 }
 
 }  // namespace slim

@@ -25,6 +25,8 @@ struct Covered {
 struct CoveringSurfel {
     FittedSurfel fitted;
     std::vector<Covered> covered;
+    /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
+    std::vector<std::uint32_t> beside;
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line
@@ -59,8 +61,9 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
                                                double noise_variance, BallPoints<double>& work,
                                                SharpWork<double>& sharp);
 
-/// The tree's points that a surfel made elsewhere covers, by the same rule.
-std::vector<Covered> covered_points(const PointTree& points, const FittedSurfel& surfel,
-                                    double noise_variance, BallPoints<double>& work);
+/// A surfel made elsewhere and the tree's points that it covers and has beside it, by the same
+/// rules; the rest is left as it is by default.
+CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& surfel,
+                           double noise_variance, BallPoints<double>& work);
 
 }  // namespace slim

@@ -27,35 +27,37 @@ void pad(BallPoints<T>& out) {
 }
 
 using DoubleV = stdx::native_simd<double>;
+constexpr std::size_t kGroup = DoubleV::size();
 constexpr std::size_t kBucket = PointBucket::kSize;
 
-/// A bucket's points relative to a centre, times a scale.
-struct alignas(64) Offsets {
-    double x[kBucket], y[kBucket], z[kBucket], sq[kBucket];
+/// A group of a bucket's points relative to a centre, times a scale.
+struct Offsets {
+    DoubleV x, y, z, sq;
 
-    /// Returns bit i: point i is nearer than 1.
-    std::uint32_t fill(const PointBucket& b, const Vec3d& c, double scale) {
-        std::uint32_t inside = 0;
-        for (std::size_t i = 0; i < kBucket; i += DoubleV::size()) {
-            const DoubleV dx = (DoubleV(b.x + i, stdx::vector_aligned) - c.x) * scale;
-            const DoubleV dy = (DoubleV(b.y + i, stdx::vector_aligned) - c.y) * scale;
-            const DoubleV dz = (DoubleV(b.z + i, stdx::vector_aligned) - c.z) * scale;
-            const DoubleV s = dx * dx + dy * dy + dz * dz;
-            dx.copy_to(x + i, stdx::vector_aligned), dy.copy_to(y + i, stdx::vector_aligned);
-            dz.copy_to(z + i, stdx::vector_aligned), s.copy_to(sq + i, stdx::vector_aligned);
-            inside |= static_cast<std::uint32_t>(lane_bits(s < 1.0)) << i;
-        }
-        return inside;
-    }
+    Offsets(const PointBucket& b, std::size_t i, const Vec3d& c, double scale)
+        : x((DoubleV(b.x + i, stdx::vector_aligned) - c.x) * scale),
+          y((DoubleV(b.y + i, stdx::vector_aligned) - c.y) * scale),
+          z((DoubleV(b.z + i, stdx::vector_aligned) - c.z) * scale),
+          sq(x * x + y * y + z * z) {}
 };
 
+/// Adds the points of a group whose bits are set; `first` is the index of its first in the tree.
 template <class T>
-void take(const PointBucket& b, const Offsets& d, std::size_t i, std::size_t first, std::size_t n,
-          BallPoints<T>& out) {
-    out.x[n] = static_cast<T>(d.x[i]), out.y[n] = static_cast<T>(d.y[i]);
-    out.z[n] = static_cast<T>(d.z[i]), out.sq[n] = static_cast<T>(d.sq[i]);
-    out.nx[n] = b.nx[i], out.ny[n] = b.ny[i], out.nz[n] = b.nz[i];
-    out.index[n] = static_cast<std::uint32_t>(first + i);
+void take(const PointBucket& b, std::size_t i, const Offsets& d, std::uint64_t inside,
+          std::size_t first, BallPoints<T>& out) {
+    const auto put = [&](const DoubleV& from, std::vector<T>& to) {
+        compress_to<T>(stdx::static_simd_cast<LanesOfDouble<T>>(from), inside, &to[out.n]);
+    };
+    const auto copy = [&](const float* from, std::vector<float>& to) {
+        compress_to<float>(LanesOfDouble<float>(from + i, stdx::vector_aligned), inside, &to[out.n]);
+    };
+    put(d.x, out.x), put(d.y, out.y), put(d.z, out.z), put(d.sq, out.sq);
+    copy(b.nx, out.nx), copy(b.ny, out.ny), copy(b.nz, out.nz);
+    const LanesOfDouble<std::uint32_t> index([&](auto lane) {
+        return static_cast<std::uint32_t>(first + lane);
+    });
+    compress_to<std::uint32_t>(index, inside, &out.index[out.n]);
+    out.n += static_cast<std::size_t>(std::popcount(inside));
 }
 
 }  // namespace
@@ -64,15 +66,14 @@ template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
-    Offsets offsets;
     // Centred in doubles, then scaled.
     tree.for_buckets_in_ball(c, radius, [&](std::size_t first, const PointBucket& bucket) {
-        std::uint32_t inside = offsets.fill(bucket, c, 1 / radius);
-        if (inside == 0) return;
-        reserve_points(out, out.n + kBucket);
-        for (; inside != 0; inside &= inside - 1)
-            take(bucket, offsets, static_cast<std::size_t>(std::countr_zero(inside)), first,
-                 out.n++, out);
+        reserve_points(out, out.n + 2 * kBucket);
+        for (std::size_t i = 0; i < kBucket; i += kGroup) {
+            const Offsets offsets(bucket, i, c, 1 / radius);
+            const std::uint64_t inside = lane_bits(offsets.sq < 1.0);
+            if (inside != 0) take(bucket, i, offsets, inside, first + i, out);
+        }
     });
     pad(out);
 }
@@ -82,23 +83,26 @@ template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<dou
 
 void list_sq_distances(const PointTree& tree, const Vec3d& c, double radius,
                        std::vector<double>& out) {
-    out.clear();
     const double sq_radius = radius * radius;
-    Offsets offsets;
+    std::size_t n = 0;
     tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
-        offsets.fill(bucket, c, 1);
-        for (const double sq : offsets.sq)
-            if (sq < sq_radius) out.push_back(sq);
+        if (out.size() < n + 2 * kBucket) out.resize(2 * (n + 2 * kBucket));
+        for (std::size_t i = 0; i < kBucket; i += kGroup) {
+            const Offsets offsets(bucket, i, c, 1);
+            const std::uint64_t inside = lane_bits(offsets.sq < sq_radius);
+            compress_to<double>(offsets.sq, inside, &out[n]);
+            n += static_cast<std::size_t>(std::popcount(inside));
+        }
     });
+    out.resize(n);
 }
 
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
                           std::size_t enough) {
     std::size_t n = 0;
-    Offsets offsets;
     tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
-        if (n < enough)
-            n += static_cast<std::size_t>(std::popcount(offsets.fill(bucket, c, 1 / radius)));
+        for (std::size_t i = 0; i < kBucket && n < enough; i += kGroup)
+            n += static_cast<std::size_t>(stdx::popcount(Offsets(bucket, i, c, 1 / radius).sq < 1.0));
     });
     return std::min(n, enough);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/simd.h"
+#include "slim/model/weight_kernel.h"
 #include "slim/neighbors/point_tree.h"
 
 #include <cstdint>
@@ -18,6 +19,7 @@ struct BallPoints {
     std::vector<std::uint32_t> index;  ///< in the tree they came from
     std::size_t n = 0;              ///< without padding
     double radius = 0;
+    FitWeight weight = FitWeight::gauss;  ///< that fits to it use; gathering leaves it as it is
 
     std::size_t padded() const {
         constexpr std::size_t lanes = stdx::native_simd<T>::size();

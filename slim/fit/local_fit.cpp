@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -27,7 +28,7 @@ Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
     double weight = 0;
     for (int pass = 0; pass < 2; ++pass) {
         for (std::size_t i = 0; i < p.n; ++i) {
-            const double g = weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink));
+            const double g = fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink));
             const Eigen::Vector3d x(p.x[i], p.y[i], p.z[i]);
             if (pass == 0)
                 mean += g * x, weight += g;
@@ -49,7 +50,7 @@ double residual_pass(const BallPoints<T>& p, double shrink, const Frame<double>&
     for (std::size_t i = 0; i < p.n; ++i) {
         const Vec3d x = f.local_from_world(Vec3d{p.x[i], p.y[i], p.z[i]});
         const double r = x.z - gather_scaled.value(x.x, x.y);
-        rss += weight_kernel(static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
+        rss += fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink)) * r * r;
     }
     return rss;
 }
@@ -78,19 +79,47 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
     return fit;
 }
 
-template <int Degree, class T>
-LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
-    const auto m = accumulate_moments<Degree>(points, frame, shrink);
-    const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
+/// What a term of a degree takes off sum G w^2 by fitting noise alone, over sum G^2 / sum G and the
+/// noise's variance: terms of higher degree live where G is small. Disc averages under G (notes/0005).
+constexpr double kNoiseOfTerm[] = {1, 0.5182, 0.3715, 0.3064, 0.2694};
+
+/// Fills in what the next degree would find.
+void look_ahead(const NestedCholesky& solver, double weight, double radius, LocalFit& fit) {
+    const int next = fit.degree + 1;
+    if (fit.degree < 1 || solver.rank_degree() < next) return;
+    const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
+    fit.sq_missed = radius * radius * solver.sq_gain(next) / weight - noise * (next + 1);
+    fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
+}
+
+/// What one pass over a ball gives: sums, and one factor that serves every degree.
+template <int MomentDegree>
+struct BallSolution {
+    Moments<MomentDegree> moments;
+    NestedCholesky solver;
+    std::size_t n;  // points within the fit's radius
+};
+
+template <int MomentDegree, class T>
+BallSolution<MomentDegree> solve_ball(const BallPoints<T>& points, double shrink,
+                                      const Frame<double>& frame) {
+    const auto m = accumulate_moments<MomentDegree>(points, frame, shrink);
     std::size_t n = 0;
     const T limit = static_cast<T>(shrink * shrink);
     for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
+    return {m, NestedCholesky(MomentDegree, m.monomial, m.height, m.sq_height), n};
+}
 
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
+template <int MomentDegree, class T>
+LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
+                       const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    const auto& [m, solver, n] = solution;
+    const bool looks_ahead = MomentDegree > degree;
     LocalFit fit;
     Fallback cause = Fallback::none;
-    int degree = Degree;
     const double n_eff = m.n_effective();
-    const auto has_points_for = [&](int d) {
+    const auto has_points_for = [&, n = n](int d) {
         const int k = n_coefficients(d);
         return n >= 2 * static_cast<std::size_t>(k) && n_eff >= k + kLeastFreedom;
     };
@@ -111,9 +140,16 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
     }
     if (degree < 1) fit = mean_plane(m, shrink, points.radius), cause = Fallback::plane;
     fit.fallback = cause;
-    fit.n_effective = m.n_effective();
+    fit.n_effective = n_eff;
     fit.n_points = n;
+    if (looks_ahead) look_ahead(solver, m.weight(), points.radius, fit);
     return fit;
+}
+
+template <int Degree, int MomentDegree, class T>
+LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+    return fit_of_degree(solve_ball<MomentDegree>(points, shrink, frame), Degree, points, shrink,
+                         frame);
 }
 
 }  // namespace
@@ -125,22 +161,28 @@ bool too_steep(const Polynomial<double>& p) {
 }
 
 const char* fallback_name(Fallback fallback) {
-    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank", "steep", "plane"};
+    constexpr const char* names[kFallbacks] = {"none", "few_points", "rank",
+                                                 "steep", "plane", "lower_explains"};
     return names[static_cast<std::size_t>(fallback)];
 }
 
 template <class T>
 BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
-    const Vec3f s = to_float(side);
-    const T to_fit = static_cast<T>(1 / (shrink * shrink));
-    Vec3d sum;
-    double weight = 0;
-    for (std::size_t i = 0; i < p.n; ++i) {
-        const bool same = p.nx[i] * s.x + p.ny[i] * s.y + p.nz[i] * s.z > 0;
-        const double g = same ? static_cast<double>(weight_kernel(p.sq[i] * to_fit)) : 0.0;
-        sum += Vec3d{p.nx[i], p.ny[i], p.nz[i]} * g;
-        weight += g;
+    using V = stdx::native_simd<T>;
+    const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
+    const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
+    const V to_fit = V(T(1 / (shrink * shrink)));
+    Vec3<V> lane_sum{V(T(0)), V(T(0)), V(T(0))};
+    V lane_weight = T(0);
+    for (std::size_t i = 0; i < p.padded(); i += V::size()) {
+        const V nx = lanes(p.nx, i), ny = lanes(p.ny, i), nz = lanes(p.nz, i);
+        const auto same = nx * s.x + ny * s.y + nz * s.z > T(0);
+        const V g = select(same, fit_weight(p.weight, lanes(p.sq, i) * to_fit), V(T(0)));
+        lane_sum.x += g * nx, lane_sum.y += g * ny, lane_sum.z += g * nz;
+        lane_weight += g;
     }
+    const Vec3d sum{stdx::reduce(lane_sum.x), stdx::reduce(lane_sum.y), stdx::reduce(lane_sum.z)};
+    const double weight = stdx::reduce(lane_weight);
     const double len = length(sum);
     if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
     const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
@@ -151,14 +193,22 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
 
 template <class T>
 void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
+    using V = LanesOfDouble<float>;
+    const auto lanes = [](const std::vector<float>& a, std::size_t i) {
+        return V(&a[i], stdx::element_aligned);
+    };
     const Vec3f n = to_float(normal);
     out.clear();
-    for (std::size_t i = 0; i < p.n; ++i) {
-        const float cosine = p.nx[i] * n.x + p.ny[i] * n.y + p.nz[i] * n.z;
-        const bool measured = p.nx[i] != 0 || p.ny[i] != 0 || p.nz[i] != 0;
-        if (!measured || cosine >= kLeastCos) continue;
-        out.push_back({i, p.sq[i]});
-        p.sq[i] = T(2);
+    // Padding has no normal.
+    for (std::size_t first = 0; first < p.padded(); first += V::size()) {
+        const V nx = lanes(p.nx, first), ny = lanes(p.ny, first), nz = lanes(p.nz, first);
+        const auto measured = nx != 0.0f || ny != 0.0f || nz != 0.0f;
+        const auto contrary = measured && nx * n.x + ny * n.y + nz * n.z < kLeastCos;
+        for (std::uint64_t bits = lane_bits(contrary); bits != 0; bits &= bits - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+            out.push_back({i, p.sq[i]});
+            p.sq[i] = T(2);
+        }
     }
 }
 
@@ -177,9 +227,27 @@ std::size_t count_off_sheet(const BallPoints<T>& p, std::span<const SetAside<T>>
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree) {
-    if (degree <= 1) return fit_degree<1>(points, shrink, frame);
-    if (degree == 2) return fit_degree<2>(points, shrink, frame);
-    return fit_degree<3>(points, shrink, frame);
+    if (degree <= 1) return fit_degree<1, 1>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 2>(points, shrink, frame);
+    return fit_degree<3, 3>(points, shrink, frame);
+}
+
+template <class T>
+LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                        int degree) {
+    if (degree <= 1) return fit_degree<1, 2>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 3>(points, shrink, frame);
+    return fit_degree<3, 4>(points, shrink, frame);
+}
+
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame) {
+    const auto solution = solve_ball<kMaxDegree + 1>(points, shrink, frame);
+    std::array<LocalFit, kMaxDegree> fits;
+    for (int d = 1; d <= kMaxDegree; ++d)
+        fits[static_cast<std::size_t>(d - 1)] = fit_of_degree(solution, d, points, shrink, frame);
+    return fits;
 }
 
 template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
@@ -192,5 +260,10 @@ template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const 
                                      const Frame<double>&, const LocalFit&, double);
 template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<float>&, double,
+                                                           const Frame<double>&);
+template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
+                                                           const Frame<double>&);
+template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

@@ -4,6 +4,7 @@
 #include "slim/fit/ball_points.h"
 #include "slim/model/polynomial.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,9 +12,10 @@
 
 namespace slim {
 
-/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried.
-enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane };
-inline constexpr std::size_t kFallbacks = 5;
+/// Why a fit has a lower degree than asked (NUMERICS 2.4), in the order they are tried; the last of forced
+/// leaves, which take the lowest degree that explains their points.
+enum class Fallback : std::uint8_t { none, few_points, rank, steep, plane, lower_explains };
+inline constexpr std::size_t kFallbacks = 6;
 const char* fallback_name(Fallback fallback);
 
 /// A height field fitted to one ball.
@@ -21,6 +23,9 @@ struct LocalFit {
     Polynomial<double> polynomial;  ///< in the fit's frame, coordinates divided by its radius
     int degree = 0;
     double sq_error = 0;     ///< eps^2, unbiased: weighted mean squared residual / (1 - K / n_eff), length^2
+    /// What the terms of the next degree would take off eps^2 beyond the share of them that noise
+    /// explains, and the standard error of that (length^2; fit_ball_ahead alone fills them in). May be negative.
+    double sq_missed = 0, sq_missed_error = 0;
     double n_effective = 0;  ///< (sum G)^2 / sum G^2
     std::size_t n_points = 0;
     Fallback fallback = Fallback::none;
@@ -67,6 +72,19 @@ std::size_t count_off_sheet(const BallPoints<T>& points, std::span<const SetAsid
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                   int degree);
+
+/// fit_ball that also looks at the terms of the next degree, in the same pass and factor (notes/0005).
+/// Cost: the sums of the next degree.
+template <class T>
+LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                        int degree);
+
+/// fit_ball_ahead of degrees 1, 2 and 3 (places 0, 1, 2) from one pass and one factor (NUMERICS 2.2); a place
+/// whose fit has a lower degree than its own fell back to it.
+/// Cost: that of degree 3, and a residual pass for each degree whose residual is lost to cancellation.
+template <class T>
+std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
+                                                  const Frame<double>& frame);
 
 /// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
 bool too_steep(const Polynomial<double>& polynomial);

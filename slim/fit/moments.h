@@ -85,7 +85,7 @@ Moments<Degree> accumulate_moments(const BallPoints<T>& points, const Frame<doub
     for (std::size_t i = 0; i < points.padded(); i += V::size()) {
         const V x(&points.x[i], stdx::element_aligned), y(&points.y[i], stdx::element_aligned),
             z(&points.z[i], stdx::element_aligned), sq(&points.sq[i], stdx::element_aligned);
-        const V g = weight_kernel(sq * to_fit);
+        const V g = fit_weight(points.weight, sq * to_fit);
         lanes.add(g, eu.x * x + eu.y * y + eu.z * z, ev.x * x + ev.y * y + ev.z * z,
                   en.x * x + en.y * y + en.z * z);
         if (++groups == 16) {

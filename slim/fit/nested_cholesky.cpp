@@ -7,6 +7,7 @@ namespace slim {
 namespace {
 
 constexpr double kLeastPivot = 1e-6;
+constexpr std::size_t kMostTerms = n_coefficients(kMaxDegree + 1);
 
 /// Exponent of v of basis function k, and its degree.
 struct Exponents {
@@ -26,9 +27,9 @@ constexpr std::size_t index_of_product(std::size_t i, std::size_t j) {
 }
 
 constexpr auto make_product_table() {
-    std::array<std::array<std::uint8_t, kMaxCoefficients>, kMaxCoefficients> table{};
-    for (std::size_t i = 0; i < kMaxCoefficients; ++i)
-        for (std::size_t j = 0; j < kMaxCoefficients; ++j)
+    std::array<std::array<std::uint8_t, kMostTerms>, kMostTerms> table{};
+    for (std::size_t i = 0; i < kMostTerms; ++i)
+        for (std::size_t j = 0; j < kMostTerms; ++j)
             table[i][j] = static_cast<std::uint8_t>(index_of_product(i, j));
     return table;
 }
@@ -69,6 +70,14 @@ double NestedCholesky::sq_residual(int degree) const {
     for (int i = 0; i < n_coefficients(degree); ++i)
         rss -= y_[static_cast<std::size_t>(i)] * y_[static_cast<std::size_t>(i)];
     return std::max(rss, 0.0);
+}
+
+double NestedCholesky::sq_gain(int degree) const {
+    double gain = 0;
+    for (auto i = static_cast<std::size_t>(n_coefficients(degree - 1));
+         i < static_cast<std::size_t>(n_coefficients(degree)); ++i)
+        gain += y_[i] * y_[i];
+    return gain;
 }
 
 std::array<double, kMaxCoefficients> NestedCholesky::coefficients(int degree) const {

@@ -16,7 +16,7 @@ std::size_t product_index(std::size_t i, std::size_t j);
 /// (NUMERICS 2.2).
 ///
 /// Solves min sum G (w - phi^T a)^2 for all degrees up to `degree`, from sums in basis order
-/// (`monomials`: n_coefficients(2 degree) of them). A block of equal degree whose pivots in the matrix
+/// (`monomials`: n_coefficients(2 degree) of them; degree up to 4). A block of equal degree whose pivots in the matrix
 /// scaled to unit diagonal fall below 1e-6 is dropped whole (NUMERICS 2.4, rule 2).
 class NestedCholesky {
 public:
@@ -24,6 +24,8 @@ public:
                    double sq_height);
     int rank_degree() const { return rank_degree_; }
     double sq_residual(int degree) const;
+    /// What the terms of one degree take off the residual of the degrees below, <= rank_degree().
+    double sq_gain(int degree) const;
     std::array<double, kMaxCoefficients> coefficients(int degree) const;
     /// Diagonal of A^-1, A the block of `degree`: times the variance of the heights' noise (and
     /// sum G^2 / sum G) it is the variance of the coefficients.
@@ -31,10 +33,12 @@ public:
 
 private:
     int rank_degree_ = -1;  ///< -1: not even a constant (no weight)
+    /// Room for the degree beyond a cubic that fit_ball_ahead looks at.
+    static constexpr int kMost = n_coefficients(kMaxDegree + 1);
     double sq_height_;
-    std::array<std::array<double, kMaxCoefficients>, kMaxCoefficients> factor_{};
-    std::array<double, kMaxCoefficients> y_{};
-    std::array<double, kMaxCoefficients> scale_{};
+    std::array<std::array<double, kMost>, kMost> factor_{};
+    std::array<double, kMost> y_{};
+    std::array<double, kMost> scale_{};
 };
 
 }  // namespace slim

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
+constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -41,7 +42,8 @@ double RadiusLadder::rung_radius(int rung) const {
 }
 
 std::size_t RadiusLadder::least_points() const {
-    const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(degree_));
+    const int least_degree = rules_.choose_degree ? kLeastChosen : degree_;
+    const double wanted = std::ceil(rules_.points_per_coefficient * n_coefficients(least_degree));
     return std::min(static_cast<std::size_t>(wanted), points_.all().size());
 }
 
@@ -56,10 +58,13 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
         list_sq_distances(points_.all(), center, rung_radius(rung), work.sq_distances);
     } while (work.sq_distances.size() < enough && --rung >= coarsest_tried());
     if (work.sq_distances.size() < enough) return rung;
-    const auto last_needed = work.sq_distances.begin() + static_cast<std::ptrdiff_t>(enough) - 1;
-    std::nth_element(work.sq_distances.begin(), last_needed, work.sq_distances.end());
-    const auto holds_it = [&](int r) { return *last_needed < rung_radius(r) * rung_radius(r); };
-    while (rung < last_rung_ && holds_it(rung + 1)) ++rung;
+    const auto holds_enough = [&](int r) {
+        const double sq_radius = rung_radius(r) * rung_radius(r);
+        std::size_t inside = 0;
+        for (const double sq : work.sq_distances) inside += sq < sq_radius ? 1u : 0u;
+        return inside >= enough;
+    };
+    while (rung < last_rung_ && holds_enough(rung + 1)) ++rung;
     return rung;
 }
 
@@ -79,16 +84,70 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
         gather_ball(points_.level(++level), center, radius, work.ball);
     ++work.rungs;
-    work.point_visits += work.ball.n;
-    const Vec3d n = average_normal(work.ball, 1, normal).normal;
-    const Frame<double> frame = frame_from_normal(n);
-    set_contrary_aside(work.ball, n, work.aside);
-    const LocalFit fit = fit_ball(work.ball, 1, frame, degree_);
+    LadderFit found = fit_gathered(normal, work);
+    // What is missed must be known as well as E asks for; only balls that show noise alone need more points.
+    for (std::size_t finer = level; finer > 0 && work.ball.n < rules_.most_sample / 3 &&
+                                    2 * found.fit.sq_missed_error > energy_of(found.degree).price(radius);) {
+        gather_ball(points_.level(--finer), center, radius, work.ball);
+        found = fit_gathered(normal, work);
+    }
+    const LocalFit& fit = found.fit;
     const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
     const std::size_t off =
-        count_off_sheet<float>(work.ball, work.aside, frame, fit, kOffSheet * noise);
+        count_off_sheet<float>(work.ball, work.aside, found.frame, fit, kOffSheet * noise);
     if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
-    return Rung{rung, level, energy_(fit.sq_error, radius), energy_.upper_bound(fit, radius)};
+    const MdlEnergy mdl = energy_of(found.degree);
+    const double energy = mdl(fit.sq_error, radius);
+    const double upper = mdl.upper_bound(fit, radius);
+    const double missed = fit.sq_missed + mdl.price(radius);
+    return Rung{rung,           level,          found.degree, energy,
+                upper,          energy - missed, upper - missed, missed,
+                2 * fit.sq_missed_error};
+}
+
+RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
+    work.point_visits += work.ball.n;
+    const Vec3d n = average_normal(work.ball, 1, normal).normal;
+    LadderFit out{frame_from_normal(n), degree_, {}};
+    set_contrary_aside(work.ball, n, work.aside);
+    if (rules_.choose_degree)
+        fit_cheapest(work.ball, out);
+    else
+        out.fit = fit_ball_ahead(work.ball, 1, out.frame, degree_);
+    return out;
+}
+
+MdlEnergy RadiusLadder::energy_of(int degree) const {
+    return rules_.choose_degree ? energy_.at_price(degree_price(degree)) : energy_;
+}
+
+/// The fit of the degree that has the least energy in this ball.
+void RadiusLadder::fit_cheapest(const BallPoints<float>& ball, LadderFit& out) const {
+    const auto fits = fit_every_degree(ball, 1, out.frame);
+    double least = INFINITY;
+    for (int d = 1; d <= degree_; ++d) {
+        const LocalFit& fit = fits[static_cast<std::size_t>(d - 1)];
+        const double enough = rules_.points_per_coefficient * n_coefficients(d);
+        if (d > 1 && (fit.degree < d || static_cast<double>(fit.n_points) < enough)) break;
+        const double energy = energy_of(d)(fit.sq_error, ball.radius);
+        if (energy >= least) continue;
+        least = energy;
+        out.degree = d;
+        out.fit = fit;
+    }
+}
+
+/// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some hundred points,
+/// in which a bias of half the noise hides. What the next degree would find shows a tenth of that. So the
+/// rungs are taken to have the same noise as far as their errors allow.
+int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
+    double noise = INFINITY, least = INFINITY;
+    for (const auto& r : rungs) noise = std::min(noise, r->noise_upper);
+    const auto cost = [&](const Rung& r) { return std::max(0.0, r.noise - noise) + r.missed; };
+    for (const auto& r : rungs) least = std::min(least, cost(*r) + r->missed_error);
+    const auto found = std::find_if(rungs.begin(), rungs.end(),
+                                    [&](const auto& r) { return cost(*r) <= least; });
+    return found->value().index;
 }
 
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
@@ -97,12 +156,13 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
     set_contrary_aside(work.ball, frame.normal, work.aside);
+    const MdlEnergy energy = energy_of(chosen.degree);
     const auto energy_at = [&](double log_radius) {
         const double radius = std::exp(log_radius) * hi;
         ++work.refinements;
         work.point_visits += work.ball.n;
-        const LocalFit fit = fit_ball(work.ball, radius / hi, frame, degree_);
-        return energy_(fit.sq_error, radius);
+        const LocalFit fit = fit_ball(work.ball, radius / hi, frame, chosen.degree);
+        return energy(fit.sq_error, radius);
     };
     // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away from 0,
     // where the library's tolerance would vanish.
@@ -118,9 +178,10 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
                                   LadderWork& work) const {
     const int finest = finest_rung(center, first_guess, work);
     work.edge_in_sight = false;
-    if (finest <= 0 && stands_alone(center, finest)) return {rung_radius(finest), false, true, true};
+    if (finest <= 0 && stands_alone(center, finest))
+        return {rung_radius(finest), degree_, false, true, true};
     if (finest < rules_.top_rung)
-        return {rung_radius(finest), false, true, finest < coarsest_tried()};
+        return {rung_radius(finest), degree_, false, true, finest < coarsest_tried()};
     const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
@@ -138,10 +199,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     }
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
     if (coarsest > finest)
-        return {rung_radius(finest), false, true, false, false, forced_energy, rung_radius(finest)};
-    int chosen = finest;
-    for (int r = finest; r >= coarsest; --r)
-        if (rungs[r]->energy <= least_upper) chosen = r;
+        return {rung_radius(finest), degree_,       false,              true, false, true,
+                forced_energy,       rung_radius(finest)};
+    const int chosen = largest_as_good(
+        std::span(rungs).subspan(static_cast<std::size_t>(coarsest),
+                                 static_cast<std::size_t>(finest - coarsest + 1)));
     // Where even the finest ball but one is poor, the last one may be too large to show an edge.
     if (rules_.look_for_edges && chosen == finest)
         work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
@@ -150,10 +212,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     const double energy = rungs[chosen]->energy;
+    const int degree = rungs[chosen]->degree;
     const double radius = saturated || lo == hi
                               ? rung_radius(chosen)
                               : refine(*rungs[chosen], lo, hi, center, normal, work);
-    return {radius, saturated, false, false, limited, energy, rung_radius(finest)};
+    return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest)};
 }
 
 }  // namespace slim

@@ -7,6 +7,7 @@
 #include "slim/neighbors/point_pyramid.h"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -19,6 +20,9 @@ struct LadderRules {
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
+    std::size_t most_sample = 4096;       ///< and of one that shows noise alone
+    /// Each centre takes the degree that E favours, its price by bytes (notes/0004); else all the same.
+    bool choose_degree = false;
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
     int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
     int top_rung = 0;                     ///< the coarsest that may be chosen: > 0 where the points end near by;
@@ -28,12 +32,13 @@ struct LadderRules {
 /// What the search found for one centre.
 struct RadiusChoice {
     double radius = 0;
+    int degree = 0;          ///< asked of the fit there
     bool saturated = false;  ///< the top rung won: E still falls there
     bool forced = false;     ///< no admissible rung: too few points or no height field
     bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
                              ///< that does is at least rho_0 and has nobody near its centre
-    bool limited = false;    ///< the coarsest admissible rung won: a fold or another sheet ended the
-                             ///< ladder, not E
+    bool limited = false;    ///< the coarsest admissible rung won, or there was none: a fold or another
+                             ///< sheet ended the ladder, not E
     double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
     double finest = 0;       ///< radius of the finest admissible rung
 };
@@ -71,9 +76,23 @@ public:
 private:
     struct Rung {
         int index;
-        std::size_t level;  // of the pyramid
-        double energy, upper;
+        std::size_t level;     // of the pyramid
+        int degree;            // of the least energy, if it is chosen
+        double energy, upper;  // E, and two standard errors above it
+        double noise, noise_upper;    // eps^2 without what the next degree would find, and two errors more
+        double missed, missed_error;  // that and the price lambda (T L / rho)^2; two errors
     };
+    /// Index of the largest ball that is no worse than any other, of rungs by falling radius (notes/0005).
+    static int largest_as_good(std::span<const std::optional<Rung>> rungs);
+    /// A rung's fit to the points gathered in the workspace.
+    struct LadderFit {
+        Frame<double> frame;
+        int degree;
+        LocalFit fit;
+    };
+    MdlEnergy energy_of(int degree) const;
+    void fit_cheapest(const BallPoints<float>& ball, LadderFit& out) const;
+    LadderFit fit_gathered(const Vec3d& normal, LadderWork& work) const;
     std::size_t least_points() const;
     int coarsest_tried() const { return rules_.top_rung > 0 ? rules_.top_rung : -rules_.above_root; }
     bool stands_alone(const Vec3d& center, int rung) const;

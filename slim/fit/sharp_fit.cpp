@@ -46,6 +46,7 @@ void gather_part(const BallPoints<T>& p, const std::vector<std::uint8_t>& sheets
                  BallPoints<T>& part) {
     reserve_part(part, p.n);
     part.radius = p.radius;
+    part.weight = p.weight;
     std::size_t n = 0;
     for (std::size_t i = 0; i < p.n; ++i) {
         part.x[n] = p.x[i], part.y[n] = p.y[i], part.z[n] = p.z[i], part.sq[n] = p.sq[i];
@@ -133,7 +134,7 @@ private:
         double sum = 0, squares = 0, weight = 0;
         for (std::size_t i = 0; i < work_.part.n; ++i) {
             const double w = dot(fit_.frame[k].normal, place_of(work_.part, i));
-            const double g = static_cast<double>(weight_kernel(work_.part.sq[i]));
+            const double g = static_cast<double>(fit_weight(p_.weight, work_.part.sq[i]));
             sum += g * w, squares += g * w * w, weight += g;
         }
         LocalFit fit;
@@ -214,7 +215,7 @@ private:
             const Vec3d x = place_of(p_, i);
             if (nearest_normal(x, normal_of(p_, i)).second < kLeastCos) continue;
             const double f = joined.value(x);
-            const double g = static_cast<double>(weight_kernel(p_.sq[i]));
+            const double g = static_cast<double>(fit_weight(p_.weight, p_.sq[i]));
             rss += g * f * f;
             weight += g;
             sq_weight += g * g;

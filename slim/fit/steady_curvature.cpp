@@ -117,6 +117,7 @@ template <int Degree>
 LocalFit steady(const PointPyramid& points, const NarrowFit& narrow, double noise_variance,
                 BallPoints<double>& work) {
     const double ratio = std::pow(kGoldenRatio, -kWiderBalls);
+    work.weight = narrow.ball.weight;
     gather_ball(points.level(thinning_for(points, narrow.ball.n, ratio)), narrow.center,
                 narrow.ball.radius * ratio, work);
     std::vector<SetAside<double>> aside;

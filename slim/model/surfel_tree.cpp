@@ -6,9 +6,9 @@
 
 namespace slim {
 
-Sheet SurfelTree::sheet(const float* r) const {
+Sheet SurfelTree::sheet(const float* r, int degree) {
     Sheet s{frame_from_normal(normal_from_octahedral({r[0], r[1]})), {}};
-    const int n = header_.degree <= 1 ? 1 : n_coefficients(header_.degree);
+    const int n = degree <= 1 ? 1 : n_coefficients(degree);
     for (int k = 0; k < n; ++k) s.polynomial.a[static_cast<std::size_t>(k)] = r[2 + k];
     return s;
 }
@@ -23,13 +23,13 @@ std::shared_ptr<const SharpSheets> SurfelTree::sharp_sheets(std::size_t i) const
     out->inner = static_cast<Join>(entry->inner);
     const auto stride = static_cast<std::size_t>(floats_per_sheet(header_.degree));
     for (std::size_t k = 0; k < out->n_extra; ++k)
-        out->extra[k] = sheet(sheets_.data() + (entry->first_sheet + k) * stride);
+        out->extra[k] = sheet(sheets_.data() + (entry->first_sheet + k) * stride, header_.degree);
     return out;
 }
 
 Surfel SurfelTree::surfel(std::size_t i) const {
     const float* r = record(i);
-    const Sheet own = sheet(r + 4);
+    const Sheet own = sheet(r + 4, record_degree(i));
     Surfel s{center(i), r[3], own.frame, own.polynomial, nodes_[i].degree};
     if (nodes_[i].flags & kSharp) s.sharp = sharp_sheets(i);
     return s;
@@ -88,13 +88,44 @@ Surfel level_linear(const Surfel& s) {
     return out;
 }
 
+namespace {
+
+std::size_t record_floats(int degree) {
+    return static_cast<std::size_t>(floats_per_surfel(degree));
+}
+
+constexpr double kWorthAnIndex = 0.95;  // of the bytes of equal records
+
+/// Makes room for the records, by the surfels' own degrees if that takes clearly fewer bytes, index included.
+void lay_out_records(std::span<const Surfel> surfels, SurfelTreeData& out) {
+    out.page_start.clear();
+    out.in_page.clear();
+    std::size_t packed = 0;
+    for (const Surfel& s : surfels) packed += record_floats(s.degree);
+    const std::size_t equal = surfels.size() * record_floats(out.header.degree);
+    const std::size_t n_pages = (surfels.size() + kSurfelsPerPage - 1) / kSurfelsPerPage;
+    const std::size_t index = 2 * surfels.size() + 8 * n_pages;
+    const bool is_packed = static_cast<double>(sizeof(float) * packed + index) <
+                           kWorthAnIndex * static_cast<double>(sizeof(float) * equal);
+    out.records.assign(is_packed ? packed : equal, 0.0f);
+    if (!is_packed) return;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        if (i % kSurfelsPerPage == 0) out.page_start.push_back(at);
+        out.in_page.push_back(static_cast<std::uint16_t>(at - out.page_start.back()));
+        at += record_floats(surfels[i].degree);
+    }
+}
+
+}  // namespace
+
 void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out) {
-    const int degree = out.header.degree;
-    const auto stride = static_cast<std::size_t>(floats_per_surfel(degree));
     out.page_origins.clear();
     out.sharp.clear();
     out.sheets.clear();
-    out.records.assign(surfels.size() * stride, 0.0f);
+    lay_out_records(surfels, out);
+    const bool packed = !out.in_page.empty();
+    std::size_t at = 0;
     for (std::size_t page = 0; page < surfels.size(); page += kSurfelsPerPage) {
         const std::size_t end = std::min(surfels.size(), page + kSurfelsPerPage);
         Bbox box;
@@ -102,12 +133,14 @@ void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out) {
         const Vec3d origin = box.center();
         out.page_origins.push_back(origin);
         for (std::size_t i = page; i < end; ++i) {
+            const int degree = packed ? surfels[i].degree : out.header.degree;
             const Surfel s = degree <= 1 ? level_linear(surfels[i]) : surfels[i];
-            float* r = out.records.data() + i * stride;
+            float* r = out.records.data() + at;
+            at += record_floats(degree);
             const Vec3f c = to_float(s.center - origin);
             r[0] = c.x, r[1] = c.y, r[2] = c.z;
             r[3] = static_cast<float>(s.support_radius);
-            put_sheet({s.frame, s.polynomial}, {r + 4, stride - 4});
+            put_sheet({s.frame, s.polynomial}, {r + 4, record_floats(degree) - 4});
             if (s.sharp) put_further_sheets(i, *s.sharp, out);
         }
     }

@@ -11,7 +11,7 @@ namespace slim {
 /// (NUMERICS 2.3). One body for float, double and SIMD lanes. exp on [0, 2] is a polynomial of
 /// degree 8, absolute error 5e-9.
 template <class T>
-inline T weight_kernel(const T& s) {
+[[gnu::always_inline]] inline T weight_kernel(const T& s) {
     using std::sqrt;
     const T t = s * constant<T>(8);
     T e = constant<T>(9.354704060759648e-06);
@@ -27,6 +27,19 @@ inline T weight_kernel(const T& s) {
     const T sq = one_minus_x * one_minus_x;
     const T tail = constant<T>(2.16536453178580) * sq * sq;
     return select(s <= constant<T>(0.25), e, select(s < constant<T>(1), tail, constant<T>(0)));
+}
+
+/// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first.
+enum class FitWeight : unsigned char { gauss, polynomial };
+
+/// The weight at a squared relative distance s = (r / rho)^2: weight_kernel, or (1 - s)^4 up to 1 and zero
+/// beyond.
+template <class T>
+inline T fit_weight(FitWeight weight, const T& s) {
+    if (weight == FitWeight::gauss) return weight_kernel(s);
+    const T rest = constant<T>(1) - s;
+    const T sq = rest * rest;
+    return select(s < constant<T>(1), sq * sq, constant<T>(0));
 }
 
 }  // namespace slim

@@ -6,6 +6,7 @@
 #include "slim/base/vec.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -13,13 +14,13 @@
 
 namespace slim {
 
-/// An implicit tree of boxes over points in Morton order: 16 points a bucket, 4 boxes a node. It
+/// An implicit tree of boxes over points in Morton order: 16 points a bucket, 8 boxes a node. It
 /// keeps the boxes alone (4 bytes a point), not the points. Built once, read by any number of
 /// threads.
 class BoxTree {
 public:
     static constexpr std::size_t kBucket = 16;
-    static constexpr std::size_t kFanout = 4;
+    static constexpr std::size_t kFanout = 8;
 
     BoxTree() = default;
     /// position(i) for i in [0, n), in Morton order. Parallel.
@@ -53,33 +54,57 @@ public:
     /// The same for every bucket whose box is nearer to a box than the radius.
     template <class Body>
     void for_buckets_near(const Bbox& box, double radius, Body&& body) const {
+        if (levels_.empty()) return;
+        const double sq_radius = radius * radius;
+        // The lowest nodes are too many for the caches: they are fetched while the walk goes on.
+        constexpr std::size_t kAhead = 16;
+        std::uint32_t waiting[kAhead];
+        std::size_t n = 0;
+        const auto serve = [&] {
+            for (std::size_t k = 0; k < n; ++k) {
+                const std::uint64_t near = levels_[0][waiting[k]].nearer_than(sq_radius, box);
+                for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
+                    const auto c = static_cast<std::size_t>(std::countr_zero(bits));
+                    const std::size_t begin = (waiting[k] * kFanout + c) * kBucket;
+                    body(begin, std::min(begin + kBucket, size_));
+                }
+            }
+            n = 0;
+        };
+        for_lowest_nodes_near(box, sq_radius, [&](std::uint32_t node) {
+            for (std::size_t line = 0; line < sizeof(Boxes); line += 64)
+                __builtin_prefetch(reinterpret_cast<const char*>(&levels_[0][node]) + line);
+            waiting[n++] = node;
+            if (n == kAhead) serve();
+        });
+        serve();
+    }
+
+private:
+    /// Calls body(node) for the nodes of level 0 whose box is near, in order.
+    template <class Body>
+    void for_lowest_nodes_near(const Bbox& box, double sq_radius, Body&& body) const {
         struct Entry {
             std::uint32_t level, index;
         };
         Entry stack[128];
-        std::size_t depth = 0;
-        if (levels_.empty()) return;
-        // Which of the boxes are near is anybody's guess: no branch depends on it.
-        const auto push_near = [&](std::uint32_t level, std::uint32_t node) {
-            const std::uint64_t near = levels_[level][node].nearer_than(radius * radius, box);
-            for (std::uint32_t c = kFanout; c-- > 0;) {
-                stack[depth] = {level, node * std::uint32_t{kFanout} + c};
-                depth += near >> c & 1;
-            }
-        };
-        push_near(static_cast<std::uint32_t>(levels_.size() - 1), 0);
+        std::size_t depth = 1;
+        stack[0] = {static_cast<std::uint32_t>(levels_.size() - 1), 0};
         while (depth > 0) {
             const Entry e = stack[--depth];
-            if (e.level > 0) {
-                push_near(e.level - 1, e.index);
+            if (e.level == 0) {
+                body(e.index);
                 continue;
             }
-            const std::size_t begin = e.index * kBucket;
-            body(begin, std::min(begin + kBucket, size_));
+            // Which of the boxes are near is anybody's guess: no branch depends on it.
+            const std::uint64_t near = levels_[e.level][e.index].nearer_than(sq_radius, box);
+            for (std::uint32_t c = kFanout; c-- > 0;) {
+                stack[depth] = {e.level - 1, e.index * std::uint32_t{kFanout} + c};
+                depth += near >> c & 1;
+            }
         }
     }
 
-private:
     /// The boxes of one node, side by side: one comparison each serves them all.
     struct alignas(64) Boxes {
         using Lanes = stdx::simd<double, stdx::simd_abi::deduce_t<double, kFanout>>;

@@ -20,7 +20,7 @@ bool less_by_key(const KeyedIndex& a, const KeyedIndex& b) { return a.key < b.ke
 std::size_t digit_of(const KeyedIndex& item, int shift) { return (item.key >> shift) & 0xff; }
 
 /// Bits in which any two keys differ.
-std::uint64_t differing_bits(const std::vector<KeyedIndex>& items) {
+std::uint64_t differing_bits(const KeyedIndices& items) {
     std::vector<std::uint64_t> partial((items.size() + kBlock - 1) / kBlock);
     parallel_blocks(items.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         std::uint64_t bits = 0;
@@ -43,7 +43,7 @@ void counts_to_places(std::vector<Histogram>& blocks) {
         }
 }
 
-void sort_by_digit(const std::vector<KeyedIndex>& from, int shift, std::vector<KeyedIndex>& to) {
+void sort_by_digit(const KeyedIndices& from, int shift, KeyedIndices& to) {
     std::vector<Histogram> blocks((from.size() + kBlock - 1) / kBlock, Histogram{});
     parallel_blocks(from.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         Histogram& counts = blocks[begin / kBlock];
@@ -58,11 +58,11 @@ void sort_by_digit(const std::vector<KeyedIndex>& from, int shift, std::vector<K
 
 }  // namespace
 
-void sort_by_key(std::vector<KeyedIndex>& items) {
+void sort_by_key(KeyedIndices& items) {
     if (std::is_sorted(items.begin(), items.end(), less_by_key)) return;
     if (items.size() <= kFew) return std::stable_sort(items.begin(), items.end(), less_by_key);
     const std::uint64_t bits = differing_bits(items);
-    std::vector<KeyedIndex> other(items.size());
+    KeyedIndices other(items.size());
     for (int shift = 0; shift < 64; shift += 8) {
         if ((bits >> shift & 0xff) == 0) continue;
         sort_by_digit(items, shift, other);

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "slim/base/unfilled_vector.h"
+
 #include <cstdint>
-#include <vector>
 
 namespace slim {
 
@@ -13,9 +14,11 @@ struct KeyedIndex {
     friend bool operator==(const KeyedIndex&, const KeyedIndex&) = default;
 };
 
+using KeyedIndices = UnfilledVector<KeyedIndex>;
+
 /// Sorts by key; equal keys keep their order. A radix sort by bytes: bytes that all keys share cost
 /// nothing, and keys in order already cost one look. Parallel; threads do not change the result.
 /// Cost: a second array of the same size; 2 ns an item, byte and core.
-void sort_by_key(std::vector<KeyedIndex>& items);
+void sort_by_key(KeyedIndices& items);
 
 }  // namespace slim

@@ -27,8 +27,8 @@ bool in_share(std::uint64_t seed, std::uint64_t id, double share) {
 PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64_t seed,
                            double share) {
     const std::size_t n = block.size();
-    std::vector<std::uint64_t> priority(n);
-    std::vector<KeyedIndex> keys(n);
+    UnfilledVector<std::uint64_t> priority(n);
+    KeyedIndices keys(n);
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             priority[i] = priority_of(seed, block.id[i]);
@@ -37,7 +37,9 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
     });
     sort_by_key(keys);
     by_priority_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) by_priority_[i] = keys[i].index;
+    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) by_priority_[i] = keys[i].index;
+    });
     keys = {};
 
     std::vector<std::uint32_t> chosen = morton_order(block, box);
@@ -47,7 +49,7 @@ PointPyramid::PointPyramid(const PointBlock& block, const Bbox& box, std::uint64
         next *= kGoldenRatio * kGoldenRatio;
         if (next >= share) continue;
         const std::uint64_t limit = limit_of(next);
-        std::erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
+        parallel_erase_if(chosen, [&](std::uint32_t i) { return priority[i] >= limit; });
         if (chosen.size() < kSmallest) break;
         levels_.emplace_back(block, chosen);
         shares_.push_back(next);

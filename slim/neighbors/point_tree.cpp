@@ -42,10 +42,10 @@ void PointTree::fill_bucket(const PointBlock& block, std::span<const std::uint32
 
 namespace {
 
-std::vector<KeyedIndex> curve_keys(std::span<const Vec3d> positions, const Bbox& box) {
+KeyedIndices curve_keys(std::span<const Vec3d> positions, const Bbox& box) {
     SLIM_CHECK(positions.size(), <, std::size_t{std::numeric_limits<std::uint32_t>::max()});
     const MortonCurve curve(box);
-    std::vector<KeyedIndex> keys(positions.size());
+    KeyedIndices keys(positions.size());
     parallel_blocks(keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             keys[i] = {curve.key(positions[i]), static_cast<std::uint32_t>(i)};
@@ -55,7 +55,7 @@ std::vector<KeyedIndex> curve_keys(std::span<const Vec3d> positions, const Bbox&
 }
 
 /// Puts the points of each place of the curve in an order of their own.
-void order_places(const PointBlock& block, std::vector<KeyedIndex>& keys) {
+void order_places(const PointBlock& block, KeyedIndices& keys) {
     const auto less = [&](const KeyedIndex& a, const KeyedIndex& b) {
         const Vec3d &p = block.position[a.index], &q = block.position[b.index];
         return p.x != q.x   ? p.x < q.x
@@ -83,9 +83,11 @@ void reorder(const std::vector<std::uint32_t>& order, std::vector<T>& values) {
     values = std::move(out);
 }
 
-std::vector<std::uint32_t> indices_of(const std::vector<KeyedIndex>& keys) {
+std::vector<std::uint32_t> indices_of(const KeyedIndices& keys) {
     std::vector<std::uint32_t> order(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].index;
+    parallel_blocks(keys.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) order[i] = keys[i].index;
+    });
     return order;
 }
 
@@ -96,14 +98,15 @@ std::vector<std::uint32_t> morton_order(const PointBlock& block, const Bbox& box
 }
 
 void sort_along_curve(PointBlock& block, const Bbox& box) {
-    std::vector<KeyedIndex> keys = curve_keys(block.position, box);
+    KeyedIndices keys = curve_keys(block.position, box);
     order_places(block, keys);
     const std::vector<std::uint32_t> order = indices_of(keys);
     keys = {};
     reorder(order, block.position);
-    reorder(order, block.normal);
-    reorder(order, block.id);
-    reorder(order, block.scan);
+    run_both([&] { reorder(order, block.normal); }, [&] {
+        reorder(order, block.id);
+        reorder(order, block.scan);
+    });
 }
 
 }  // namespace slim

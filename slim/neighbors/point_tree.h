@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/bbox.h"
+#include "slim/base/unfilled_vector.h"
 #include "slim/base/vec.h"
 #include "slim/model/point_block.h"
 #include "slim/neighbors/box_tree.h"
@@ -69,7 +70,7 @@ private:
     void fill_bucket(const PointBlock& block, std::span<const std::uint32_t> chosen,
                      std::size_t bucket);
 
-    std::vector<PointBucket> buckets_;
+    UnfilledVector<PointBucket> buckets_;
     std::vector<std::uint32_t> source_;
     BoxTree boxes_;
 };

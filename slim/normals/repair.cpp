@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
+#include "slim/base/unfilled_vector.h"
 #include "slim/neighbors/box_tree.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ struct LocalBucket {
 /// The points of an audit: tree and local buckets. 28 bytes a point.
 struct Neighborhoods {
     BoxTree tree;
-    std::vector<LocalBucket> buckets;
+    UnfilledVector<LocalBucket> buckets;
 
     explicit Neighborhoods(const PointBlock& points)
         : tree(points.size(), [&](std::size_t i) { return points.position[i]; }),
@@ -144,11 +145,17 @@ double usual_diagonal(const BoxTree& tree) {
     return *middle;
 }
 
+/// A normal that its neighbours overrule.
+struct Mended {
+    std::size_t point;
+    Vec3f normal;
+};
+
 /// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those
 /// that are mended go to `mended`.
 void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
                   double radius, const Surroundings& around, const std::vector<bool>& counted,
-                  std::vector<Vec3f>& mended, NormalAudit& audit) {
+                  std::vector<Mended>& mended, NormalAudit& audit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Vec3f own = points.normal[i];
         if (!(sq_length(own) > 0)) {
@@ -167,7 +174,7 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
         audit.noisy += counts && agreement > kClear && cosine < kNoisy && cosine > kContrary;
         if (agreement < kMajority || cosine > kContrary) continue;
         audit.contrary += counts;
-        mended[i] = to_float(mean / agreement);
+        mended.push_back({i, to_float(mean / agreement)});
     }
 }
 
@@ -175,7 +182,7 @@ void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, 
 /// the curve are taken in parts.
 void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
                  double radius, double most_radius, Surroundings& around,
-                 const std::vector<bool>& counted, std::vector<Vec3f>& mended, NormalAudit& audit) {
+                 const std::vector<bool>& counted, std::vector<Mended>& mended, NormalAudit& audit) {
     Bbox box;
     for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
     if (end - begin > 1 && box.diagonal() > 2 * most_radius) {
@@ -193,18 +200,20 @@ void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t
 NormalAudit repair_contrary_normals(PointBlock& points, const std::vector<bool>& counted) {
     const Neighborhoods all(points);
     const double most_radius = usual_diagonal(all.tree);
-    std::vector<Vec3f> mended = points.normal;
     std::vector<NormalAudit> partial((all.buckets.size() + kGrain - 1) / kGrain);
+    std::vector<std::vector<Mended>> mended(partial.size());
     parallel_blocks(all.buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         Surroundings around;
         for (std::size_t b = begin; b < end; ++b) {
             const std::size_t first = b * kBucket;
             const double radius = std::min(0.5 * all.tree.bucket(b).diagonal(), most_radius);
             audit_range(points, all, first, std::min(first + kBucket, points.size()), radius,
-                        most_radius, around, counted, mended, partial[begin / kGrain]);
+                        most_radius, around, counted, mended[begin / kGrain],
+                        partial[begin / kGrain]);
         }
     });
-    points.normal = std::move(mended);
+    for (const std::vector<Mended>& some : mended)
+        for (const Mended& m : some) points.normal[m.point] = m.normal;
     NormalAudit audit;
     audit.n = points.size();
     for (const NormalAudit& p : partial) {

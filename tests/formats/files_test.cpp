@@ -387,6 +387,59 @@ TEST(ModelFile, SharpSurfelsRoundTripAndMakeItVersion2) {
                                 [](const std::string& path) { ModelFile::open(path); });
 }
 
+/// A root with planes below it in a file of cubics.
+SurfelTreeData some_mixed_model() {
+    SurfelTreeData data = some_model();
+    std::vector<Surfel> surfels;
+    for (std::size_t i = 0; i < data.nodes.size(); ++i) surfels.push_back(data.view().surfel(i));
+    data.header.degree = 3;
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        surfels[i].degree = static_cast<int>(i);
+        for (std::size_t k = 1; k < kMaxCoefficients; ++k)
+            if (k >= static_cast<std::size_t>(n_coefficients(surfels[i].degree)))
+                surfels[i].polynomial.a[k] = 0;
+        data.nodes[i].degree = static_cast<std::uint8_t>(i);
+    }
+    encode_surfels(surfels, data);
+    return data;
+}
+
+TEST(ModelFile, RecordsOfMixedDegreesRoundTripAndMakeItVersion3) {
+    const TempFolder folder;
+    const SurfelTreeData data = some_mixed_model();
+    ASSERT_EQ(data.records.size(), 7u + 7u + 12u);
+    write_model(folder.file("m"), data, "{}");
+    EXPECT_EQ(read_bytes(folder.file("m"))[8], 3);
+    const ModelFile model = ModelFile::open(folder.file("m"));
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(model.tree().surfel(i).center, data.view().surfel(i).center);
+        EXPECT_EQ(model.tree().surfel(i).polynomial.a, data.view().surfel(i).polynomial.a);
+        EXPECT_EQ(model.tree().surfel(i).degree, static_cast<int>(i));
+    }
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("m")),
+                                [](const std::string& path) { ModelFile::open(path); });
+}
+
+TEST(ModelFile, RefusesAnIndexThatIsNone) {
+    const TempFolder folder;
+    const auto expect = [&](const char* reason, const std::function<void(SurfelTreeData&)>& spoil) {
+        SurfelTreeData data = some_mixed_model();
+        spoil(data);
+        write_model(folder.file("m"), data, "{}");
+        const std::string error = error_of([&] { ModelFile::open(folder.file("m")); });
+        EXPECT_NE(error.find(reason), std::string::npos) << reason << " in: " << error;
+    };
+    expect("node 1: record begins at float 8, expected 7", [](auto& d) { d.in_page[1] = 8; });
+    expect("record begins at float 10, expected 0", [](auto& d) { d.page_start[0] = 10; });
+    expect("2 records in 1 pages", [](auto& d) { d.in_page.pop_back(); });
+    expect("3 records in 0 pages", [](auto& d) { d.page_start.clear(); });
+    expect("records need 26 floats, found 25", [](auto& d) { d.records.pop_back(); });
+    expect("node 2: record begins at float 14, expected 19", [](auto& d) { d.nodes[1].degree = 2; });
+    expect("node 1: degree 4", [](auto& d) { d.nodes[1].degree = 4; });
+    expect("is not finite",
+           [](auto& d) { d.records[20] = std::numeric_limits<float>::infinity(); });
+}
+
 TEST(ModelFile, RefusesSheetsThatAreNone) {
     const TempFolder folder;
     const auto expect = [&](const char* reason, const std::function<void(SurfelTreeData&)>& spoil) {

@@ -11,8 +11,10 @@
 namespace slim::test {
 namespace {
 
-/// A sound tree of random shape: parents before children, bounds that hold all below.
+/// A sound tree of random shape: parents before children, bounds that hold all below. Every second one has
+/// surfels of mixed degrees.
 SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
+    const auto degree_of = [&](std::size_t i) { return seed % 2 == 0 ? 2 : static_cast<int>(i % 3); };
     SurfelTreeData tree;
     tree.header.degree = 2;
     tree.header.diagonal = 10;
@@ -26,7 +28,7 @@ SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
                            0.1 + random(3),
                            frame_from_normal(round_normal(Vec3d{0, 0, 1})),
                            {},
-                           2});
+                           degree_of(i)});
     }
     encode_surfels(surfels, tree);
     tree.nodes.resize(n);
@@ -43,7 +45,7 @@ SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
         }
         next += count;
         tree.nodes[i].bound_radius = 100 * static_cast<float>(n - i);
-        tree.nodes[i].degree = 2;
+        tree.nodes[i].degree = static_cast<std::uint8_t>(degree_of(i));
     }
     return tree;
 }

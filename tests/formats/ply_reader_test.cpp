@@ -229,6 +229,24 @@ TEST(PlyReader, MakesAreaWeightedNormalsFromFaces) {
     EXPECT_NEAR(points.normal[0].z, 26.0f / len, 1e-6);
 }
 
+TEST(PlyReader, AClosedMeshWoundInwardsIsTurned) {
+    const TempFolder folder;
+    const std::string head =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        "100 0 0\n101 0 0\n100 1 0\n100 0 1\n";
+    const std::string outwards = folder.write("o.ply", head + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+    const std::string inwards = folder.write("i.ply", head + "3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
+    EXPECT_FALSE(open_cloud(outwards)->info().faces_turned);
+    EXPECT_TRUE(open_cloud(inwards)->info().faces_turned);
+    EXPECT_EQ(read_all(inwards).normal, read_all(outwards).normal);
+    EXPECT_LT(read_all(inwards).normal[0].x, 0);
+    // Two sides of it enclose nothing for sure and stay as they are.
+    std::string open = head + "3 0 1 2\n3 0 3 1\n";
+    open.replace(open.find("face 4"), 6, "face 2");
+    EXPECT_FALSE(open_cloud(folder.write("p.ply", open))->info().faces_turned);
+}
+
 TEST(PlyReader, UnusedVerticesHaveNoNormalAndBadIndicesAreNamed) {
     const TempFolder folder;
     const PointChunk points = read_all(folder.write("u.ply", binary_square(face({0, 1, 2, 3}), 1)));

@@ -1,7 +1,9 @@
 #include "pipeline/build_stage.h"
 
 #include "formats/model_file.h"
+#include "pipeline/manifest.h"
 #include "slim/base/parallel.h"
+#include "pipeline/info_stage.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +70,12 @@ TEST_F(BuildStage, EveryOptionCounts) {
         return read_bytes(file("other.slim"));
     };
     EXPECT_EQ(bytes_with([](BuildConfig&) {}), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = 3; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "3"; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "auto"; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.radius_rule = "windows"; }), plain);
+    EXPECT_NE(bytes_with([](BuildConfig& c) { c.weight = "polynomial"; }), plain);
+    for (const char* cover : {"A", "C"})
+        EXPECT_NE(bytes_with([&](BuildConfig& c) { c.cover = cover; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.lambda = 1e-5; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.normals = "estimate"; }), plain);
     EXPECT_NE(bytes_with([](BuildConfig& c) { c.seed = 1; }), plain);
@@ -91,13 +98,75 @@ std::string cube_text(int n) {
     return text;
 }
 
+TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
+    const std::string cloud = scanned_sphere(5000);
+    const auto info_of = [&](const BuildConfig& config) {
+        build(config);
+        InfoConfig info;
+        info.file = config.output;
+        Reporter silent;
+        return run_as("info", info, run_info, silent);
+    };
+    auto config = build_config(cloud, "m.slim");
+    const auto plain = info_of(config);
+    EXPECT_EQ(plain["fit"].dump(), R"({"cover":"B","degree":2,"radius_rule":"ladder","sharp":false,"weight":"gauss"})");
+    config.degree = "auto";
+    config.weight = "polynomial";
+    config.cover = "C";
+    EXPECT_EQ(info_of(config)["fit"].dump(),
+              R"({"cover":"C","degree":"auto","radius_rule":"ladder","sharp":false,"weight":"polynomial"})");
+    config.degree = "3";
+    config.radius_rule = "windows";
+    EXPECT_EQ(info_of(config)["fit"]["radius_rule"], "windows");
+}
+
+TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
+    // A cube's corners, a scan with noise: forced leaves, too few points, contrary normals.
+    const std::string cube = folder_.write("cube.xyz", cube_text(24));
+    const std::string noisy = write(sampled("bumpy", 3000, 1, 5e-3), "noisy.ply");
+    for (const std::string& cloud : {cube, noisy})
+        for (const int slices : {1, 3}) {
+            SCOPED_TRACE(testing::Message() << cloud << ", slices " << slices);
+            auto config = build_config(cloud, "m.slim");
+            config.degree = "3";
+            config.slices = slices;
+            build(config);
+            InfoConfig info;
+            info.file = config.output;
+            Reporter silent;
+            const auto found = run_as("info", info, run_info, silent);
+            std::uint64_t lower = 0, causes = 0;
+            for (const auto& [degree, n] : found["leaves_by_degree"].items())
+                if (degree != "3") lower += n.get<std::uint64_t>();
+            for (const char* cause : {"few_points", "rank", "steep", "plane", "lower_explains"})
+                causes += found["fallbacks"].at(cause).get<std::uint64_t>();
+            EXPECT_EQ(causes, lower);
+            if (cloud == cube) {
+                EXPECT_GT(found["fallbacks"].at("contrary").get<int>(), 0);
+                EXPECT_GT(lower, 0u);
+            }
+        }
+}
+
+TEST_F(BuildStage, WindowsRefuseWhatTheyDoNotKnow) {
+    const std::string cloud = scanned_sphere(500);
+    auto config = build_config(cloud, "m.slim");
+    config.radius_rule = "windows";
+    config.degree = "auto";
+    EXPECT_THROW(build(config), ConfigError);
+    config.degree = "2";
+    config.sharp = "on";
+    EXPECT_THROW(build(config), ConfigError);
+    EXPECT_FALSE(std::filesystem::exists(file("m.slim.work")));  // refused before any work
+}
+
 TEST_F(BuildStage, SharpTakesFewerLeavesAndASmallerErrorOnACubeInAnySlicesAndDegree) {
     const std::string cloud = folder_.write("cube.xyz", cube_text(24));
     for (const int degree : {1, 2, 3})
         for (const int slices : {1, 3}) {
             SCOPED_TRACE(testing::Message() << "degree " << degree << ", slices " << slices);
             auto config = build_config(cloud, "m.slim");
-            config.degree = degree;
+            config.degree = std::to_string(degree);
             config.slices = slices;
             const auto smooth = build(config), smooth_error = measure(config.output, cloud);
             EXPECT_TRUE(ModelFile::open(config.output).tree().sharp().empty());
@@ -136,6 +205,24 @@ TEST_F(BuildStage, GivesTheSameBytesForAnyNumberOfThreadsAndWhenResumed) {
         }
         for (const std::string& m : models) EXPECT_TRUE(m == models[0]);
     }
+}
+
+TEST_F(BuildStage, ManifestsOfItsStagesHoldTheHashesOfTheFilesAsTheyStand) {
+    auto config = build_config(scanned_sphere(5000), "m.slim");
+    config.slices = 2;
+    config.work = file("work");
+    build(config);
+    std::size_t n_files = 0;
+    for (const fs::path& output : {oriented_points_path(config.work, 1), fit_path(config.work, 1),
+                                   coarse_fit_path(config.work)}) {
+        const auto manifest = nlohmann::json::parse(read_bytes(manifest_path(output).string()));
+        for (const auto& in : manifest.at("inputs")) {
+            if (in.contains("absent")) continue;
+            EXPECT_EQ(in.at("xxh3_128"), hash_file(in.at("path").get<std::string>())) << in;
+            ++n_files;
+        }
+    }
+    EXPECT_GE(n_files, 9u);
 }
 
 TEST_F(BuildStage, SlicesChangeTheResultWithinABound) {

@@ -152,6 +152,31 @@ TEST(TomlFile, ReadsTheDefaultsThatPrintConfigWrites) {
     EXPECT_EQ(print_config(fields_of(back)), text);
 }
 
+struct ChoiceConfig {
+    std::string degree = "2";
+    template <class Visitor>
+    void visit(Visitor&& field) {
+        field.choice("degree", degree, "degree", {"1", "2", "auto"});
+    }
+};
+
+TEST(TomlFile, AChoiceMayBeANumberWithoutQuotes) {
+    ChoiceConfig config;
+    FieldList fields;
+    config.visit(fields);
+    EXPECT_NE(print_config(fields).find("degree = 2\n"), std::string::npos);
+    for (const auto& [text, value] : {std::pair{"degree = 1", "1"}, std::pair{"degree = '2'", "2"},
+                                      std::pair{"degree = 'auto'", "auto"}}) {
+        apply_config_file(write_file("choice.toml", text), fields);
+        EXPECT_EQ(config.degree, value);
+    }
+    EXPECT_NE(print_config(fields).find("degree = \"auto\"\n"), std::string::npos);
+    for (const char* text : {"degree = 3", "degree = 1.5", "degree = true", "degree = [1]", "degree = 'atuo'"})
+        EXPECT_THROW(apply_config_file(write_file("choice.toml", text), fields), ConfigError) << text;
+    const std::string one_letter = refusal([&] { fields.find("degree")->set({"4"}, "--degree"); });
+    EXPECT_EQ(one_letter, "--degree: expected one of 1, 2, auto; found '4'");
+}
+
 TEST(TomlFile, ResolvesPathsAgainstTheFile) {
     const fs::path file = write_file("paths.toml", "inputs = ['sub/a.ply']\nwork = '../w'\n");
     SampleConfig config;

@@ -57,7 +57,6 @@ void expect_scaled(const ModelFile& one, const ModelFile& other, double scale) {
     for (std::size_t i = 0; i < a.page_origins().size(); ++i)
         ASSERT_EQ(b.page_origins()[i], a.page_origins()[i] * scale);
     const auto s = static_cast<float>(scale);
-    const auto size = static_cast<std::size_t>(floats_per_surfel(a.header().degree));
     for (std::size_t i = 0; i < a.n_nodes(); ++i) {
         const TreeNode &m = a.node(i), &n = b.node(i);
         ASSERT_EQ(m.first_child, n.first_child);
@@ -67,6 +66,8 @@ void expect_scaled(const ModelFile& one, const ModelFile& other, double scale) {
         ASSERT_EQ(m.n_points, n.n_points);
         ASSERT_EQ(m.fit_error * s, n.fit_error);
         ASSERT_EQ(m.bound_radius * s, n.bound_radius);
+        ASSERT_EQ(a.record_degree(i), b.record_degree(i));
+        const auto size = static_cast<std::size_t>(floats_per_surfel(a.record_degree(i)));
         for (std::size_t k = 0; k < size;
              ++k)  // centre and radius; normal and coefficients have no unit
             ASSERT_EQ(a.record(i)[k] * (k < 4 ? s : 1.0f), b.record(i)[k]) << "float " << k;

@@ -147,7 +147,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[ftt]\n", ":3: unknown table [ftt] (did you mean 'fit'?)"},
         {"[fit]\ndegre = 2\n", ":4: unknown key 'degre' (did you mean 'degree'?)"},
         {"[fit]\noutput = 'm.slim'\n", ":4: unknown key 'output'"},
-        {"[fit]\ndegree = 9\n", ":4: degree: expected a number in [1, 3]; found 9"},
+        {"[fit]\ndegree = 9\n", ":4: degree: expected one of 1, 2, 3, auto; found '9'"},
         {"[[view]]\ncamra = 'front'\n", ":4: unknown key 'camra' (did you mean 'camera'?)"},
         {"[[view]]\naovs = ['men']\n", ""},
         {"[[view]]\nname = 'a'\nsize = '64'\n", ":5: size: "},

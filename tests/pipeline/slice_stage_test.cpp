@@ -7,6 +7,7 @@
 #include "formats/ply_writer.h"
 #include "formats/slice_file.h"
 #include "slim/base/hash.h"
+#include "slim/base/parallel.h"
 #include "slim/slicing/slab_plan.h"
 
 #include <algorithm>
@@ -179,6 +180,24 @@ TEST(SliceStage, DoesNothingWhenItIsUpToDateAndPlansRefuseDamage) {
     EXPECT_THROW(read_plan(config.work), FormatError);
     EXPECT_THROW(read_plan(folder.file("nowhere")), IoError);
     EXPECT_EQ(slice(config).n_points, 100u);
+}
+
+TEST(SliceStage, OfTwoFaultsNamesTheFirstInTheFileThoughPointsAreReadAhead) {
+    const TempFolder folder;
+    std::string text;
+    for (int i = 0; i < 140000; ++i) text += i == 9 ? "nan 0 0\n" : "1 2 3\n";
+    text += "not a number\n";
+    SliceConfig config;
+    config.inputs = {folder.write("two.xyz", text)};
+    config.work = folder.file("work");
+    config.strict = true;
+    for (const int threads : {1, 2, 7}) {
+        const ThreadLimit limit(threads);
+        EXPECT_NE(slicing_error(config).find("point 10: coordinates are not finite"),
+                  std::string::npos);
+    }
+    config.strict = false;
+    EXPECT_NE(slicing_error(config).find("line 140001"), std::string::npos);
 }
 
 }  // namespace

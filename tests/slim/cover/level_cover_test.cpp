@@ -66,7 +66,7 @@ std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_vari
     BallPoints<double> work;
     for (const FittedSurfel& s : leaves_of(c)) {
         centers.insert(s.point_id);
-        for (const Covered& p : covered_points(tree, s, noise_variance, work)) {
+        for (const Covered& p : cover_again(tree, s, noise_variance, work).covered) {
             weight[p.point] += p.weight;
             if (p.in_core) core[p.point] = true;
         }
@@ -215,6 +215,91 @@ TEST(LevelCover, LinearLeavesAreManyMoreAndCubicFewer) {
     EXPECT_GT(leaves[2], leaves[3]);
 }
 
+TEST(LevelCover, TheReadingsOfTheCoverDifferAsTheirRadii) {
+    const PointBlock block = block_of(sampled("sphere", 100000));
+    CoverRules rules = rules_for(block, 0.02);
+    const auto leaves = [&](CoverReading reading) {
+        rules.reading = reading;
+        return static_cast<double>(cover(block, rules).counts.leaves);
+    };
+    const double b = leaves(CoverReading::b);
+    // NUMERICS 3.4: 400, 177 and 110 balls on a sphere, drawn in plain random order.
+    EXPECT_NEAR(leaves(CoverReading::a) / b, 400.0 / 177, 0.25 * 400 / 177);
+    // Leaves are not drawn so: centres far from others come first, and then cores hardly overlap.
+    EXPECT_LT(leaves(CoverReading::c), 0.95 * b);
+}
+
+TEST(LevelCover, WindowsAreMoreAndSmallerUnderNoise) {
+    const PointBlock block = block_of(sampled("bumpy", 50000, 1, 1e-3));
+    CoverRules rules = rules_for(block, 0.01);
+    const Cover ladder = cover(block, rules);
+    rules.windows = true;
+    const Cover windows = cover(block, rules);
+    EXPECT_GT(windows.counts.leaves, 2 * ladder.counts.leaves);
+    EXPECT_LT(median_radius(leaves_of(windows)), median_radius(leaves_of(ladder)));
+    EXPECT_LE(uncovered(block, windows, rules.noise_variance),
+              windows.counts.unexplained + windows.counts.isolated);
+    const ThreadLimit limit(2);
+    expect_same(windows, cover(block, rules));
+}
+
+/// Bytes that the leaves' records and nodes take.
+double bytes_of(const Cover& c) {
+    double sum = 0;
+    for (const FittedSurfel& s : leaves_of(c))
+        sum += 4.0 * floats_per_surfel(s.surfel.degree) + sizeof(TreeNode);
+    return sum;
+}
+
+CoverRules choosing(CoverRules rules) {
+    rules.degree = 3;
+    rules.ladder.choose_degree = true;
+    return rules;
+}
+
+TEST(LevelCover, WithTheDegreeChosenAPlaneIsPlanes) {
+    const PointBlock block = graph_points(20000, 1, 1, [](double, double) { return 0.0; });
+    const Cover c = cover(block, choosing(rules_for(block)));
+    ASSERT_GT(c.counts.leaves, 0u);
+    EXPECT_EQ(c.counts.degrees[1], c.counts.leaves);
+    EXPECT_EQ(c.counts.saturated, c.counts.leaves);
+}
+
+TEST(LevelCover, WithTheDegreeChosenEachPartTakesItsOwn) {
+    // Left a plane, right a wave that asks for curvature.
+    const PointBlock block = graph_points(40000, 1, 1, [](double u, double) {
+        return u < 0 ? 0.0 : 0.02 * (1 - std::cos(8 * u));
+    });
+    CoverRules rules = rules_for(block, 0.02);
+    rules.noise_variance = 1e-8;
+    const Cover chosen = cover(block, choosing(rules));
+    for (const FittedSurfel& s : leaves_of(chosen)) {
+        if (s.surfel.center.x < -s.surfel.support_radius) {
+            ASSERT_EQ(s.surfel.degree, 1);
+        }
+        if (s.surfel.center.x > s.surfel.support_radius) {
+            ASSERT_GE(s.surfel.degree, 2);
+        }
+    }
+    // No degree for all of it is as sparse.
+    for (int degree = 1; degree <= 3; ++degree) {
+        rules.degree = degree;
+        EXPECT_LT(bytes_of(chosen), bytes_of(cover(block, rules))) << degree;
+    }
+}
+
+TEST(LevelCover, WithTheDegreeChosenItIsTheSameForAnyNumberOfThreads) {
+    const PointBlock block = block_of(sampled("bumpy", 20000, 1, 1e-3));
+    const CoverRules rules = choosing(rules_for(block, 0.005));
+    std::vector<Cover> covers;
+    for (const int n : {1, 2, 7}) {
+        const ThreadLimit limit(n);
+        covers.push_back(cover(block, rules));
+    }
+    expect_same(covers[0], covers[1]);
+    expect_same(covers[0], covers[2]);
+}
+
 TEST(LevelCover, Row20AThinSheetsLeavesStayOnTheirSide) {
     // Two planes 0.004 apart, points 0.014 apart.
     std::vector<Vec3d> positions;
@@ -268,6 +353,64 @@ TEST(LevelCover, APoleGetsNoDiscsOfTheSizeOfItsSearch) {
         EXPECT_LT(s.surfel.support_radius, 0.09) << s.surfel.center.z;
     }
     EXPECT_GT(on_pole, 5u);
+}
+
+/// A noisy square sheet, and along its rim x = 1 points that a grazing beam put off it by 5 to 7
+/// sigma, with normals turned outwards by 57 to 92 degrees.
+PointBlock sheet_with_grazed_rim(double sigma, std::size_t n_rim) {
+    PointBlock block = graph_points(40000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < block.size(); ++i) block.position[i].z += sigma * gaussian(6, i);
+    for (std::size_t i = 0; i < n_rim; ++i) {
+        const double off = sigma * (5 + 2 * std::abs(random_at(7, i)));
+        block.position[i] = {0.99 + 0.01 * random_at(8, i), random_at(9, i),
+                             random_at(10, i) < 0 ? off : -off};
+        const double angle = 1.3 + 0.3 * random_at(11, i);
+        block.normal[i] = to_float(Vec3d{std::sin(angle), 0, std::cos(angle)});
+    }
+    return block;
+}
+
+/// Leaves of few sigma in radius whose normals are more than 20 degrees off the sheet's.
+std::size_t n_scales(const Cover& c, double sigma) {
+    std::size_t n = 0;
+    for (const FittedSurfel& s : leaves_of(c))
+        n += s.surfel.support_radius < 14 * sigma && s.surfel.frame.normal.z < 0.94;
+    return n;
+}
+
+TEST(LevelCover, AGrazedRimOfARawScanGetsNoScales) {
+    const PointBlock block = sheet_with_grazed_rim(4e-3, 150);
+    CoverRules rules = rules_for(block);
+    rules.noise_variance = 1.6e-5;
+    const Cover clean = cover(block, rules);
+    rules.ladder.contrary_share = 2e-3;
+    std::vector<Cover> raw;
+    for (const int n : {1, 2, 7}) {
+        const ThreadLimit limit(n);
+        raw.push_back(cover(block, rules));
+    }
+    EXPECT_EQ(clean.counts.beside, 0u);
+    EXPECT_GT(n_scales(clean, 4e-3), 20u);
+    EXPECT_GT(raw[0].counts.beside, 20u);
+    EXPECT_LT(3 * n_scales(raw[0], 4e-3), n_scales(clean, 4e-3));
+    EXPECT_LT(raw[0].counts.leaves, clean.counts.leaves);
+    EXPECT_LE(uncovered(block, raw[0], rules.noise_variance),
+              raw[0].counts.beside + raw[0].counts.unexplained + raw[0].counts.isolated);
+    for (std::size_t i : {1, 2}) {
+        expect_same(raw[0], raw[i]);
+        EXPECT_EQ(raw[0].counts.beside, raw[i].counts.beside);
+    }
+}
+
+TEST(LevelCover, FewPointsKeepTheirLeafWhereNoiseIsSmallAgainstIt) {
+    // sqrt(lambda) is 0.03 of the radius of the smallest leaves: the same places are a detail here.
+    const PointBlock block = sheet_with_grazed_rim(8e-4, 150);
+    CoverRules rules = rules_for(block);
+    rules.noise_variance = 6.4e-7;
+    rules.ladder.contrary_share = 2e-3;
+    const Cover c = cover(block, rules);
+    EXPECT_EQ(c.counts.beside, 0u);
+    EXPECT_GT(c.counts.forced, 10u);
 }
 
 TEST(LevelCover, NothingIsCoveredFarFromTheDataOfAHole) {

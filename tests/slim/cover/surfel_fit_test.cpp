@@ -64,7 +64,9 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     for (std::size_t i = 0; i < block.size(); i += 500) {
         const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
                                             false, 1e-6, work);
-        const std::vector<Covered> again = covered_points(tree, s.fitted, 1e-6, work);
+        const CoveringSurfel whole = cover_again(tree, s.fitted, 1e-6, work);
+        const std::vector<Covered>& again = whole.covered;
+        EXPECT_EQ(whole.beside, s.beside);
         ASSERT_EQ(again.size(), s.covered.size());
         for (std::size_t k = 0; k < again.size(); ++k) {
             EXPECT_EQ(again[k].point, s.covered[k].point);

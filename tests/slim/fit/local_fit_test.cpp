@@ -42,7 +42,7 @@ Eigen::VectorXd fit_by_qr(const BallPoints<double>& ball, double shrink, int deg
     for (Eigen::Index i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const double u = ball.x[k] / shrink, v = ball.y[k] / shrink, w = ball.z[k] / shrink;
-        const double root = std::sqrt(weight_kernel(ball.sq[k] / (shrink * shrink)));
+        const double root = std::sqrt(fit_weight(ball.weight, ball.sq[k] / (shrink * shrink)));
         Eigen::Index column = 0;
         for (int d = 0; d <= degree; ++d)
             for (int t = 0; t <= d; ++t)
@@ -78,6 +78,44 @@ TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
                 const double rounding = 1e-12 + 2e-15 / radius;
                 expect_coefficients(fit, scaled, rounding);
                 EXPECT_LT(std::sqrt(fit.sq_error), rounding * radius);
+            }
+        }
+}
+
+TEST(LocalFit, TakesTheWeightOfItsBall) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::uint64_t i = 0;
+        auto ball = ball_of<double>(200, 0.01, seed, [&](double u, double) {
+            return 0.2 * u + 0.05 * gaussian(seed, i++);
+        });
+        const LocalFit gauss = fit_ball(ball, 0.9, kUpright, 2);
+        ball.weight = FitWeight::polynomial;
+        const LocalFit fit = fit_ball(ball, 0.9, kUpright, 2);
+        const Eigen::VectorXd reference = fit_by_qr(ball, 0.9, 2);
+        for (Eigen::Index k = 0; k < reference.size(); ++k)
+            ASSERT_NEAR(fit.polynomial.a[static_cast<std::size_t>(k)], reference[k], 1e-12);
+        EXPECT_GT(fit.n_effective, gauss.n_effective);  // a wider weight
+    }
+}
+
+TEST(LocalFit, EveryDegreeAtOnceIsEachDegreeAlone) {
+    for (const std::size_t n : {300u, 40u, 20u, 9u})  // the last are too few for cubics, for quadratics
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            SCOPED_TRACE(testing::Message() << n << " points, seed " << seed);
+            std::uint64_t i = 0;
+            const auto ball = ball_of<double>(n, 0.01, seed, [&](double u, double v) {
+                return 0.2 * u + 0.3 * u * v * v + 0.02 * gaussian(seed, i++);
+            });
+            const auto fits = fit_every_degree(ball, 0.9, kUpright);
+            for (int degree = 1; degree <= 3; ++degree) {
+                const LocalFit& fit = fits[static_cast<std::size_t>(degree - 1)];
+                const LocalFit alone = fit_ball(ball, 0.9, kUpright, degree);
+                ASSERT_EQ(fit.degree, alone.degree);
+                ASSERT_EQ(fit.fallback, alone.fallback);
+                ASSERT_EQ(fit.n_points, alone.n_points);
+                ASSERT_NEAR(fit.sq_error, alone.sq_error, 1e-9 * alone.sq_error);
+                expect_coefficients(fit, alone.polynomial, 1e-9);
             }
         }
 }
@@ -342,15 +380,73 @@ TEST(AverageNormal, OfAnEmptyBallIsTheCentresOwn) {
     EXPECT_TRUE(n.disagree);
 }
 
+TEST(LocalFit, NoiseAloneMissesNothing) {
+    // Sums over 400 balls of noise: what the next degree takes off, less its share, has the mean 0 and
+    // the standard error that the fit states.
+    constexpr double noise = 1e-3, rho = 0.5;
+    for (const int degree : {1, 2, 3}) {
+        SCOPED_TRACE(degree);
+        double sum = 0, squares = 0, stated = 0;
+        constexpr int runs = 400;
+        for (std::uint64_t seed = 0; seed < runs; ++seed) {
+            std::uint64_t i = 0;
+            const auto ball = ball_of<float>(
+                600, rho, seed, [&](double, double) { return noise * gaussian(seed + 500, i++); });
+            const LocalFit fit = fit_ball_ahead(ball, 1, kUpright, degree);
+            const LocalFit plain = fit_ball(ball, 1, kUpright, degree);
+            EXPECT_NEAR(fit.sq_error / plain.sq_error, 1, 1e-6);
+            const double unit = noise * noise * rho * rho;
+            sum += fit.sq_missed / unit;
+            squares += fit.sq_missed * fit.sq_missed / (unit * unit);
+            stated += fit.sq_missed_error * fit.sq_missed_error / (unit * unit);
+        }
+        EXPECT_LT(std::abs(sum / runs), 3 * std::sqrt(squares) / runs);
+        EXPECT_NEAR(std::sqrt(squares / stated), 1, 0.25);  // measured 1.1, 1.17, 1.1
+    }
+}
+
+TEST(LocalFit, WhatTheNextDegreeWouldFindIsFound) {
+    // Heights of one degree more than the fit's, without noise: all of eps^2 is missed.
+    for (const int degree : {1, 2, 3}) {
+        SCOPED_TRACE(degree);
+        const auto ball = ball_of<float>(
+            2000, 0.5, 3, [&](double u, double v) { return 0.05 * std::pow(u - v / 2, degree + 1); });
+        const LocalFit fit = fit_ball_ahead(ball, 1, kUpright, degree);
+        EXPECT_NEAR(fit.sq_missed / fit.sq_error, 1, 0.05);
+    }
+}
+
+TEST(MdlEnergy, SeesTheWholeOfNoiseThatTheBallCutsOff) {
+    // Balls from 20 down to 6 times the noise: the weight along the normal hides 4 to 31 % of the variance.
+    constexpr double noise = 1;
+    for (const double rho : {20., 10., 6.}) {
+        SCOPED_TRACE(rho);
+        double sum = 0;
+        constexpr int runs = 20;
+        for (std::uint64_t seed = 0; seed < runs; ++seed) {
+            std::uint64_t i = 0;
+            const auto ball = ball_of<double>(4000, rho, seed, [&](double, double) {
+                return noise / rho * gaussian(seed + 500, i++);
+            }, 1.0);
+            sum += whole_variance(fit_ball(ball, 1, kUpright, 1).sq_error, rho) / runs;
+        }
+        EXPECT_NEAR(sum, noise * noise, 0.05);
+    }
+    // As thick as wide: no surface at all; the cap, not a division by zero.
+    EXPECT_DOUBLE_EQ(whole_variance(1. / 16, 1), 20. / 16);
+    EXPECT_DOUBLE_EQ(whole_variance(1, 1), 20);
+}
+
 TEST(MdlEnergy, IsThePapersAndScalesAsALengthSquared) {
     const MdlEnergy energy{1e-6, 0.02};
-    EXPECT_DOUBLE_EQ(energy(3e-5, 0.1), 3e-5 + 1e-6 * 0.04);
+    const double whole = 3e-5 / (1 - 16 * 3e-3);
+    EXPECT_DOUBLE_EQ(energy(3e-5, 0.1), whole + 1e-6 * 0.04);
     constexpr double s = 1024;
     const MdlEnergy scaled{1e-6 * s * s, 0.02 * s};
     EXPECT_DOUBLE_EQ(scaled(3e-5 * s * s, 0.1 * s), s * s * energy(3e-5, 0.1));
     LocalFit fit;
     fit.degree = 2, fit.sq_error = 3e-5, fit.n_effective = 56;
-    EXPECT_DOUBLE_EQ(energy.upper_bound(fit, 0.1), energy(3e-5, 0.1) + 2 * 3e-5 * std::sqrt(2.0 / 50));
+    EXPECT_DOUBLE_EQ(energy.upper_bound(fit, 0.1), energy(3e-5, 0.1) + 2 * whole * std::sqrt(2.0 / 50));
     fit.n_effective = 1;
     EXPECT_TRUE(std::isfinite(energy.upper_bound(fit, 0.1)));
 }

@@ -99,5 +99,38 @@ TEST(Surfel, ComesBackFromTheRecordsAsItWasEncoded) {
     }
 }
 
+TEST(Surfel, RecordsOfMixedDegreesTakeTheirOwnBytesAndComeBack) {
+    std::vector<Surfel> surfels;
+    SurfelTreeData data;
+    data.header.degree = 3;
+    std::size_t floats = 0;
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const int degree = static_cast<int>(i % 4);
+        surfels.push_back({random_in_cube(9, i), 0.01,
+                           frame_from_normal(round_normal(random_direction(10, i))),
+                           random_polynomial(i, degree), degree});
+        data.nodes.emplace_back();
+        data.nodes.back().degree = static_cast<std::uint8_t>(degree);
+        floats += static_cast<std::size_t>(floats_per_surfel(degree));
+    }
+    encode_surfels(surfels, data);
+    EXPECT_EQ(data.records.size(), floats);
+    ASSERT_EQ(data.in_page.size(), surfels.size());
+    const SurfelTree tree = data.view();
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        const Surfel s = tree.surfel(i);
+        ASSERT_EQ(s.degree, surfels[i].degree);
+        ASSERT_NEAR(length(s.center - surfels[i].center), 0, 1.1e-7);
+        // The surface at the centre, whatever the frame that a plane was turned to.
+        const Vec3d on = surfels[i].frame.world_from_local({0, 0, surfels[i].polynomial.a[0]});
+        const Vec3d x = s.frame.local_from_world(on);
+        ASSERT_NEAR(x.z, s.polynomial.value(x.x, x.y), 4e-7) << i;
+    }
+    for (Surfel& s : surfels) s.degree = 3;  // equal ones need no index
+    encode_surfels(surfels, data);
+    EXPECT_TRUE(data.in_page.empty() && data.page_start.empty());
+    EXPECT_EQ(data.records.size(), surfels.size() * 16);
+}
+
 }  // namespace
 }  // namespace slim::test

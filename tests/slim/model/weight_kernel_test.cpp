@@ -33,6 +33,13 @@ TEST(WeightKernel, VanishesAtAndBeyondTheSupport) {
     EXPECT_LT(kernel(1 - 1e-3), 3e-12);  // like (1 - x)^4
 }
 
+TEST(FitWeight, IsTheKernelOrThePolynomial) {
+    for (double s = 0; s < 1.2; s += 0.01) {
+        EXPECT_EQ(fit_weight(FitWeight::gauss, s), weight_kernel(s));
+        EXPECT_NEAR(fit_weight(FitWeight::polynomial, s), s < 1 ? std::pow(1 - s, 4) : 0, 1e-15);
+    }
+}
+
 TEST(WeightKernel, ValueSlopeAndCurvatureMatchAtTheJoint) {
     constexpr double h = 1e-3, e2 = 0.13533528323661270;
     const auto slope = [&](double x) { return (kernel(x + h) - kernel(x - h)) / (2 * h); };

@@ -185,9 +185,9 @@ TEST(KeySort, SortsByKeyAndKeepsTheOrderOfEqualOnes) {
     for (const std::size_t n : {0u, 1u, 100u, 5000u, 200000u})
         for (const std::uint64_t mask : {~0ull, 0xffull, 0xff00ff0000ull, 0ull}) {
             SCOPED_TRACE(testing::Message() << n << " items, mask " << mask);
-            std::vector<KeyedIndex> items(n);
+            KeyedIndices items(n);
             for (std::uint32_t i = 0; i < n; ++i) items[i] = {keyed_hash(3, i) & mask, i};
-            std::vector<KeyedIndex> expected = items;
+            KeyedIndices expected = items;
             std::stable_sort(expected.begin(), expected.end(),
                              [](const auto& a, const auto& b) { return a.key < b.key; });
             const ThreadLimit limit(3);

@@ -1,0 +1,34 @@
+#include "slim/cover/cover_counts.h"
+
+#include "slim/model/surfel_tree.h"
+
+#include <algorithm>
+
+namespace slim {
+
+void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
+    ++leaves;
+    saturated += (leaf.fitted.flags & kSaturated) != 0;
+    forced += (leaf.fitted.flags & kForced) != 0;
+    normals_disagree += leaf.normals_disagree;
+    sharp_edges += leaf.fitted.surfel.n_sheets() == 2;
+    sharp_corners += leaf.fitted.surfel.n_sheets() == 3;
+    ++fallbacks[static_cast<std::size_t>(leaf.fallback)];
+    ++degrees[static_cast<std::size_t>(leaf.fitted.surfel.degree)];
+}
+
+CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
+    leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
+    saturated += b.saturated, forced += b.forced, contrary += b.contrary;
+    normals_disagree += b.normals_disagree;
+    unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
+    sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
+    recentred += b.recentred;
+    evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
+    refinements += b.refinements, point_visits += b.point_visits;
+    for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];
+    for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] += b.degrees[i];
+    return *this;
+}
+
+}  // namespace slim

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "slim/cover/overlap.h"
+#include "slim/fit/radius_ladder.h"
+#include "slim/model/fitted_surfel.h"
+#include "slim/model/surfel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+namespace slim {
+
+/// rho_r of a level: rho_0 g^(level - 1), rho_0 = L / 10 (paper eq. (5)).
+inline double level_radius(double diagonal, int level) {
+    return diagonal / 10 * std::pow(kGoldenRatio, level - 1);
+}
+
+/// What the fit of one set of points is asked for.
+struct CoverRules {
+    int degree = 2;
+    double mdl_threshold = 0.01;  ///< T_MDL, fraction of `diagonal`
+    double diagonal = 0;          ///< L of the whole job
+    double noise_variance = 0;    ///< lambda
+    double least_radius = 0;      ///< below it coordinates are rounding
+    std::uint64_t seed = 0;
+    LadderRules ladder;
+    bool windows = false;  ///< the radius by the paper's windows, not the ladder (slim/fit/notes/0006)
+    FitWeight weight = FitWeight::gauss;
+    CoverReading reading = CoverReading::b;
+    bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
+    double spacing = 0;  ///< square root of the area that one of the job's points usually has; 0: as these have
+    double share = 1;    ///< of the job's points that are here, by in_share(); what < 1 does not resolve waits
+    std::function<bool(const Vec3d&)> owns;  ///< centres of surfels to keep and to count; empty: all
+    int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
+    int last_level = 48;                ///< and those below this one's
+    std::span<const std::uint64_t> dropped; ///< ids of points that those levels dropped
+    int rungs_above = 0;                ///< of a first_level > 1: leaves may be so many rungs larger than it
+    double provisional = 0;  ///< surfels of last_level up to this radius serve its larger leaves only, and go
+    std::span<const FittedSurfel> done; ///< surfels that cover already, of levels before first_level
+
+    /// Finest rung of the ladder that leaves may not exceed: fine levels know no points beyond their halo.
+    int top_rung() const { return std::max(0, first_level - 1 - rungs_above); }
+    bool is_sample() const { return share < 1; }
+
+    /// Where the degree is not chosen one by one: of internal surfels, which stand in for their children where
+    /// these are a few pixels large, and of edges, whose price is that of quadratic sheets.
+    int usual_degree() const { return ladder.choose_degree ? std::min(degree, 2) : degree; }
+};
+
+}  // namespace slim

@@ -1,0 +1,209 @@
+#include "slim/cover/leaf_maker.h"
+
+#include "slim/cover/scatter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+/// Of the diagonal of a bucket of 16 points: a ball with enough for the finest rung.
+constexpr double kGuess = 0.4;
+constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
+constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
+constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
+constexpr int kMostAttempts = 12;
+constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
+
+constexpr double kFinestBall = 3.3;         // its radius, in spacings
+constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
+constexpr double kWaits = 1e-30;            // a radius that no level accepts
+
+LadderRules ladder_rules(const CoverRules& rules) {
+    LadderRules ladder = rules.ladder;
+    ladder.top_rung = rules.top_rung();
+    ladder.look_for_edges = rules.sharp;
+    return ladder;
+}
+
+MdlEnergy energy_of(const CoverRules& rules) {
+    return {rules.noise_variance, rules.mdl_threshold * rules.diagonal};
+}
+
+/// Whether a sample's search was decided by its points, not by their want.
+bool resolves(const RadiusChoice& choice) {
+    return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
+}
+
+/// Index in the full tree of the point nearest to p within a radius.
+std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p, double radius) {
+    std::optional<std::uint32_t> best;
+    double best_sq = radius * radius;
+    tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
+        for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
+            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} - p);
+            if (sq >= best_sq) continue;
+            best_sq = sq;
+            best = static_cast<std::uint32_t>(first + k);
+        }
+    });
+    return best;
+}
+
+}  // namespace
+
+LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
+                     const PointPyramid& pyramid)
+    : block_(points),
+      rules_(rules),
+      pyramid_(pyramid),
+      ladder_(pyramid, energy_of(rules), level_radius(rules.diagonal, 1), rules.least_radius,
+              rules.degree, ladder_rules(rules)),
+      windows_(pyramid, energy_of(rules), level_radius(rules.diagonal, rules.first_level),
+               rules.least_radius, rules.degree, rules.ladder),
+      sharp_(pyramid, energy_of(rules), level_radius(rules.diagonal, 1 + rules.top_rung()),
+             rules.usual_degree(), rules.ladder),
+      place_(points.size()),
+      spacing_(rules.spacing) {
+    if (!(spacing_ > 0) && points.size() > 0) spacing_ = spacing_here();
+    for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
+        place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
+}
+
+/// By the median of 1,001 buckets' diagonals.
+double LeafMaker::spacing_here() const {
+    const PointTree& tree = pyramid_.all();
+    std::vector<double> sizes;
+    for (std::size_t k = 0; k < 1001; ++k)
+        sizes.push_back(tree.bucket_diagonal(k * (tree.size() - 1) / 1000));
+    std::nth_element(sizes.begin(), sizes.begin() + 500, sizes.end());
+    return kGuess * sizes[500] / kFinestBall;
+}
+
+/// The radius about a point of the full tree.
+RadiusChoice LeafMaker::choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                                      LeafWork& work) const {
+    const Vec3d center = pyramid_.all().position(place);
+    ++work.searches;
+    if (rules_.windows)
+        return windows_.choose(center, normal, level - rules_.first_level, work.ladder);
+    return ladder_.choose(center, normal, kGuess * pyramid_.all().bucket_diagonal(place),
+                          work.ladder);
+}
+
+void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
+    const Vec3d center = block_.position[c.point];
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    c.choice = choose_radius(place_[c.point], normal, c.level, work);
+    const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
+    c.sparse = finest > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
+    const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
+    if (!is_resolved) c.choice = {kWaits, c.choice.degree};
+    if (rules_.sharp && is_resolved) sharpen(c, center, work);
+    // Rounded here, so that a search remembered gives the same surfel as a fresh one.
+    c.choice.radius = static_cast<float>(c.choice.radius);
+}
+
+CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
+                                    const RadiusChoice& choice, LeafWork& work) const {
+    // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
+    const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
+    if (lends && (choice.forced || choice.limited))
+        return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
+                                 choice.forced, rules_.noise_variance, work.exact);
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
+                      choice.forced, rules_.noise_variance, work.exact.ball);
+}
+
+/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
+/// The exact fit must confirm them, here and not later, so that the smooth choice is still at hand.
+void LeafMaker::sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const {
+    auto found = sharp_.choose(center, c.choice, work.ladder);
+    if (!found) {
+        const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+        c.choice.radius = static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
+        return;
+    }
+    found->radius = static_cast<float>(found->radius);
+    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.usual_degree(),
+                                   rules_.noise_variance, work.exact.ball, work.sharp);
+    if (!fitted) return;
+    c.surfel = std::move(*fitted);
+    c.choice = {found->radius, rules_.usual_degree()};
+    c.n_sheets = found->n_sheets;
+}
+
+void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
+    const Vec3d center = block_.position[c.point];
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    if (c.n_sheets > 1) {
+        if (!c.surfel.fitted.surfel.sharp)  // the choice was made at an earlier level
+            c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
+                                         rules_.usual_degree(), rules_.noise_variance,
+                                         work.exact.ball, work.sharp);
+        return;
+    }
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+        c.surfel = fit(center, normal, c.choice, work);
+        if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
+            if (rules_.is_sample()) c.choice.radius = kWaits;
+            c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
+            c.leaf = c.choice.radius >= lower;
+            if (!c.leaf) return;
+            continue;
+        }
+        if (c.sparse && c.surfel.fitted.n_points <= kFewest) {  // strays, scattered in the air
+            c.choice.isolated = !rules_.is_sample();
+            c.leaf = false;
+            return;
+        }
+        if (length(c.surfel.lean) <= kBorder) return;
+        const std::optional<double> smaller = move_inwards(c, lower, work);
+        if (c.choice.forced) return;
+        const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
+        if (!smaller && !at_corner) return;
+        // A corner's leaf that cannot move inwards is tried at the next rung.
+        c.choice.radius = static_cast<float>(smaller.value_or(kGoldenRatio * c.choice.radius));
+        c.choice.saturated = false;
+        c.leaf = c.choice.radius >= lower;
+        if (!c.leaf) return;
+    }
+}
+
+/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that covers the
+/// border point as well reaches beyond it by a quarter of that only; it takes the leaf's place if its
+/// own radius allows it. If the radius there is smaller, the border must not have a larger one (a corner sees
+/// a quarter of the data only): that radius is returned.
+/// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
+std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, LeafWork& work) const {
+    const Vec3d from = block_.position[c.point];
+    const double rho = c.surfel.fitted.surfel.support_radius;
+    const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
+    const auto place = nearest_point(pyramid_.all(), target, 0.5 * kInwards * rho);
+    if (!place) return {};
+    const PointTree& tree = pyramid_.all();
+    const Vec3d center = tree.position(*place);
+    const Vec3d normal = normalized(to_double(tree.normal(*place)));
+    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
+    const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
+    // Never larger than at the border: it still stands near it.
+    const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
+    if (choice.forced) return {};
+    if (radius < kClearlySmaller * rho) return radius;
+    if (radius < lower || length(center - from) > 0.5 * radius) return {};
+    RadiusChoice moved_choice = choice;
+    moved_choice.radius = radius;
+    CoveringSurfel moved = fit(center, normal, moved_choice, work);
+    const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
+    if (!moved.explains_center ||
+        std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
+        return {};
+    c.surfel = std::move(moved);
+    c.choice.saturated =
+        choice.saturated && radius == static_cast<double>(static_cast<float>(choice.radius));
+    c.center = tree.source(*place);
+    return {};
+}
+
+}  // namespace slim

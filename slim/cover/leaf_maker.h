@@ -1,0 +1,73 @@
+#pragma once
+
+#include "slim/cover/cover_rules.h"
+#include "slim/cover/surfel_fit.h"
+#include "slim/fit/radius_ladder.h"
+#include "slim/fit/radius_windows.h"
+#include "slim/fit/sharp_search.h"
+#include "slim/model/point_block.h"
+#include "slim/neighbors/point_pyramid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace slim {
+
+/// One centre, the radius that its search found and the leaf made of it.
+struct LeafCandidate {
+    std::uint32_t point = 0;
+    int level = 1;              ///< that looks at it: where the paper's windows begin
+    std::uint32_t center = 0;   ///< where the leaf is centred: at `point`, or at one further inwards
+    bool leaf = false;
+    RadiusChoice choice;
+    std::size_t n_sheets = 1;
+    bool sparse = false;        ///< the finest ball is far larger than usual
+    CoveringSurfel surfel;      ///< if `leaf`
+};
+
+/// Workspace of one thread, and its counts.
+struct LeafWork {
+    LadderWork ladder;
+    SteadyWork exact;
+    SharpWork<double> sharp;
+    std::size_t searches = 0;
+};
+
+/// Makes leaves: searches a centre's radius, fits, and mends what stands at borders or among strays.
+/// Depends on the points alone, never on leaves made before. Holds references to all it is given.
+class LeafMaker {
+public:
+    LeafMaker(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid);
+
+    /// Square root of the area that one of the job's points usually has.
+    double spacing() const { return spacing_; }
+
+    /// Fills in choice, n_sheets and sparse of c.point at c.level; cost: one radius search (10 us).
+    void choose(LeafCandidate& c, LeafWork& work) const;
+
+    /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes
+    /// false if that is less than `lower`: the point waits. Strays become choice.isolated.
+    void make(LeafCandidate& c, double lower, LeafWork& work) const;
+
+private:
+    double spacing_here() const;
+    RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
+                               LeafWork& work) const;
+    void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
+    CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
+                       LeafWork& work) const;
+    std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
+
+    const PointBlock& block_;
+    const CoverRules& rules_;
+    const PointPyramid& pyramid_;
+    RadiusLadder ladder_;
+    RadiusWindows windows_;
+    SharpSearch sharp_;
+    std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
+    double spacing_;
+};
+
+}  // namespace slim

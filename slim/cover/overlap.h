@@ -1,0 +1,24 @@
+#pragma once
+
+#include "slim/model/surfel.h"
+#include "slim/model/weight_kernel.h"
+
+#include <cmath>
+
+namespace slim {
+
+/// What the overlap of eq. (2) sums at a point (NUMERICS 3.4, notes/0004): the weight G with support
+/// alpha rho, as the paper's words say; G with support rho; or the quadratic B-spline reaching rho.
+enum class CoverReading : unsigned char { a, b, c };
+
+/// A leaf's share in the overlap at a squared relative distance (r / rho)^2. A lone leaf covers up to 0.357,
+/// 0.536 and 0.70 of its radius.
+inline float overlap_weight(CoverReading reading, float sq) {
+    if (reading == CoverReading::a)
+        return weight_kernel(sq / static_cast<float>(kTrim * kTrim));
+    if (reading == CoverReading::b) return weight_kernel(sq);
+    const float t = 1.5f * std::sqrt(sq), rest = 1.5f - t;
+    return t <= 0.5f ? 0.75f - t * t : rest > 0 ? 0.5f * rest * rest : 0.0f;
+}
+
+}  // namespace slim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "slim/cover/surfel_fit.h"
+
+#include <cstdint>
+
+namespace slim {
+
+/// Over the usual radius: a region so thin is a surface or strays.
+inline constexpr double kSparse = 4;
+inline constexpr std::uint32_t kFewest = 3;  ///< points that any leaf may have
+
+/// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree. A disc
+/// among them would stand in the air.
+/// sparse: the finest ball with enough points is far larger than the cloud's usual one.
+bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse);
+
+/// Whether a small leaf of a noisy cloud says less of its points than a surface beside them does:
+/// forced with up to 25 points, or up to 60 that fill a volume (eps above 0.12 rho), where
+/// sqrt(lambda) is above 0.07 rho. At rims, where the scanner sees a surface at a grazing angle, each
+/// gets its own direction, and they stand out like scales (notes/0003).
+bool is_doubtful(const FittedSurfel& leaf, double noise_variance);
+
+}  // namespace slim

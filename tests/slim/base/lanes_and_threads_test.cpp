@@ -1,0 +1,64 @@
+#include "slim/base/hash.h"
+#include "slim/base/parallel.h"
+#include "slim/base/simd.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace slim::test {
+namespace {
+
+template <class T>
+void compresses_every_mask() {
+    using V = LanesOfDouble<T>;
+    T values[V::size()];
+    for (std::size_t i = 0; i < V::size(); ++i) values[i] = static_cast<T>(10 + i);
+    const V v(values, stdx::element_aligned);
+    for (std::uint64_t bits = 0; bits < std::uint64_t{1} << V::size(); ++bits) {
+        std::vector<T> expected;
+        for (std::size_t i = 0; i < V::size(); ++i)
+            if (bits >> i & 1) expected.push_back(values[i]);
+        std::vector<T> out(V::size() + 1, T(7));
+        compress_to<T>(v, bits, out.data());
+        EXPECT_EQ(out.back(), T(7)) << "wrote beyond the lanes, mask " << bits;
+        out.resize(expected.size());
+        EXPECT_EQ(out, expected) << "mask " << bits;
+    }
+}
+
+TEST(CompressTo, KeepsTheLanesWhoseBitIsSetInOrder) {
+    compresses_every_mask<double>();
+    compresses_every_mask<float>();
+    compresses_every_mask<std::uint32_t>();
+}
+
+TEST(ParallelEraseIf, IsStdEraseIf) {
+    const ThreadLimit limit(3);
+    for (const std::size_t n : {0u, 1u, 16384u, 16385u, 100000u})
+        for (const std::uint64_t share : {0u, 1u, 7u, 8u}) {
+            SCOPED_TRACE(testing::Message() << n << " values, " << share << " of 8 unwanted");
+            std::vector<std::uint64_t> values(n);
+            for (std::size_t i = 0; i < n; ++i) values[i] = keyed_hash(4, i);
+            const auto unwanted = [&](std::uint64_t v) { return v % 8 < share; };
+            std::vector<std::uint64_t> expected = values;
+            std::erase_if(expected, unwanted);
+            parallel_erase_if(values, unwanted);
+            EXPECT_EQ(values, expected);
+        }
+}
+
+TEST(RunBoth, DoesBothAndThrowsWhatEitherThrows) {
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        int a = 0, b = 0;
+        run_both([&] { a = 1; }, [&] { b = 2; });
+        EXPECT_EQ(a + b, 3);
+        const auto fails = [] { throw std::runtime_error("no"); };
+        EXPECT_THROW(run_both(fails, [] {}), std::runtime_error);
+        EXPECT_THROW(run_both([] {}, fails), std::runtime_error);
+    }
+}
+
+}  // namespace
+}  // namespace slim::test
