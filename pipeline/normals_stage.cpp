@@ -197,8 +197,8 @@ NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
-/// number of neighbours counts is decided for all slices together: a job of several measures each, up to
-/// the first that is flat here.
+/// number of neighbours counts is decided for all slices together: a job of several measures each, those
+/// that are rarely wanted only if this slice is not flat before.
 std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<bool>& own,
                                     const SlicePlan& plan) {
     const double rate = kSamples / static_cast<double>(plan.n_points);
@@ -215,7 +215,7 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
         noise.push_back(estimate_noise_variance(search, samples, k));
-        if (noise.back().flatness <= kFlat) break;
+        if (k >= kUsualMostNeighbors && noise.back().flatness <= kFlat) break;
     }
     return noise;
 }

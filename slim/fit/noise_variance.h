@@ -21,6 +21,8 @@ struct NoiseVariance {
 
 /// The numbers of neighbours tried, and the flatness at which the search among them ends.
 inline constexpr std::size_t kNoiseNeighbors[] = {10, 20, 40, 80, 160, 320, 640, 1280, 2560, 5120};
+/// More are wanted where noise is several spacings thick, and cost a second a slice.
+inline constexpr std::size_t kUsualMostNeighbors = 160;
 inline constexpr double kFlat = 0.1;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
