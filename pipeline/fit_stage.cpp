@@ -258,8 +258,8 @@ void check_fit_config(const FitConfig& config) {
 
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     check_fit_config(config);
-    return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
+    keep_freed_memory(plan.slices.size() == 1);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
         throw DataError(fmt::format(
             "{}: {} points within a box of diagonal {}: a surface needs at least 3 points that do not "

@@ -319,8 +319,8 @@ std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
 }
 
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
-    return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
+    keep_freed_memory(plan.slices.size() == 1);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;

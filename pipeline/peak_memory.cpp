@@ -35,9 +35,10 @@ std::uint64_t high_water_mark() {
 
 }  // namespace
 
-void return_freed_memory() {
-    constexpr int kLarge = 1 << 20;
-    mallopt(M_MMAP_THRESHOLD, kLarge);  // set, it no longer adapts
+void keep_freed_memory(bool keep) {
+    constexpr int kLarge = 1 << 20, kLargest = 32 << 20;  // the most that glibc takes
+    mallopt(M_MMAP_THRESHOLD, keep ? kLargest : kLarge);  // set, it no longer adapts
+    mallopt(M_TRIM_THRESHOLD, keep ? 1 << 30 : kLarge);
 }
 
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {

@@ -33,8 +33,10 @@ private:
     std::thread sampler_;
 };
 
-/// From now on large blocks go back to the system as soon as they are freed. Otherwise the allocator keeps
-/// those of one slice in a heap that has no room for the next one's: half as much memory again.
-void return_freed_memory();
+/// What becomes of freed blocks from now on. With several slices large ones go back to the system at once:
+/// else the allocator keeps those of one slice in a heap that has no room for the next one's, half as much
+/// memory again. With one slice they are kept: the system clears every page that it gives anew, a tenth of
+/// the processor time of a build (happy_stand_raw: 1.93 to 1.79 s at 170 to 190 MiB).
+void keep_freed_memory(bool keep);
 
 }  // namespace slim
