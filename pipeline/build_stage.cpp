@@ -50,13 +50,7 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     FitConfig f;
     f.work = work;
     f.slice = kAllSlices;
-    f.degree = c.degree;
-    f.t_mdl = c.t_mdl;
-    f.lambda = c.lambda;
-    f.radius_rule = c.radius_rule;
-    f.weight = c.weight;
-    f.cover = c.cover;
-    f.sharp = c.sharp;
+    static_cast<FitOptions&>(f) = c;
     f.memory = c.memory;
     f.seed = c.seed;
     return f;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/fit_options.h"
 #include "pipeline/plan_file.h"
 #include "pipeline/stage.h"
 
@@ -12,17 +13,10 @@
 namespace slim {
 
 /// Stage 3: surfels for every slice.
-struct FitConfig {
+struct FitConfig : FitOptions {
     std::string work;
     int slice = -1;
     bool coarse = false;
-    std::string degree = "2";
-    double t_mdl = 0.01;
-    double lambda = 0;
-    std::string radius_rule = "ladder";
-    std::string weight = "gauss";
-    std::string cover = "B";
-    std::string sharp = "off";
     std::string memory = "1GiB";
     std::uint64_t seed = 0;
 
@@ -32,26 +26,7 @@ struct FitConfig {
         field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
         field.part("coarse", coarse,
                    "only the coarse levels that all slices share: once before an array job over slices");
-        field.choice("degree", degree,
-                     "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
-                     "for its error",
-                     {"1", "2", "3", "auto"});
-        field("t_mdl", t_mdl, "T_MDL of eq. (3), fraction of the diagonal: sparseness against accuracy",
-              1e-12, 1e3);
-        field("lambda", lambda,
-              "noise variance of eq. (3) in model units squared; 0: measured from the points", 0, 1e300);
-        field.choice("radius_rule", radius_rule,
-                     "how a surfel's radius is found; windows: the paper's, for comparison",
-                     {"ladder", "windows"});
-        field.choice("weight", weight,
-                     "of the points in a fit; gauss: the paper's, polynomial: (1 - r^2)^4",
-                     {"gauss", "polynomial"});
-        field.choice("cover", cover,
-                     "how far a leaf covers; A: the paper to the letter, B: G up to its radius, C: a B-spline",
-                     {"A", "B", "C"});
-        field.choice("sharp", sharp,
-                     "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
-                     {"on", "off"});
+        FitOptions::visit(field);
         field("memory", memory, "bounds the sample that coarse levels of a job in slices are fitted from");
         field("seed", seed, "chooses among equally good centres");
     }
