@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace slim {
@@ -47,8 +48,17 @@ const std::string& temporary_suffix() {
     return suffix;
 }
 
+void check_replaceable(const std::string& path) {
+    struct stat found {};
+    if (::stat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return;
+    throw IoError(message(path, ": is a ", S_ISDIR(found.st_mode) ? "folder" : "device or pipe",
+                          "; expected the name of a file to write, which takes its place"),
+                  ExitCode::usage);
+}
+
 AtomicFile::AtomicFile(std::string path)
     : path_(std::move(path)), temporary_(path_ + temporary_suffix()) {
+    check_replaceable(path_);
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file_ < 0) {
         const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;

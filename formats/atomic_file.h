@@ -12,6 +12,10 @@ namespace slim {
 /// on several hosts write into one folder, where process ids alone would collide.
 const std::string& temporary_suffix();
 
+/// An output replaces the file of its name; a device, a pipe or a folder is none.
+/// throws IoError, exit code `usage`
+void check_replaceable(const std::string& path);
+
 /// Whether a new file must outlast a power cut. Files that a job can make anew, and whose damage
 /// shows by a checksum, need not: waiting for the disk takes longer than making them.
 enum class Outlasts { power_cut, process };

@@ -1,5 +1,6 @@
 #include "pipeline/build_stage.h"
 
+#include "formats/atomic_file.h"
 #include "pipeline/build_summary.h"
 #include "pipeline/fit_stage.h"
 #include "pipeline/folder_lock.h"
@@ -109,6 +110,7 @@ void check_output(const BuildConfig& config) {
     if (fs::is_directory(config.output, ignored))
         throw ConfigError(config.output + ": is a folder; --output expects a file to write, as " +
                           (fs::path(config.output) / "model.slim").string());
+    check_replaceable(config.output);
     for (const std::string& input : config.inputs)
         if (fs::equivalent(input, config.output, ignored))
             throw ConfigError(config.output + ": is an input cloud; --output would overwrite it");

@@ -182,11 +182,13 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
     }
 }
 
-/// lambda at the fewest neighbours that are flat, over the whole job (NUMERICS 3.2).
+/// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job (NUMERICS 3.2).
 NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
     for (const NoiseVariance& n : noise)
         if (n.flatness <= kFlat) return n;
-    return noise.empty() ? NoiseVariance{} : noise.back();
+    const auto flatter = [](const auto& a, const auto& b) { return a.flatness < b.flatness; };
+    const auto best = std::min_element(noise.begin(), noise.end(), flatter);
+    return best == noise.end() ? NoiseVariance{} : *best;
 }
 
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {

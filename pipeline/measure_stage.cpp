@@ -154,10 +154,10 @@ nlohmann::json measured(const MeasureConfig& config, const std::string& truth,
 
     const std::uint64_t hits = s.points - s.missed;
     const double diagonal = model.header().diagonal;
-    if (hits == 0)
+    if (2 * s.missed > s.points)
         context.reporter.warn(fmt::format(
-            "{}: no surfel of {} supports any of its {} points: are they in the same frame?",
-            config.cloud, config.model, s.points));
+            "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
+            config.cloud, s.missed, s.points, config.model));
     nlohmann::json out = {{"points", s.points},
                           {"missed", s.missed},
                           {"opposed", s.opposed},

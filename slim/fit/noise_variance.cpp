@@ -56,13 +56,18 @@ std::size_t enough_samples(std::size_t n, std::size_t k) {
     return std::min(n, std::max(n * 10 / k, kFew));
 }
 
-/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples.
+/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples; else the flattest.
 std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples) {
+    std::size_t best = kNoiseNeighbors[0];
+    double flattest = INFINITY;
     for (const std::size_t k : kNoiseNeighbors) {
+        if (k >= search.size()) break;
         const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
-        if (k >= search.size() || with_neighbors(search, samples, k, n).flatness <= kFlat) return k;
+        const double flatness = with_neighbors(search, samples, k, n).flatness;
+        if (flatness < flattest) best = k, flattest = flatness;
+        if (flatness <= kFlat) break;
     }
-    return std::end(kNoiseNeighbors)[-1];
+    return best;
 }
 
 /// The samples with each replaced by the first point at its place, and every place once, at its

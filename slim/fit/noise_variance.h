@@ -26,7 +26,7 @@ inline constexpr std::size_t kUsualMostNeighbors = 160;
 inline constexpr double kFlat = 0.1;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
-/// 3.2). Points with fewer than three distinct neighbours are left out; none left gives value 0.
+/// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points with fewer than three distinct neighbours are left out; none left gives value 0.
 /// samples: points of the search by falling priority, of which the first serve where fewer do;
 /// those that lie at one place count once. Cost: one k-NN query a sample, fewer the larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,

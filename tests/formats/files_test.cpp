@@ -135,6 +135,19 @@ TEST(AtomicFile, IsInvisibleUntilCommitted) {
     EXPECT_EQ(folder.n_files(), 1u);
 }
 
+TEST(AtomicFile, ReplacesFilesOnly) {
+    const TempFolder folder;
+    for (const std::string& path : {std::string("/dev/null"), folder.file(".")}) {
+        try {
+            AtomicFile file(path);
+            FAIL() << path;
+        } catch (const IoError& e) {
+            EXPECT_EQ(e.code(), ExitCode::usage);
+            EXPECT_NE(std::string(e.what()).find("is a "), std::string::npos);
+        }
+    }
+}
+
 TEST(AtomicFile, TemporaryNamesDifferBetweenHosts) {
     const TempFolder folder;
     char host[256] = {};

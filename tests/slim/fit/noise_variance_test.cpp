@@ -66,6 +66,22 @@ TEST(NoiseVariance, NoiseLargerThanTheSpacingTakesMoreNeighbours) {
     EXPECT_LT(more.n_sampled, ten.n_sampled);
 }
 
+TEST(NoiseVariance, EdgesDoNotPassForNoise) {
+    // A coarse cube, where no neighbourhood is flat, has the noise of the flattest; with as many neighbours
+    // as it takes, the whole cube, it would be a tenth of its size. sigma is half a spacing.
+    constexpr double sigma = 0.015;
+    std::vector<Vec3d> points;
+    for (std::uint64_t i = 0; i < 6000; ++i) {
+        Vec3d p{random_at(1, i), random_at(2, i), random_at(3, i)};
+        p[i % 3] = i % 2 == 0 ? 1.0 : -1.0;
+        for (std::size_t k = 0; k < 3; ++k) p[k] += sigma * gaussian(4 + k, i);
+        points.push_back(p);
+    }
+    const NoiseVariance noise = noise_of(points, true);
+    EXPECT_LT(noise.value, 3 * sigma * sigma);
+    EXPECT_GT(noise.value, 0.3 * sigma * sigma);
+}
+
 TEST(NoiseVariance, OfTooFewDistinctPointsIsZero) {
     for (const std::size_t n : {1u, 2u, 50u}) {
         const std::vector<Vec3d> equal(n, Vec3d{1, 2, 3});
