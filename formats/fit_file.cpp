@@ -113,10 +113,17 @@ FittedSurfel unpack(const Record& r) {
     return f;
 }
 
+bool all_finite(std::span<const double> values) {
+    return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
-           r.degree <= kMaxDegree && (r.sharp & 3) < kMostSheets;
+           all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
+           r.fit_error >= 0 && r.degree <= kMaxDegree && (r.sharp & 3) < kMostSheets;
 }
+
+bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }
 
 }  // namespace
 
@@ -150,11 +157,17 @@ FitFile read_fit(const std::string& path,
     if (file.has("sheets")) {
         file.verify("sheets");
         sheets = file.array<SheetRecord>("sheets");
+        for (std::size_t k = 0; k < sheets.size(); ++k)
+            if (!is_sound(sheets[k]))
+                throw FormatError(message(path, ": byte ",
+                                          file.offset("sheets") + k * sizeof(SheetRecord),
+                                          ": sheet ", k, " is not finite"));
     }
     const auto take_record = [&](std::size_t i, const Record& r) {
         if (!is_sound(r))
             throw FormatError(message(path, ": byte ", file.offset("surfels") + i * sizeof(Record),
-                                      ": surfel ", i, " has no finite ball, or degree ",
+                                      ": surfel ", i,
+                                      " has no finite ball, shape or error, or degree ",
                                       int{r.degree}, " or sheets ", int{r.sharp} & 3));
         FittedSurfel surfel = unpack(r);
         const std::size_t extra = r.sharp & 3u;

@@ -77,6 +77,7 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},
             {"contrary_share", rules.ladder.contrary_share},
+            {"spacing", rules.spacing},
             {"radius_rule", rules.windows ? "windows" : "ladder"},
             {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
             {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},

@@ -75,12 +75,22 @@ json fallback_sums(const json& provenance) {
     std::map<std::string, std::uint64_t> sums;
     if (provenance.is_object() && provenance.contains("fits"))
         for (const json& fit : provenance.at("fits")) {
-            for (const auto& [cause, n] : fit.at("fallbacks").items())
+            const json by_cause = fit.value("fallbacks", json::object());
+            for (const auto& [cause, n] : by_cause.items())
                 sums[cause] += n.get<std::uint64_t>();
             for (const char* cause : {"forced", "contrary", "normals_disagree", "recentred"})
                 sums[cause] += fit.value(cause, std::uint64_t{0});
         }
     return sums;
+}
+
+/// throws FormatError if the provenance is not what a model of this program says of itself
+json provenance_info(const std::string& path, const json& provenance) {
+    try {
+        return {{"fit", fit_options(provenance)}, {"fallbacks", fallback_sums(provenance)}};
+    } catch (const json::exception& error) {
+        throw FormatError(fmt::format("{}: chunk provenance: {}", path, error.what()));
+    }
 }
 
 json model_info(const std::string& path) {
@@ -98,6 +108,7 @@ json model_info(const std::string& path) {
         saturated += (node.flags & kSaturated) != 0;
         forced += (node.flags & kForced) != 0;
     }
+    const json said = provenance_info(path, provenance);
     return {{"kind", "model"},
             {"bytes", file.file_size()},
             {"degree", header.degree},
@@ -115,8 +126,8 @@ json model_info(const std::string& path) {
             {"sharp_leaves_by_sheets", sheets.to_json()},
             {"health",
              {{"checksums", "ok"}, {"radius_at_the_largest", saturated}, {"radius_not_chosen", forced}}},
-            {"fit", fit_options(provenance)},
-            {"fallbacks", fallback_sums(provenance)},
+            {"fit", said.at("fit")},
+            {"fallbacks", said.at("fallbacks")},
             {"provenance", provenance}};
 }
 

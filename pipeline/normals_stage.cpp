@@ -73,17 +73,23 @@ std::filesystem::path rim_before(const NormalsConfig& config, const SlicePlan& p
 }
 
 /// Whether the slice before took the cloud for an airborne scan.
+/// throws FormatError if its manifest does not say
 bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
     if (slice == 0 || !signs_carry_over(config, plan)) return false;
-    std::ifstream file(manifest_path(rim_before(config, plan, slice)));
-    return nlohmann::json::parse(file).at("result").at("from_above").get<bool>();
+    const auto path = manifest_path(rim_before(config, plan, slice));
+    std::ifstream file(path);
+    const auto manifest = nlohmann::json::parse(file, nullptr, false);
+    const auto said = nlohmann::json::json_pointer("/result/from_above");
+    if (!manifest.is_object() || !manifest.contains(said) || !manifest.at(said).is_boolean())
+        throw FormatError(fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
+                                      path.string(), config.work));
+    return manifest.at(said).get<bool>();
 }
 
 /// A slice's points and those of its neighbours near the cuts, whose normals are zero where all are
 /// estimated but for those of the slice before.
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
     PointBlock points = read_slice(slice_points_path(config.work, slice).string());
-    const bool estimates = !points.has_normals() || config.normals == "estimate";
     const double width = rim_width(plan);
     // Strictly outside the cuts, as drop_rims tells them apart: a coordinate of the slice may round to the cut.
     if (slice + 1 < plan.slices.size()) {
@@ -91,12 +97,13 @@ PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, st
         append_slice_part(slice_points_path(config.work, slice + 1).string(), plan.axis,
                           std::nextafter(cut, INFINITY), cut + width, points);
     }
-    if (estimates) points.normal.assign(points.size(), Vec3f{});
+    if (signs_carry_over(config, plan)) points.normal.assign(points.size(), Vec3f{});
     if (slice > 0) {
         const double cut = plan.cuts[slice - 1];
         append_slice_part(rim_before(config, plan, slice).string(), plan.axis, cut - width,
                           std::nextafter(cut, -INFINITY), points);
     }
+    if (!points.has_normals()) points.normal.assign(points.size(), Vec3f{});  // --normals keep
     return points;
 }
 
@@ -255,6 +262,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
     if (slice > 0) stamp.input(rim_before(config, plan, slice));
     if (slice + 1 < plan.slices.size()) stamp.input(slice_points_path(config.work, slice + 1));
+    const bool from_above = was_from_above(config, plan, slice);
+    stamp.depends(fmt::format("from above {}", from_above));
     if (auto done = stamp.up_to_date()) return *done;
     PointBlock points = read_with_rims(config, plan, slice);
     sort_along_curve(points, plan.bounds);
@@ -263,8 +272,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report =
-        give_normals(points, own, center, config, plan, sensors,
-                     was_from_above(config, plan, slice), context.reporter);
+        give_normals(points, own, center, config, plan, sensors, from_above, context.reporter);
     std::vector<NoiseVariance> noise;
     if (plan.slices.size() > 1) {
         noise = noise_of(points, own, plan);

@@ -40,12 +40,28 @@ struct Merged {
     std::vector<FittedSurfel> surfels;
 };
 
+/// throws FormatError if a fit does not say its rules and counts
+nlohmann::json header_of_fit(const std::filesystem::path& path, const FitFile& fit) {
+    auto header = nlohmann::json::parse(fit.header_json, nullptr, false);
+    const auto says = [&](const char* key) {
+        return header.is_object() && header.contains(key) && header.at(key).is_object();
+    };
+    if (!says("rules") || !says("counts"))
+        throw FormatError(fmt::format("{}: chunk header_json: expected rules and counts, found {}",
+                                      path.string(), fit.header_json.substr(0, 100)));
+    const auto degree = header.at("rules").value("degree", nlohmann::json());
+    if (!degree.is_number_integer() || degree < 1 || degree > kMaxDegree)
+        throw FormatError(fmt::format("{}: chunk header_json: degree {} is not 1 to {}",
+                                      path.string(), degree.dump(), kMaxDegree));
+    return header;
+}
+
 /// throws IncompleteError if two fits were made with different rules
 Merged merge_fits(const std::vector<std::filesystem::path>& paths) {
     Merged out;
     for (const auto& path : paths) {
         const FitFile fit = read_fit(path.string());
-        const auto header = nlohmann::json::parse(fit.header_json);
+        const auto header = header_of_fit(path, fit);
         if (out.rules.is_null()) out.rules = header.at("rules");
         if (header.at("rules") != out.rules)
             throw IncompleteError(fmt::format(
@@ -95,6 +111,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);
     Stamp stamp(context, manifest_path(config.output));
+    stamp.input(plan_path(config.work));  // the model's origin, bounds and inputs stand in no fit
     for (const auto& path : paths) stamp.input(path);
     if (auto done = stamp.up_to_date()) return *done;
 

@@ -149,6 +149,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
             if (rules_.is_sample()) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
+            c.choice.saturated = false;
             c.leaf = c.choice.radius >= lower;
             if (!c.leaf) return;
             continue;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -174,10 +175,11 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
     const auto is_free = [&](std::uint32_t p) { return last || weight_[p] <= most_overlap; };
 
     BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
-    std::vector<std::uint32_t> later;
+    std::vector<std::uint32_t> passed, later;
     std::vector<Candidate> batch;
     for (std::size_t next = 0; next < waiting.size();) {
         batch.clear();
+        passed.clear();
         places.clear();
         for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
             // Points by priority lie anywhere in memory.
@@ -187,24 +189,23 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
             __builtin_prefetch(&stamp_[soon]);
             const std::uint32_t p = waiting[next];
             if (!may_lead(p)) continue;
-            if (!is_free(p)) {
-                later.push_back(p);
-                continue;
+            if (is_free(p)) {
+                if (!places.add(block_.position[p]) && ++clashes * kLeastGain > batch.size()) break;
+                batch.emplace_back().point = p;
             }
-            if (!places.add(block_.position[p]) && ++clashes * kLeastGain > batch.size()) break;
-            batch.emplace_back().point = p;
+            passed.push_back(p);
         }
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
         });
         for (Candidate& c : batch) {
-            if (may_lead(c.point) && is_free(c.point)) {
+            if (may_lead(c.point) && is_free(c.point))
                 accept(c, level);
-                continue;
-            }
-            ++out_.counts.discarded;
-            if (may_lead(c.point)) later.push_back(c.point);
+            else
+                ++out_.counts.discarded;
         }
+        // By priority, wherever the batch ended: those crowded before it and those crowded by it.
+        std::copy_if(passed.begin(), passed.end(), std::back_inserter(later), may_lead);
     }
     waiting.swap(later);
 }

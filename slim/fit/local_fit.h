@@ -24,7 +24,7 @@ struct LocalFit {
     int degree = 0;
     double sq_error = 0;     ///< eps^2, unbiased: weighted mean squared residual / (1 - K / n_eff), length^2
     /// What the terms of the next degree would take off eps^2 beyond the share of them that noise
-    /// explains, and the standard error of that (length^2; fit_ball_ahead alone fills them in). May be negative.
+    /// explains, and the standard error of that (length^2; fit_ball leaves both 0). May be negative.
     double sq_missed = 0, sq_missed_error = 0;
     double n_effective = 0;  ///< (sum G)^2 / sum G^2
     std::size_t n_points = 0;

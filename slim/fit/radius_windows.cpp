@@ -31,6 +31,12 @@ public:
         return window < kFinestWindow && l >= rules_.least_radius_ &&
                count_in_ball(rules_.points_.all(), center_, l, needed) == needed;
     }
+    /// Radius of the smallest ball that may be looked at: the l of the finest window that is held.
+    double finest() const {
+        int window = kFinestWindow - 1;
+        while (window > 0 && !is_held(window)) --window;
+        return radius(window + 2);
+    }
     bool is_minimum(int window) {
         const Rung l = rung(window + 2), m = rung(window + 1), r = rung(window);
         return l.energy > m.energy && m.energy < r.energy && l.sq_error < m.sq_error &&
@@ -111,6 +117,7 @@ RadiusChoice RadiusWindows::choose(const Vec3d& center, const Vec3d& normal, int
         choice.degree = degree_;
         choice.forced = !search.is_held(window);
         if (choice.forced) return choice;
+        choice.finest = search.finest();
         choice.energy = search.energy(window);
         choice.saturated = window == 0 && search.falls_upwards(window);
         if (choice.saturated) return choice;

@@ -312,6 +312,27 @@ TEST(FitFile, RoundTripsAndSeesDamage) {
                                 [](const std::string& path) { read_fit(path); });
 }
 
+TEST(FitFile, RefusesNumbersThatAreNotFinite) {
+    const TempFolder folder;
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refuses = [&](auto&& spoil) {
+        FittedSurfel s = some_surfel(1);
+        spoil(s);
+        write_fit(folder.file("f"), std::vector<FittedSurfel>{s}, "{}");
+        EXPECT_THROW(read_fit(folder.file("f")), FormatError);
+    };
+    refuses([&](FittedSurfel& s) { s.surfel.polynomial.a[3] = nan; });
+    refuses([&](FittedSurfel& s) { s.surfel.frame.normal.z = nan; });
+    refuses([&](FittedSurfel& s) { s.fit_error = nan; });
+    refuses([&](FittedSurfel& s) { s.fit_error = -1; });
+    refuses([&](FittedSurfel& s) {
+        SharpSheets sheets;
+        sheets.n_extra = 1;
+        sheets.extra[0].polynomial.a[0] = nan;
+        s.surfel.sharp = std::make_shared<const SharpSheets>(sheets);
+    });
+}
+
 TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {
     const TempFolder folder;
     const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};

@@ -93,6 +93,18 @@ TEST_F(NormalsStage, KeepTakesThemAsTheyAre) {
         ASSERT_GT(dot(block.normal[i], cloud.normals[block.id[i]]), 0.999f);
 }
 
+TEST_F(NormalsStage, KeepGivesNoneToACloudWithoutInSlicesEither) {
+    slice(write(sampled("torus", 10000), "c.ply", false), 3);
+    NormalsConfig config;
+    config.normals = "keep";
+    EXPECT_EQ(normals(config)["estimated"], 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const PointBlock block = oriented(i);
+        EXPECT_GT(block.size(), 0u);
+        for (const Vec3f& n : block.normal) ASSERT_EQ(n, Vec3f{});
+    }
+}
+
 TEST_F(NormalsStage, EstimatesMissingNormalsAndOnRequestAll) {
     const Cloud cloud = sampled("torus", 10000);
     slice(write(cloud, "c.ply", false), 1);

@@ -1,10 +1,12 @@
 #include "pipeline/tree_stage.h"
 
+#include "formats/fit_file.h"
 #include "formats/model_file.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 namespace slim::test {
@@ -39,6 +41,38 @@ TEST_F(TreeStage, FitsOfDifferentSettingsAreNotMixed) {
     fit(other);
     EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::ok) << message_;
     EXPECT_EQ(ModelFile::open(file("m.slim")).header().mdl_threshold, 0.05);
+}
+
+TEST_F(TreeStage, ACloudMovedByItsOriginMovesTheModel) {
+    Cloud cloud = sampled("sphere", 3000);
+    for (Vec3d& p : cloud.positions)  // moved without rounding
+        p = {std::round(p.x * 4096) / 4096, std::round(p.y * 4096) / 4096,
+             std::round(p.z * 4096) / 4096};
+    const auto model_of = [&](const char* name) {
+        slice(write(cloud, name), 1);
+        normals();
+        fit();
+        tree("m.slim");
+        return ModelFile::open(file("m.slim")).header();
+    };
+    const ModelHeader before = model_of("a.ply");
+    for (Vec3d& p : cloud.positions) p.x += 4096;
+    const ModelHeader after = model_of("b.ply");
+    EXPECT_EQ(after.bounds.lo, before.bounds.lo);  // the same fit
+    EXPECT_EQ(after.origin.x - before.origin.x, 4096);
+}
+
+TEST_F(TreeStage, RefusesFitsThatDoNotSayWhatTheyAre) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 1);
+    normals();
+    fit();
+    const std::string path = fit_path(file("work"), 0).string();
+    for (const char* header : {"no json", "[]", "{}", R"({"rules": {"degree": 12}, "counts": {}})",
+                               R"({"rules": {"degree": "2"}, "counts": {}})"}) {
+        write_fit(path, read_fit(path).surfels, header);
+        EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::bad_data) << header;
+        EXPECT_NE(message_.find(path), std::string::npos) << message_;
+    }
 }
 
 TEST_F(TreeStage, TheModelSaysWhatItWasMadeOf) {

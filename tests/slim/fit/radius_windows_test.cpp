@@ -60,6 +60,20 @@ TEST(RadiusWindows, SaturateOnAPlane) {
     }
 }
 
+TEST(RadiusWindows, FinestIsTheSmallestRungWithPointsWhereverTheLeafIs) {
+    const Ground g(graph_points(20000, 1, 1, [](double, double) { return 0.0; }), 0.01, 1e-20);
+    for (const std::size_t i : {7, 400, 9000}) {
+        const RadiusChoice choice = g.choose(i, 0);
+        ASSERT_TRUE(choice.saturated);
+        const auto holds = [&](double radius) {
+            return count_in_ball(g.pyramid.all(), g.block.position[i], radius, 12) == 12;
+        };
+        EXPECT_TRUE(holds(choice.finest));
+        EXPECT_FALSE(holds(choice.finest * kGoldenRatio));
+        EXPECT_LT(choice.finest, choice.radius / 2);
+    }
+}
+
 TEST(RadiusWindows, EndForcedWhereTooFewPointsAreLeft) {
     // White noise of height: E has no minimum that its errors agree with, but where points run out.
     std::uint64_t i = 0;
