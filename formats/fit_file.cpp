@@ -139,42 +139,60 @@ void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
     writer.commit(Outlasts::process);
 }
 
-FitFile read_fit(const std::string& path,
-                 const std::function<bool(const FittedSurfel&)>& is_wanted) {
-    const ChunkFile file = ChunkFile::open(path, kFitKind);
-    FitFile fit;
-    file.for_pieces<char>("header_json", [&](std::size_t, std::span<const char> piece) {
-        fit.header_json.append(piece.begin(), piece.end());
+FitReader::FitReader(const std::string& path) : file_(ChunkFile::open(path, kFitKind)) {
+    file_.for_pieces<char>("header_json", [&](std::size_t, std::span<const char> piece) {
+        header_json_.append(piece.begin(), piece.end());
     });
+    if (file_.has("sheets")) file_.verify("sheets");
+}
+
+std::size_t FitReader::n_surfels() const { return file_.array<Record>("surfels").size(); }
+
+void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const {
     std::span<const SheetRecord> sheets;
-    if (file.has("sheets")) {
-        file.verify("sheets");
-        sheets = file.array<SheetRecord>("sheets");
-    }
+    if (file_.has("sheets")) sheets = file_.array<SheetRecord>("sheets");
     const auto take_record = [&](std::size_t i, const Record& r) {
         if (!is_sound(r))
-            throw FormatError(message(path, ": byte ", file.offset("surfels") + i * sizeof(Record),
-                                      ": surfel ", i, " has no finite ball, or degree ",
-                                      int{r.degree}, " or sheets ", int{r.sharp} & 3));
+            throw FormatError(message(file_.path(), ": byte ",
+                                      file_.offset("surfels") + i * sizeof(Record), ": surfel ", i,
+                                      " has no finite ball, or degree ", int{r.degree},
+                                      " or sheets ", int{r.sharp} & 3));
         FittedSurfel surfel = unpack(r);
         const std::size_t extra = r.sharp & 3u;
         if (extra > sheets.size())
-            throw FormatError(message(path, ": surfel ", i, " needs ", extra,
+            throw FormatError(message(file_.path(), ": surfel ", i, " needs ", extra,
                                       " further sheets, found ", sheets.size()));
         if (extra > 0) surfel.surfel.sharp = unpack_sheets(r.sharp, sheets.first(extra));
         sheets = sheets.subspan(extra);
-        if (!is_wanted || is_wanted(surfel)) fit.surfels.push_back(std::move(surfel));
+        visit(std::move(surfel));
     };
-    if (!is_wanted) fit.surfels.reserve(file.array<Record>("surfels").size());
-    file.for_pieces<Record>("surfels", [&](std::size_t first, std::span<const Record> piece) {
+    file_.for_pieces<Record>("surfels", [&](std::size_t first, std::span<const Record> piece) {
         for (std::size_t i = 0; i < piece.size(); ++i) take_record(first + i, piece[i]);
     });
     if (!sheets.empty())
-        throw FormatError(message(path, ": ", sheets.size(), " sheets belong to no surfel"));
-    if (file.has("dropped"))
-        file.for_pieces<std::uint64_t>("dropped", [&](std::size_t, auto piece) {
-            fit.dropped.insert(fit.dropped.end(), piece.begin(), piece.end());
-        });
+        throw FormatError(message(file_.path(), ": ", sheets.size(), " sheets belong to no surfel"));
+}
+
+std::vector<std::uint64_t> FitReader::dropped() const {
+    std::vector<std::uint64_t> ids;
+    if (!file_.has("dropped")) return ids;
+    ids.reserve(file_.array<std::uint64_t>("dropped").size());
+    file_.for_pieces<std::uint64_t>("dropped", [&](std::size_t, auto piece) {
+        ids.insert(ids.end(), piece.begin(), piece.end());
+    });
+    return ids;
+}
+
+FitFile read_fit(const std::string& path,
+                 const std::function<bool(const FittedSurfel&)>& is_wanted) {
+    const FitReader reader(path);
+    FitFile fit;
+    if (!is_wanted) fit.surfels.reserve(reader.n_surfels());
+    reader.for_each([&](FittedSurfel&& s) {
+        if (!is_wanted || is_wanted(s)) fit.surfels.push_back(std::move(s));
+    });
+    fit.header_json = reader.header_json();
+    fit.dropped = reader.dropped();
     return fit;
 }
 

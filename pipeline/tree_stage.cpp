@@ -4,8 +4,11 @@
 #include "formats/model_file.h"
 #include "pipeline/fit_stage.h"
 #include "pipeline/manifest.h"
+#include "pipeline/memory_size.h"
+#include "pipeline/peak_memory.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
+#include "slim/slicing/slab_plan.h"
 #include "slim/tree/tree_builder.h"
 
 #include <fmt/format.h>
@@ -33,28 +36,47 @@ void check_all_there(const TreeConfig& config, const std::vector<std::filesystem
                                           config.work, missing, config.work));
 }
 
-/// What the fits of a job say of themselves, and their surfels.
-struct Merged {
+/// What the fits of a job say of themselves, and where their surfels are.
+struct Fits {
     nlohmann::json rules;
     nlohmann::json counts = nlohmann::json::array();
-    std::vector<FittedSurfel> surfels;
+    std::vector<FitReader> readers;
+
+    /// All surfels, fit by fit. Refers to this object.
+    SurfelSource surfels() const {
+        SurfelSource source;
+        for (const FitReader& fit : readers) source.n += fit.n_surfels();
+        source.for_each = [this](const SurfelSource::Visit& visit) {
+            for (const FitReader& fit : readers) fit.for_each(visit);
+        };
+        return source;
+    }
 };
 
 /// throws IncompleteError if two fits were made with different rules
-Merged merge_fits(const std::vector<std::filesystem::path>& paths) {
-    Merged out;
+Fits open_fits(const std::vector<std::filesystem::path>& paths) {
+    Fits out;
     for (const auto& path : paths) {
-        const FitFile fit = read_fit(path.string());
-        const auto header = nlohmann::json::parse(fit.header_json);
+        const FitReader& fit = out.readers.emplace_back(path.string());
+        const auto header = nlohmann::json::parse(fit.header_json());
         if (out.rules.is_null()) out.rules = header.at("rules");
         if (header.at("rules") != out.rules)
             throw IncompleteError(fmt::format(
                 "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` again",
                 path.string(), paths[0].string(), out.rules.dump(), header.at("rules").dump()));
         out.counts.push_back(header.at("counts"));
-        out.surfels.insert(out.surfels.end(), fit.surfels.begin(), fit.surfels.end());
     }
     return out;
+}
+
+/// The tree is of all slices at once, so its memory grows with the model, not with a slice.
+void warn_of_memory(const TreeConfig& config, std::size_t n_surfels, Reporter& reporter) {
+    const std::uint64_t needed = kProgramBytes + n_surfels * kTreeBytesPerSurfel;
+    if (needed <= parse_memory_size(config.memory)) return;
+    const std::uint64_t mebibytes = (needed >> 20) + 1;
+    reporter.warn(fmt::format("the tree of {} surfels takes up to {} MiB, more than --memory {}: "
+                              "--memory {}MiB would do, or a larger --t-mdl",
+                              n_surfels, mebibytes, config.memory, mebibytes));
 }
 
 ModelHeader header_of(const SlicePlan& plan, const nlohmann::json& rules) {
@@ -71,7 +93,7 @@ ModelHeader header_of(const SlicePlan& plan, const nlohmann::json& rules) {
 }
 
 /// Counts of all fits, in the model for `slim info`; no times, threads or paths.
-nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
+nlohmann::json provenance_of(const SlicePlan& plan, const Fits& fits,
                              const TreeCounts& counts) {
     nlohmann::json inputs = nlohmann::json::array();
     for (const PlanInput& in : plan.inputs)
@@ -91,6 +113,7 @@ nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
 }  // namespace
 
 nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
+    return_freed_memory();
     const SlicePlan plan = read_plan(config.work);
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);
@@ -98,9 +121,11 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     for (const auto& path : paths) stamp.input(path);
     if (auto done = stamp.up_to_date()) return *done;
 
-    const Merged fits = merge_fits(paths);
+    const Fits fits = open_fits(paths);
+    const SurfelSource surfels = fits.surfels();
+    warn_of_memory(config, surfels.n, context.reporter);
     TreeCounts counts;
-    const SurfelTreeData data = build_tree(fits.surfels, header_of(plan, fits.rules), counts);
+    const SurfelTreeData data = build_tree(surfels, header_of(plan, fits.rules), counts);
     context.check_stop();
     write_model(config.output, data, provenance_of(plan, fits, counts).dump());
     return stamp.commit({config.output},

@@ -7,6 +7,7 @@
 #include "formats/ply_writer.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
+#include "slim/model/surfel_encoder.h"
 
 #include <csignal>
 #include <filesystem>
