@@ -42,14 +42,13 @@ struct Fits {
     nlohmann::json counts = nlohmann::json::array();
     std::vector<FitReader> readers;
 
-    /// All surfels, fit by fit. Refers to this object.
-    SurfelSource surfels() const {
-        SurfelSource source;
-        for (const FitReader& fit : readers) source.n += fit.n_surfels();
-        source.for_each = [this](const SurfelSource::Visit& visit) {
-            for (const FitReader& fit : readers) fit.for_each(visit);
-        };
-        return source;
+    std::size_t n_surfels() const {
+        std::size_t n = 0;
+        for (const FitReader& fit : readers) n += fit.n_surfels();
+        return n;
+    }
+    void for_each(const SurfelVisit& visit) const {
+        for (const FitReader& fit : readers) fit.for_each(visit);
     }
 };
 
@@ -122,10 +121,11 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     if (auto done = stamp.up_to_date()) return *done;
 
     const Fits fits = open_fits(paths);
-    const SurfelSource surfels = fits.surfels();
-    warn_of_memory(config, surfels.n, context.reporter);
+    warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;
-    const SurfelTreeData data = build_tree(surfels, header_of(plan, fits.rules), counts);
+    const auto surfels = [&](const SurfelVisit& visit) { fits.for_each(visit); };
+    const SurfelTreeData data =
+        build_tree(surfels, fits.n_surfels(), header_of(plan, fits.rules), counts);
     context.check_stop();
     write_model(config.output, data, provenance_of(plan, fits, counts).dump());
     return stamp.commit({config.output},

@@ -1,5 +1,6 @@
 #include "slim/cover/level_cover.h"
 
+#include "slim/base/block_list.h"
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
 #include "slim/cover/leaf_maker.h"
@@ -13,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <set>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -55,16 +56,14 @@ public:
               return w;
           }) {
         std::iota(open_.begin(), open_.end(), 0u);
-        const std::set<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
+        std::vector<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
+        std::sort(dropped.begin(), dropped.end());
         for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
-            if (dropped.contains(points.id[i])) state_[i] = kClosed;
+            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) state_[i] = kClosed;
     }
 
     Cover run(Reporter& reporter) {
-        BallPoints<double> work;
-        for (const FittedSurfel& s : rules_.done)
-            if (s.flags & kLeaf)
-                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
+        if (rules_.done) mark_done();
         std::size_t open = count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
@@ -79,6 +78,7 @@ public:
             out_.counts.point_visits += w.ladder.point_visits;
             out_.counts.evaluated += w.searches;
         }
+        out_.surfels = surfels_.take();
         return std::move(out_);
     }
 
@@ -115,6 +115,13 @@ private:
                                     f.surfel.support_radius <= rules_.provisional;
         return !is_provisional && owns(f.surfel.center);
     }
+    void mark_done() {
+        BallPoints<double> work;
+        rules_.done([&](const FittedSurfel& s) {
+            if (s.flags & kLeaf)
+                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
+        });
+    }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
     void run_pass(int level, std::size_t thinning, float most_overlap,
@@ -138,7 +145,8 @@ private:
     std::vector<std::uint8_t> degree_; // and the degree that goes with it
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
-    Cover out_;
+    BlockList<FittedSurfel> surfels_;
+    Cover out_;  // but its surfels, until the end
 };
 
 /// The coarsest thinning that still has enough points in a usual ball of this radius.
@@ -257,7 +265,7 @@ void LevelCover::accept(Candidate& c, int level) {
         c.internal.level = static_cast<std::uint8_t>(level);
         c.internal.point_id = block_.id[c.point];
         if (is_kept(c.internal)) {
-            out_.surfels.push_back(c.internal);
+            surfels_.push_back(c.internal);
             ++out_.counts.internals;
         }
         for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
@@ -289,7 +297,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
-    out_.surfels.push_back(f);
+    surfels_.push_back(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.

@@ -27,15 +27,15 @@ struct Ball {
     SurfelShape shape() const { return {center, degree, n_extra}; }
 };
 
-std::vector<Ball> balls_of(const SurfelSource& source) {
+std::vector<Ball> balls_of(const SurfelSource& source, std::size_t n) {
     std::vector<Ball> balls;
-    balls.reserve(source.n);
-    source.for_each([&](const FittedSurfel& s) {
+    balls.reserve(n);
+    source([&](const FittedSurfel& s) {
         const SurfelShape shape = shape_of(s.surfel);
         balls.push_back(
             {shape.center, s.surfel.support_radius, s.level, s.flags, shape.degree, shape.n_extra});
     });
-    SLIM_CHECK(balls.size(), ==, source.n);
+    SLIM_CHECK(balls.size(), ==, n);
     return balls;
 }
 
@@ -220,7 +220,7 @@ void describe(const FittedSurfel& s, TreeNode& node) {
 void put_surfels(const SurfelSource& source, const std::vector<std::uint32_t>& node_of,
                  SurfelEncoder& encoder, SurfelTreeData& out) {
     std::size_t next = 0;
-    source.for_each([&](const FittedSurfel& s) {
+    source([&](const FittedSurfel& s) {
         const std::uint32_t node = node_of.at(next++);
         if (node == kNoNode) return;
         describe(s, out.nodes[node]);
@@ -231,9 +231,9 @@ void put_surfels(const SurfelSource& source, const std::vector<std::uint32_t>& n
 
 }  // namespace
 
-SurfelTreeData build_tree(const SurfelSource& source, const ModelHeader& header,
+SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const ModelHeader& header,
                           TreeCounts& counts) {
-    std::vector<Ball> balls = balls_of(source);
+    std::vector<Ball> balls = balls_of(source, n);
     SurfelTreeData out;
     out.header = header;
     out.header.n_leaves = 0;
@@ -253,17 +253,14 @@ SurfelTreeData build_tree(const SurfelSource& source, const ModelHeader& header,
         out);
     balls = {};  // the largest part of the peak otherwise
     encoder.put(0, root);
-    put_surfels(source, inverse(layout.surfel_of, source.n), encoder, out);
+    put_surfels(source, inverse(layout.surfel_of, n), encoder, out);
     set_bounds(out);
     return out;
 }
 
 SurfelTreeData build_tree(std::span<const FittedSurfel> surfels, const ModelHeader& header,
                           TreeCounts& counts) {
-    const auto for_each = [=](const SurfelSource::Visit& visit) {
-        for (const FittedSurfel& s : surfels) visit(s);
-    };
-    return build_tree(SurfelSource{surfels.size(), for_each}, header, counts);
+    return build_tree(source_of(surfels), surfels.size(), header, counts);
 }
 
 }  // namespace slim

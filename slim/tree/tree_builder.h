@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 
 namespace slim {
@@ -14,14 +13,6 @@ namespace slim {
 struct TreeCounts {
     std::uint64_t orphans = 0;    ///< surfels in no ball of the level above: hung on the nearest one
     std::uint64_t childless = 0;  ///< internal surfels without a child: left out
-};
-
-/// Where a tree's surfels come from, so that they need not all be in memory: for_each calls its argument for
-/// every one of them, n in all, in the same order whenever it is called.
-struct SurfelSource {
-    using Visit = std::function<void(const FittedSurfel&)>;
-    std::size_t n = 0;
-    std::function<void(const Visit&)> for_each;
 };
 
 /// What a tree takes at its peak for one surfel of a source: measured 110 to 145 (notes/0001).
@@ -34,9 +25,10 @@ inline constexpr std::uint64_t kTreeBytesPerSurfel = 160;
 /// traversal meets each surfel once (NUMERICS 3.5); children stick out, hence the bound radii.
 /// Siblings stand together and families near in space stand near in the file.
 /// header.n_leaves and the page arrays are filled in. Throws DataError if there is no leaf.
-/// Asks the source twice: for the balls, then for the surfaces, which go to their places one by one.
+/// Asks the source, of n surfels, twice: for the balls, then for the surfaces, which go to their places one
+/// by one.
 /// Cost: O(n log n); kTreeBytesPerSurfel a surfel, the result included.
-SurfelTreeData build_tree(const SurfelSource& source, const ModelHeader& header,
+SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const ModelHeader& header,
                           TreeCounts& counts);
 
 /// The same of surfels in memory.
