@@ -27,7 +27,7 @@ public:
         all.reserve(size());
         for (std::vector<T>& block : blocks_) {
             for (T& value : block) all.push_back(std::move(value));
-            block = {};
+            std::vector<T>().swap(block);  // "= {}" would keep the memory
         }
         blocks_.clear();
         return all;

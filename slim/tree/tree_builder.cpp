@@ -251,7 +251,7 @@ SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const Model
         out.nodes.size(),
         [&](std::size_t i) { return i == 0 ? shape_of(root) : balls[layout.surfel_of[i]].shape(); },
         out);
-    balls = {};  // the largest part of the peak otherwise
+    std::vector<Ball>().swap(balls);  // the largest part of the peak otherwise; "= {}" would keep it
     encoder.put(0, root);
     put_surfels(source, inverse(layout.surfel_of, n), encoder, out);
     set_bounds(out);

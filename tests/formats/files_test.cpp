@@ -316,6 +316,25 @@ TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {
                                 [](const std::string& path) { read_fit(path); });
 }
 
+TEST(FitReader, HandsOutTheSameSurfelsEveryTimeEvenIfAnotherFileTakesTheName) {
+    const TempFolder folder;
+    const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};
+    write_fit(folder.file("f"), surfels, "{\"a\": 1}", std::vector<std::uint64_t>{9});
+    const FitReader reader(folder.file("f"));
+    write_fit(folder.file("f"), std::vector<FittedSurfel>{some_surfel(7)}, "{}");
+    EXPECT_EQ(reader.n_surfels(), 3u);
+    EXPECT_EQ(reader.header_json(), "{\"a\": 1}");
+    EXPECT_EQ(reader.dropped(), std::vector<std::uint64_t>{9});
+    for (int pass = 0; pass < 2; ++pass) {
+        std::size_t next = 0;
+        reader.for_each([&](const FittedSurfel& s) {
+            ASSERT_LT(next, surfels.size());
+            EXPECT_EQ(s.surfel.center, surfels[next++].surfel.center);
+        });
+        EXPECT_EQ(next, surfels.size());
+    }
+}
+
 /// Two further sheets, joined unlike.
 std::shared_ptr<const SharpSheets> some_sheets(std::size_t n_extra) {
     auto out = std::make_shared<SharpSheets>();
