@@ -69,18 +69,13 @@ Record pack(const FittedSurfel& f) {
     return r;
 }
 
-std::vector<SheetRecord> pack_sheets(std::span<const FittedSurfel> surfels) {
-    std::vector<SheetRecord> out;
-    for (const FittedSurfel& f : surfels) {
-        if (!f.surfel.sharp) continue;
-        for (std::size_t k = 0; k < f.surfel.sharp->n_extra; ++k) {
-            const Sheet& s = f.surfel.sharp->extra[k];
-            SheetRecord& r = out.emplace_back();
-            put(s.frame, r.axes);
-            std::copy(s.polynomial.a.begin(), s.polynomial.a.end(), r.coefficients);
-        }
+void pack_sheets(const SharpSheets& sharp, std::vector<SheetRecord>& out) {
+    for (std::size_t k = 0; k < sharp.n_extra; ++k) {
+        const Sheet& s = sharp.extra[k];
+        SheetRecord& r = out.emplace_back();
+        put(s.frame, r.axes);
+        std::copy(s.polynomial.a.begin(), s.polynomial.a.end(), r.coefficients);
     }
-    return out;
 }
 
 std::shared_ptr<const SharpSheets> unpack_sheets(std::uint8_t joins,
@@ -120,23 +115,50 @@ bool is_sound(const Record& r) {
 
 }  // namespace
 
+struct FitWriter::State {
+    ChunkWriter file;
+    std::size_t chunk;
+    std::vector<Record> waiting;      // a call of the system for many
+    std::vector<SheetRecord> sheets;  // of sharp surfels, which are few
+
+    explicit State(const std::string& path)
+        : file(path, kFitKind), chunk(file.open("surfels", sizeof(Record))) {
+        waiting.reserve(kWrittenAtOnce);
+    }
+    void flush() {
+        file.append(chunk, waiting.data(), waiting.size());
+        waiting.clear();
+    }
+};
+
+FitWriter::FitWriter(const std::string& path) : state_(std::make_unique<State>(path)) {}
+FitWriter::~FitWriter() = default;
+
+void FitWriter::add(const FittedSurfel& surfel) {
+    state_->waiting.push_back(pack(surfel));
+    if (surfel.surfel.sharp) pack_sheets(*surfel.surfel.sharp, state_->sheets);
+    if (state_->waiting.size() == kWrittenAtOnce) state_->flush();
+}
+
+void FitWriter::commit(const std::string& header_json, std::span<const std::uint64_t> dropped) {
+    ChunkWriter& file = state_->file;
+    const std::span<const SheetRecord> sheets = state_->sheets;
+    state_->flush();
+    file.set_version((!dropped.empty()   ? kFitKind
+                      : !sheets.empty() ? kSharpFitKind
+                                        : kSmoothFitKind)
+                         .version);
+    file.add("header_json", std::span<const char>(header_json));
+    if (!sheets.empty()) file.add("sheets", sheets);
+    if (!dropped.empty()) file.add("dropped", dropped);
+    file.commit(Outlasts::process);
+}
+
 void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
                const std::string& header_json, std::span<const std::uint64_t> dropped) {
-    const std::vector<SheetRecord> sheets = pack_sheets(surfels);
-    ChunkWriter writer(path, !dropped.empty() ? kFitKind : sheets.empty() ? kSmoothFitKind
-                                                                          : kSharpFitKind);
-    writer.add("header_json", std::span<const char>(header_json));
-    const std::size_t records = writer.reserve("surfels", sizeof(Record), surfels.size());
-    std::vector<Record> some;  // a call of the system for many, not the memory of all
-    for (std::size_t i = 0; i < surfels.size(); i += kWrittenAtOnce) {
-        const auto next = surfels.subspan(i, std::min(kWrittenAtOnce, surfels.size() - i));
-        some.resize(next.size());
-        std::transform(next.begin(), next.end(), some.begin(), pack);
-        writer.append(records, some.data(), some.size());
-    }
-    if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
-    if (!dropped.empty()) writer.add("dropped", dropped);
-    writer.commit(Outlasts::process);
+    FitWriter writer(path);
+    for (const FittedSurfel& s : surfels) writer.add(s);
+    writer.commit(header_json, dropped);
 }
 
 FitReader::FitReader(const std::string& path) : file_(ChunkFile::open(path, kFitKind)) {

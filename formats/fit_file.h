@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,23 @@ struct FitFile {
     std::string header_json;
     std::vector<FittedSurfel> surfels;
     std::vector<std::uint64_t> dropped;  ///< ids of points that belong to no surfel, for the fits after this one
+};
+
+/// Writes a fit whose surfels come one by one and need not stay in memory. Without commit() no file is left.
+/// Throws as AtomicFile.
+class FitWriter {
+public:
+    explicit FitWriter(const std::string& path);
+    ~FitWriter();
+    FitWriter(const FitWriter&) = delete;
+    FitWriter& operator=(const FitWriter&) = delete;
+
+    void add(const FittedSurfel& surfel);
+    void commit(const std::string& header_json, std::span<const std::uint64_t> dropped = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 /// Throws as AtomicFile.

@@ -1,6 +1,5 @@
 #include "slim/cover/level_cover.h"
 
-#include "slim/base/block_list.h"
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
 #include "slim/cover/leaf_maker.h"
@@ -78,7 +77,6 @@ public:
             out_.counts.point_visits += w.ladder.point_visits;
             out_.counts.evaluated += w.searches;
         }
-        out_.surfels = surfels_.take();
         return std::move(out_);
     }
 
@@ -122,6 +120,12 @@ private:
                 mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
         });
     }
+    void keep(const FittedSurfel& f) {
+        if (rules_.keep)
+            rules_.keep(f);
+        else
+            out_.surfels.push_back(f);
+    }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
     void run_pass(int level, std::size_t thinning, float most_overlap,
@@ -145,8 +149,7 @@ private:
     std::vector<std::uint8_t> degree_; // and the degree that goes with it
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
-    BlockList<FittedSurfel> surfels_;
-    Cover out_;  // but its surfels, until the end
+    Cover out_;
 };
 
 /// The coarsest thinning that still has enough points in a usual ball of this radius.
@@ -265,7 +268,7 @@ void LevelCover::accept(Candidate& c, int level) {
         c.internal.level = static_cast<std::uint8_t>(level);
         c.internal.point_id = block_.id[c.point];
         if (is_kept(c.internal)) {
-            surfels_.push_back(c.internal);
+            keep(c.internal);
             ++out_.counts.internals;
         }
         for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
@@ -297,7 +300,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
-    surfels_.push_back(f);
+    keep(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
