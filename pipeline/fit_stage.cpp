@@ -17,8 +17,6 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <optional>
-#include <vector>
 
 namespace slim {
 namespace {
@@ -127,18 +125,15 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
 }
 
 /// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and its halo.
-/// They pass through memory one by one. Refers to `coarse`.
-SurfelSource leaves_near(const FitReader& coarse, const SlicePlan& plan, std::size_t slice,
+FitFile read_coarse_near(const FitConfig& config, const SlicePlan& plan, std::size_t slice,
                          double halo) {
     const auto axis = static_cast<std::size_t>(plan.axis);
     const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1] - halo;
     const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice] + halo;
-    return [=, &coarse](const SurfelVisit& visit) {
-        coarse.for_each([&](const FittedSurfel& s) {
-            const double x = s.surfel.center[axis], rho = s.surfel.support_radius;
-            if ((s.flags & kLeaf) != 0 && x + rho >= lo && x - rho <= hi) visit(s);
-        });
-    };
+    return read_fit(coarse_fit_path(config.work).string(), [=](const FittedSurfel& s) {
+        const double x = s.surfel.center[axis], rho = s.surfel.support_radius;
+        return (s.flags & kLeaf) != 0 && x + rho >= lo && x - rho <= hi;
+    });
 }
 
 nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRules rules,
@@ -152,12 +147,9 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     if (sliced) stamp.input(coarse_fit_path(config.work));
     stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
-    std::optional<FitReader> coarse;
-    std::vector<std::uint64_t> dropped;
+    FitFile coarse;
     if (sliced) {
-        coarse.emplace(coarse_fit_path(config.work).string());
-        rules.done = leaves_near(*coarse, plan, slice, division.halo);
-        dropped = coarse->dropped();
+        coarse = read_coarse_near(config, plan, slice, division.halo);
         rules.rungs_above = kHaloRungs;
         const auto axis = static_cast<std::size_t>(plan.axis);
         const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
@@ -165,7 +157,8 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
         rules.owns = [=](const Vec3d& p) { return p[axis] >= lo && p[axis] < hi; };
     }
     rules.first_level = division.first_fine;
-    rules.dropped = dropped;
+    rules.done = source_of(coarse.surfels);
+    rules.dropped = coarse.dropped;
     const PointBlock block = read_with_halo(config.work, plan, slice, division.halo);
     const CoverCounts counts = write_cover(output, block, rules, context);
     return stamp.commit({output}, counts_json(counts), Outlasts::process);
