@@ -39,7 +39,11 @@ public:
     }
     /// Room for `count` elements; returns the chunk's number. Names have at most 23 characters.
     std::size_t reserve(std::string_view name, std::size_t element_size, std::uint64_t count);
+    /// A chunk of as many elements as are appended before the next one is reserved.
+    std::size_t open(std::string_view name, std::size_t element_size);
     void append(std::size_t chunk, const void* elements, std::size_t n);
+    /// An older one than the kind's, which the file turned out to need no more than.
+    void set_version(std::uint32_t version);
     void commit(Outlasts outlasts = Outlasts::power_cut);
 
 private:

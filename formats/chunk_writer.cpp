@@ -18,6 +18,7 @@ struct HashDeleter {
 struct OpenChunk {
     ChunkEntry entry{};
     std::uint64_t n_written = 0;
+    bool is_open = false;
     std::unique_ptr<XXH3_state_t, HashDeleter> hash{XXH3_createState()};
 };
 
@@ -47,6 +48,7 @@ std::size_t ChunkWriter::reserve(std::string_view name, std::size_t element_size
                                  std::uint64_t count) {
     SLIM_CHECK(name.size(), <, sizeof(ChunkEntry::name));
     SLIM_CHECK(element_size, >, 0u);
+    if (!state_->chunks.empty()) state_->chunks.back().is_open = false;
     OpenChunk chunk;
     name.copy(chunk.entry.name, name.size());
     chunk.entry.element_size = static_cast<std::uint32_t>(element_size);
@@ -58,8 +60,20 @@ std::size_t ChunkWriter::reserve(std::string_view name, std::size_t element_size
     return state_->chunks.size() - 1;
 }
 
+std::size_t ChunkWriter::open(std::string_view name, std::size_t element_size) {
+    const std::size_t chunk = reserve(name, element_size, 0);
+    state_->chunks[chunk].is_open = true;
+    return chunk;
+}
+
+void ChunkWriter::set_version(std::uint32_t version) { state_->header.version = version; }
+
 void ChunkWriter::append(std::size_t chunk, const void* elements, std::size_t n) {
     OpenChunk& c = state_->chunks.at(chunk);
+    if (c.is_open) {
+        c.entry.count += n;
+        state_->end = c.entry.offset + c.entry.count * c.entry.element_size;
+    }
     SLIM_CHECK(c.n_written + n, <=, c.entry.count);
     if (n == 0) return;
     const std::size_t size = n * c.entry.element_size;

@@ -69,18 +69,13 @@ Record pack(const FittedSurfel& f) {
     return r;
 }
 
-std::vector<SheetRecord> pack_sheets(std::span<const FittedSurfel> surfels) {
-    std::vector<SheetRecord> out;
-    for (const FittedSurfel& f : surfels) {
-        if (!f.surfel.sharp) continue;
-        for (std::size_t k = 0; k < f.surfel.sharp->n_extra; ++k) {
-            const Sheet& s = f.surfel.sharp->extra[k];
-            SheetRecord& r = out.emplace_back();
-            put(s.frame, r.axes);
-            std::copy(s.polynomial.a.begin(), s.polynomial.a.end(), r.coefficients);
-        }
+void pack_sheets(const SharpSheets& sharp, std::vector<SheetRecord>& out) {
+    for (std::size_t k = 0; k < sharp.n_extra; ++k) {
+        const Sheet& s = sharp.extra[k];
+        SheetRecord& r = out.emplace_back();
+        put(s.frame, r.axes);
+        std::copy(s.polynomial.a.begin(), s.polynomial.a.end(), r.coefficients);
     }
-    return out;
 }
 
 std::shared_ptr<const SharpSheets> unpack_sheets(std::uint8_t joins,
@@ -127,67 +122,114 @@ bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.
 
 }  // namespace
 
+struct FitWriter::State {
+    ChunkWriter file;
+    std::size_t chunk;
+    std::vector<Record> waiting;      // a call of the system for many
+    std::vector<SheetRecord> sheets;  // of sharp surfels, which are few
+
+    explicit State(const std::string& path)
+        : file(path, kFitKind), chunk(file.open("surfels", sizeof(Record))) {
+        waiting.reserve(kWrittenAtOnce);
+    }
+    void flush() {
+        file.append(chunk, waiting.data(), waiting.size());
+        waiting.clear();
+    }
+};
+
+FitWriter::FitWriter(const std::string& path) : state_(std::make_unique<State>(path)) {}
+FitWriter::~FitWriter() = default;
+
+void FitWriter::add(const FittedSurfel& surfel) {
+    state_->waiting.push_back(pack(surfel));
+    if (surfel.surfel.sharp) pack_sheets(*surfel.surfel.sharp, state_->sheets);
+    if (state_->waiting.size() == kWrittenAtOnce) state_->flush();
+}
+
+void FitWriter::commit(const std::string& header_json, std::span<const std::uint64_t> dropped) {
+    ChunkWriter& file = state_->file;
+    const std::span<const SheetRecord> sheets = state_->sheets;
+    state_->flush();
+    file.set_version((!dropped.empty()   ? kFitKind
+                      : !sheets.empty() ? kSharpFitKind
+                                        : kSmoothFitKind)
+                         .version);
+    file.add("header_json", std::span<const char>(header_json));
+    if (!sheets.empty()) file.add("sheets", sheets);
+    if (!dropped.empty()) file.add("dropped", dropped);
+    file.commit(Outlasts::process);
+}
+
 void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
                const std::string& header_json, std::span<const std::uint64_t> dropped) {
-    const std::vector<SheetRecord> sheets = pack_sheets(surfels);
-    ChunkWriter writer(path, !dropped.empty() ? kFitKind : sheets.empty() ? kSmoothFitKind
-                                                                          : kSharpFitKind);
-    writer.add("header_json", std::span<const char>(header_json));
-    const std::size_t records = writer.reserve("surfels", sizeof(Record), surfels.size());
-    std::vector<Record> some;  // a call of the system for many, not the memory of all
-    for (std::size_t i = 0; i < surfels.size(); i += kWrittenAtOnce) {
-        const auto next = surfels.subspan(i, std::min(kWrittenAtOnce, surfels.size() - i));
-        some.resize(next.size());
-        std::transform(next.begin(), next.end(), some.begin(), pack);
-        writer.append(records, some.data(), some.size());
-    }
-    if (!sheets.empty()) writer.add("sheets", std::span<const SheetRecord>(sheets));
-    if (!dropped.empty()) writer.add("dropped", dropped);
-    writer.commit(Outlasts::process);
+    FitWriter writer(path);
+    for (const FittedSurfel& s : surfels) writer.add(s);
+    writer.commit(header_json, dropped);
+}
+
+FitReader::FitReader(const std::string& path) : file_(ChunkFile::open(path, kFitKind)) {
+    file_.for_pieces<char>("header_json", [&](std::size_t, std::span<const char> piece) {
+        header_json_.append(piece.begin(), piece.end());
+    });
+    if (!file_.has("sheets")) return;
+    file_.verify("sheets");
+    const auto sheets = file_.array<SheetRecord>("sheets");
+    const auto bad = std::find_if_not(sheets.begin(), sheets.end(),
+                                      [](const SheetRecord& r) { return is_sound(r); });
+    if (bad == sheets.end()) return;
+    const auto k = static_cast<std::size_t>(bad - sheets.begin());
+    throw FormatError(message(path, ": byte ", file_.offset("sheets") + k * sizeof(SheetRecord),
+                              ": sheet ", k, " is not finite"));
+}
+
+std::size_t FitReader::n_surfels() const { return file_.array<Record>("surfels").size(); }
+
+void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const {
+    std::span<const SheetRecord> sheets;
+    if (file_.has("sheets")) sheets = file_.array<SheetRecord>("sheets");
+    const auto take_record = [&](std::size_t i, const Record& r) {
+        if (!is_sound(r))
+            throw FormatError(message(file_.path(), ": byte ",
+                                      file_.offset("surfels") + i * sizeof(Record), ": surfel ", i,
+                                      " has no finite ball, shape or error, or degree ", int{r.degree},
+                                      " or sheets ", int{r.sharp} & 3));
+        FittedSurfel surfel = unpack(r);
+        const std::size_t extra = r.sharp & 3u;
+        if (extra > sheets.size())
+            throw FormatError(message(file_.path(), ": surfel ", i, " needs ", extra,
+                                      " further sheets, found ", sheets.size()));
+        if (extra > 0) surfel.surfel.sharp = unpack_sheets(r.sharp, sheets.first(extra));
+        sheets = sheets.subspan(extra);
+        visit(std::move(surfel));
+    };
+    file_.for_pieces<Record>("surfels", [&](std::size_t first, std::span<const Record> piece) {
+        for (std::size_t i = 0; i < piece.size(); ++i) take_record(first + i, piece[i]);
+    });
+    if (!sheets.empty())
+        throw FormatError(message(file_.path(), ": ", sheets.size(), " sheets belong to no surfel"));
+}
+
+std::vector<std::uint64_t> FitReader::dropped() const {
+    std::vector<std::uint64_t> ids;
+    if (!file_.has("dropped")) return ids;
+    ids.reserve(file_.array<std::uint64_t>("dropped").size());
+    file_.for_pieces<std::uint64_t>("dropped", [&](std::size_t, auto piece) {
+        ids.insert(ids.end(), piece.begin(), piece.end());
+    });
+    return ids;
 }
 
 FitFile read_fit(const std::string& path,
                  const std::function<bool(const FittedSurfel&)>& is_wanted) {
-    const ChunkFile file = ChunkFile::open(path, kFitKind);
+    const FitReader reader(path);
     FitFile fit;
-    file.for_pieces<char>("header_json", [&](std::size_t, std::span<const char> piece) {
-        fit.header_json.append(piece.begin(), piece.end());
+    if (!is_wanted) fit.surfels.reserve(reader.n_surfels());
+    reader.for_each([&](FittedSurfel&& s) {
+        if (!is_wanted || is_wanted(s)) fit.surfels.push_back(std::move(s));
     });
-    std::span<const SheetRecord> sheets;
-    if (file.has("sheets")) {
-        file.verify("sheets");
-        sheets = file.array<SheetRecord>("sheets");
-        for (std::size_t k = 0; k < sheets.size(); ++k)
-            if (!is_sound(sheets[k]))
-                throw FormatError(message(path, ": byte ",
-                                          file.offset("sheets") + k * sizeof(SheetRecord),
-                                          ": sheet ", k, " is not finite"));
-    }
-    const auto take_record = [&](std::size_t i, const Record& r) {
-        if (!is_sound(r))
-            throw FormatError(message(path, ": byte ", file.offset("surfels") + i * sizeof(Record),
-                                      ": surfel ", i,
-                                      " has no finite ball, shape or error, or degree ",
-                                      int{r.degree}, " or sheets ", int{r.sharp} & 3));
-        FittedSurfel surfel = unpack(r);
-        const std::size_t extra = r.sharp & 3u;
-        if (extra > sheets.size())
-            throw FormatError(message(path, ": surfel ", i, " needs ", extra,
-                                      " further sheets, found ", sheets.size()));
-        if (extra > 0) surfel.surfel.sharp = unpack_sheets(r.sharp, sheets.first(extra));
-        sheets = sheets.subspan(extra);
-        if (!is_wanted || is_wanted(surfel)) fit.surfels.push_back(std::move(surfel));
-    };
-    if (!is_wanted) fit.surfels.reserve(file.array<Record>("surfels").size());
-    file.for_pieces<Record>("surfels", [&](std::size_t first, std::span<const Record> piece) {
-        for (std::size_t i = 0; i < piece.size(); ++i) take_record(first + i, piece[i]);
-    });
-    if (!sheets.empty())
-        throw FormatError(message(path, ": ", sheets.size(), " sheets belong to no surfel"));
-    if (file.has("dropped"))
-        file.for_pieces<std::uint64_t>("dropped", [&](std::size_t, auto piece) {
-            fit.dropped.insert(fit.dropped.end(), piece.begin(), piece.end());
-        });
+    fit.header_json = reader.header_json();
+    fit.dropped = reader.dropped();
     return fit;
 }
 

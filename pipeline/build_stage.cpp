@@ -133,6 +133,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     TreeConfig tree;
     tree.work = work;
     tree.output = config.output;
+    tree.memory = config.memory;
     nlohmann::json result = run_next("tree", tree, run_tree);
     take_recorded_costs(work, stages);
     result.erase("up_to_date");

@@ -91,11 +91,17 @@ std::string shared_values(const CoverRules& rules) {
                        rules.ladder.contrary_share, rules.spacing);
 }
 
-void write_cover(const std::filesystem::path& path, const CoverRules& rules, const Cover& cover) {
-    write_fit(path.string(), cover.surfels,
-              nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}
-                  .dump(),
-              cover.dropped);
+/// Covers points and writes the surfels as they come: they take no memory, however many.
+CoverCounts write_cover(const std::filesystem::path& path, const PointBlock& points,
+                        CoverRules rules, StageContext& context) {
+    FitWriter file(path.string());
+    rules.keep = [&](const FittedSurfel& s) { file.add(s); };
+    const Cover cover = cover_points(points, rules, context.reporter);
+    context.check_stop();
+    file.commit(
+        nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}.dump(),
+        cover.dropped);
+    return cover.counts;
 }
 
 /// Coarse levels of a job in slices: fitted once, from a random sample of all points.
@@ -114,14 +120,12 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     coarse.last_level = division.first_fine;
     coarse.provisional = division.halo;
     coarse.share = division.share;
-    const Cover cover = cover_points(sample, coarse, context.reporter);
-    write_cover(output, rules, cover);
-    nlohmann::json result = counts_json(cover.counts);
+    nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
     result["sample"] = sample.size();
     return stamp.commit({output}, result, Outlasts::process);
 }
 
-/// What the fine levels of a slice take over from the coarse ones: surfels whose balls meet it and its halo.
+/// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and its halo.
 FitFile read_coarse_near(const FitConfig& config, const SlicePlan& plan, std::size_t slice,
                          double halo) {
     const auto axis = static_cast<std::size_t>(plan.axis);
@@ -154,13 +158,11 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
         rules.owns = [=](const Vec3d& p) { return p[axis] >= lo && p[axis] < hi; };
     }
     rules.first_level = division.first_fine;
-    rules.done = coarse.surfels;
+    rules.done = source_of(coarse.surfels);
     rules.dropped = coarse.dropped;
     const PointBlock block = read_with_halo(config.work, plan, slice, division.halo);
-    const Cover cover = cover_points(block, rules, context.reporter);
-    context.check_stop();
-    write_cover(output, rules, cover);
-    return stamp.commit({output}, counts_json(cover.counts), Outlasts::process);
+    const CoverCounts counts = write_cover(output, block, rules, context);
+    return stamp.commit({output}, counts_json(counts), Outlasts::process);
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.

@@ -4,8 +4,11 @@
 #include "formats/model_file.h"
 #include "pipeline/fit_stage.h"
 #include "pipeline/manifest.h"
+#include "pipeline/memory_size.h"
+#include "pipeline/peak_memory.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
+#include "slim/slicing/slab_plan.h"
 #include "slim/tree/tree_builder.h"
 
 #include <fmt/format.h>
@@ -33,22 +36,31 @@ void check_all_there(const TreeConfig& config, const std::vector<std::filesystem
                                           config.work, missing, config.work));
 }
 
-/// What the fits of a job say of themselves, and their surfels.
-struct Merged {
+/// What the fits of a job say of themselves, and where their surfels are.
+struct Fits {
     nlohmann::json rules;
     nlohmann::json counts = nlohmann::json::array();
-    std::vector<FittedSurfel> surfels;
+    std::vector<FitReader> readers;
+
+    std::size_t n_surfels() const {
+        std::size_t n = 0;
+        for (const FitReader& fit : readers) n += fit.n_surfels();
+        return n;
+    }
+    void for_each(const SurfelVisit& visit) const {
+        for (const FitReader& fit : readers) fit.for_each(visit);
+    }
 };
 
 /// throws FormatError if a fit does not say its rules and counts
-nlohmann::json header_of_fit(const std::filesystem::path& path, const FitFile& fit) {
-    auto header = nlohmann::json::parse(fit.header_json, nullptr, false);
+nlohmann::json header_of_fit(const std::filesystem::path& path, const FitReader& fit) {
+    auto header = nlohmann::json::parse(fit.header_json(), nullptr, false);
     const auto says = [&](const char* key) {
         return header.is_object() && header.contains(key) && header.at(key).is_object();
     };
     if (!says("rules") || !says("counts"))
         throw FormatError(fmt::format("{}: chunk header_json: expected rules and counts, found {}",
-                                      path.string(), fit.header_json.substr(0, 100)));
+                                      path.string(), fit.header_json().substr(0, 100)));
     const auto degree = header.at("rules").value("degree", nlohmann::json());
     if (!degree.is_number_integer() || degree < 1 || degree > kMaxDegree)
         throw FormatError(fmt::format("{}: chunk header_json: degree {} is not 1 to {}",
@@ -57,10 +69,10 @@ nlohmann::json header_of_fit(const std::filesystem::path& path, const FitFile& f
 }
 
 /// throws IncompleteError if two fits were made with different rules
-Merged merge_fits(const std::vector<std::filesystem::path>& paths) {
-    Merged out;
+Fits open_fits(const std::vector<std::filesystem::path>& paths) {
+    Fits out;
     for (const auto& path : paths) {
-        const FitFile fit = read_fit(path.string());
+        const FitReader& fit = out.readers.emplace_back(path.string());
         const auto header = header_of_fit(path, fit);
         if (out.rules.is_null()) out.rules = header.at("rules");
         if (header.at("rules") != out.rules)
@@ -68,9 +80,18 @@ Merged merge_fits(const std::vector<std::filesystem::path>& paths) {
                 "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` again",
                 path.string(), paths[0].string(), out.rules.dump(), header.at("rules").dump()));
         out.counts.push_back(header.at("counts"));
-        out.surfels.insert(out.surfels.end(), fit.surfels.begin(), fit.surfels.end());
     }
     return out;
+}
+
+/// The tree is of all slices at once, so its memory grows with the model, not with a slice.
+void warn_of_memory(const TreeConfig& config, std::size_t n_surfels, Reporter& reporter) {
+    const std::uint64_t needed = kProgramBytes + n_surfels * kTreeBytesPerSurfel;
+    if (needed <= parse_memory_size(config.memory)) return;
+    const std::uint64_t mebibytes = (needed >> 20) + 1;
+    reporter.warn(fmt::format("the tree of {} surfels takes up to {} MiB, more than --memory {}: "
+                              "--memory {}MiB would do, or a larger --t-mdl",
+                              n_surfels, mebibytes, config.memory, mebibytes));
 }
 
 ModelHeader header_of(const SlicePlan& plan, const nlohmann::json& rules) {
@@ -87,7 +108,7 @@ ModelHeader header_of(const SlicePlan& plan, const nlohmann::json& rules) {
 }
 
 /// Counts of all fits, in the model for `slim info`; no times, threads or paths.
-nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
+nlohmann::json provenance_of(const SlicePlan& plan, const Fits& fits,
                              const TreeCounts& counts) {
     nlohmann::json inputs = nlohmann::json::array();
     for (const PlanInput& in : plan.inputs)
@@ -107,6 +128,7 @@ nlohmann::json provenance_of(const SlicePlan& plan, const Merged& fits,
 }  // namespace
 
 nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
+    keep_freed_memory(false);
     const SlicePlan plan = read_plan(config.work);
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);
@@ -115,9 +137,12 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     for (const auto& path : paths) stamp.input(path);
     if (auto done = stamp.up_to_date()) return *done;
 
-    const Merged fits = merge_fits(paths);
+    const Fits fits = open_fits(paths);
+    warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;
-    const SurfelTreeData data = build_tree(fits.surfels, header_of(plan, fits.rules), counts);
+    const auto surfels = [&](const SurfelVisit& visit) { fits.for_each(visit); };
+    const SurfelTreeData data =
+        build_tree(surfels, fits.n_surfels(), header_of(plan, fits.rules), counts);
     context.check_stop();
     write_model(config.output, data, provenance_of(plan, fits, counts).dump());
     return stamp.commit({config.output},

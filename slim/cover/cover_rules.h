@@ -39,7 +39,8 @@ struct CoverRules {
     std::span<const std::uint64_t> dropped; ///< ids of points that those levels dropped
     int rungs_above = 0;                ///< of a first_level > 1: leaves may be so many rungs larger than it
     double provisional = 0;  ///< surfels of last_level up to this radius serve its larger leaves only, and go
-    std::span<const FittedSurfel> done; ///< surfels that cover already, of levels before first_level
+    SurfelVisit keep;        ///< takes surfels as they are accepted; empty: Cover::surfels does
+    SurfelSource done; ///< surfels that cover already, of levels before first_level; empty: none
 
     /// Finest rung of the ladder that leaves may not exceed: fine levels know no points beyond their halo.
     int top_rung() const { return std::max(0, first_level - 1 - rungs_above); }

@@ -14,7 +14,7 @@
 #include <iterator>
 #include <numbers>
 #include <numeric>
-#include <set>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -56,16 +56,14 @@ public:
               return w;
           }) {
         std::iota(open_.begin(), open_.end(), 0u);
-        const std::set<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
+        std::vector<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
+        std::sort(dropped.begin(), dropped.end());
         for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
-            if (dropped.contains(points.id[i])) state_[i] = kClosed;
+            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) state_[i] = kClosed;
     }
 
     Cover run(Reporter& reporter) {
-        BallPoints<double> work;
-        for (const FittedSurfel& s : rules_.done)
-            if (s.flags & kLeaf)
-                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
+        if (rules_.done) mark_done();
         std::size_t open = count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
@@ -115,6 +113,19 @@ private:
         const bool is_provisional = f.level == rules_.last_level &&
                                     f.surfel.support_radius <= rules_.provisional;
         return !is_provisional && owns(f.surfel.center);
+    }
+    void mark_done() {
+        BallPoints<double> work;
+        rules_.done([&](const FittedSurfel& s) {
+            if (s.flags & kLeaf)
+                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
+        });
+    }
+    void keep(const FittedSurfel& f) {
+        if (rules_.keep)
+            rules_.keep(f);
+        else
+            out_.surfels.push_back(f);
     }
     std::size_t thinning_for(double radius) const;
     void run_level(int level);
@@ -258,7 +269,7 @@ void LevelCover::accept(Candidate& c, int level) {
         c.internal.level = static_cast<std::uint8_t>(level);
         c.internal.point_id = block_.id[c.point];
         if (is_kept(c.internal)) {
-            out_.surfels.push_back(c.internal);
+            keep(c.internal);
             ++out_.counts.internals;
         }
         for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
@@ -290,7 +301,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
-    out_.surfels.push_back(f);
+    keep(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.

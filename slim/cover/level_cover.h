@@ -12,7 +12,7 @@
 namespace slim {
 
 struct Cover {
-    std::vector<FittedSurfel> surfels;  ///< leaves and internal ones, in the order of acceptance
+    std::vector<FittedSurfel> surfels;  ///< leaves and internal ones, in the order of acceptance; none with CoverRules::keep
     std::vector<std::uint64_t> dropped; ///< ids of points that count as isolated, unexplained or beside
     CoverCounts counts;
 };

@@ -3,6 +3,8 @@
 #include "slim/model/surfel.h"
 
 #include <cstdint>
+#include <functional>
+#include <span>
 
 namespace slim {
 
@@ -15,5 +17,17 @@ struct FittedSurfel {
     std::uint8_t flags = 0;      ///< NodeFlags of surfel_tree.h; an internal surfel has no kLeaf
     std::uint64_t point_id = 0;  ///< the input point that is its centre
 };
+
+/// Hands surfels to its argument one by one, so that they need not all be in memory: the same ones in the
+/// same order whenever it is called.
+using SurfelVisit = std::function<void(const FittedSurfel&)>;
+using SurfelSource = std::function<void(const SurfelVisit&)>;
+
+/// Those of an array that outlives the source.
+inline SurfelSource source_of(std::span<const FittedSurfel> surfels) {
+    return [surfels](const SurfelVisit& visit) {
+        for (const FittedSurfel& s : surfels) visit(s);
+    };
+}
 
 }  // namespace slim

@@ -144,17 +144,7 @@ struct SurfelTreeData {
     }
 };
 
-/// Rounds surfels (node order, the root first) to the file's floats: page origins, records, further sheets.
-/// Where it takes 5 % fewer bytes, every record is as long as its own surfel's degree needs, and an index says
-/// where each begins.
-/// A surfel's frame must be the one its rounded normal gives (round_normal below), or its surface turns.
-void encode_surfels(std::span<const Surfel> surfels, SurfelTreeData& out);
-
 /// The normal as the file will give it back: fit in this frame (NUMERICS 2.1).
 Vec3d round_normal(const Vec3d& unit_normal);
-
-/// A surfel of degree 0 or 1 in a frame whose slopes are zero: the same plane, up to the rounded
-/// normal; further sheets likewise. Degrees 2 and 3 come back unchanged.
-Surfel level_linear(const Surfel& surfel);
 
 }  // namespace slim

@@ -1,6 +1,8 @@
 #include "slim/tree/tree_builder.h"
 
+#include "slim/base/check.h"
 #include "slim/base/error.h"
+#include "slim/model/surfel_encoder.h"
 #include "slim/neighbors/knn.h"
 #include "slim/neighbors/morton.h"
 
@@ -14,50 +16,82 @@ namespace slim {
 namespace {
 
 constexpr std::uint32_t kRoot = kNoNode;
+constexpr std::size_t kLinkedAtOnce = std::size_t{1} << 16;  // queries: 2 MiB
 
-/// Surfels by level, children by parent; indices are those of the input.
+/// What linking wants to know of a surfel: a sixth of it.
+struct Ball {
+    Vec3d center;
+    double support_radius;
+    std::uint8_t level, flags, degree, n_extra;
+
+    SurfelShape shape() const { return {center, degree, n_extra}; }
+};
+
+std::vector<Ball> balls_of(const SurfelSource& source, std::size_t n) {
+    std::vector<Ball> balls;
+    balls.reserve(n);
+    source([&](const FittedSurfel& s) {
+        const SurfelShape shape = shape_of(s.surfel);
+        balls.push_back(
+            {shape.center, s.surfel.support_radius, s.level, s.flags, shape.degree, shape.n_extra});
+    });
+    SLIM_CHECK(balls.size(), ==, n);
+    return balls;
+}
+
+/// Balls by level, children by parent; indices are those of the input.
 class Linker {
 public:
-    Linker(std::span<const FittedSurfel> surfels, TreeCounts& counts)
-        : surfels_(surfels), counts_(counts), parent_(surfels.size(), kRoot) {}
+    Linker(std::span<const Ball> balls, TreeCounts& counts)
+        : balls_(balls), counts_(counts), parent_(balls.size(), kRoot) {}
 
-    /// The parent of every surfel, kRoot for the top; childless internal surfels are marked dropped.
-    void link() {
+    /// The parent of every ball, kRoot for the top.
+    std::vector<std::uint32_t> link() {
         std::vector<std::uint32_t> above;  // internal surfels of the nearest level that has any
         for (int level = 1; level <= 255; ++level) {
-            const std::vector<std::uint32_t> here = of_level(level);
+            const auto here = select([&](const Ball& b) { return b.level == level; });
             if (!above.empty() && !here.empty()) link_level(above, here);
-            std::vector<std::uint32_t> internal;
-            for (const std::uint32_t i : here)
-                if (!(surfels_[i].flags & kLeaf)) internal.push_back(i);
+            auto internal =
+                select([&](const Ball& b) { return b.level == level && !(b.flags & kLeaf); });
             if (!internal.empty()) above = std::move(internal);
         }
+        return std::move(parent_);
     }
-    const std::vector<std::uint32_t>& parents() const { return parent_; }
 
 private:
-    std::vector<std::uint32_t> of_level(int level) const {
-        std::vector<std::uint32_t> out;
-        for (std::uint32_t i = 0; i < surfels_.size(); ++i)
-            if (surfels_[i].level == level) out.push_back(i);
+    template <class Predicate>
+    std::vector<std::uint32_t> select(Predicate&& is_wanted) const {
+        std::vector<std::uint32_t> out(
+            static_cast<std::size_t>(std::count_if(balls_.begin(), balls_.end(), is_wanted)));
+        std::size_t n = 0;
+        for (std::uint32_t i = 0; i < balls_.size(); ++i)
+            if (is_wanted(balls_[i])) out[n++] = i;
         return out;
     }
-    void link_level(const std::vector<std::uint32_t>& above,
-                    const std::vector<std::uint32_t>& here) {
-        std::vector<Vec3d> centers, queries;
-        for (const std::uint32_t i : above) centers.push_back(surfels_[i].surfel.center);
-        for (const std::uint32_t i : here) queries.push_back(surfels_[i].surfel.center);
+    std::vector<Vec3d> centers_of(std::span<const std::uint32_t> some) const {
+        std::vector<Vec3d> centers(some.size());
+        std::transform(some.begin(), some.end(), centers.begin(),
+                       [&](std::uint32_t i) { return balls_[i].center; });
+        return centers;
+    }
+    void link_level(std::span<const std::uint32_t> above, std::span<const std::uint32_t> here) {
+        const KnnIndex index(centers_of(above));
+        for (std::size_t i = 0; i < here.size(); i += kLinkedAtOnce)
+            link_some(index, above, here.subspan(i, std::min(kLinkedAtOnce, here.size() - i)));
+    }
+    void link_some(const KnnIndex& index, std::span<const std::uint32_t> above,
+                   std::span<const std::uint32_t> some) {
         std::vector<std::uint32_t> found;
         std::vector<double> sq_distances;
-        KnnIndex(centers).search(queries, 1, found, sq_distances);
-        for (std::size_t i = 0; i < here.size(); ++i) {
-            parent_[here[i]] = above[found[i]];
-            const double rho = surfels_[above[found[i]]].surfel.support_radius;
+        index.search(centers_of(some), 1, found, sq_distances);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            parent_[some[i]] = above[found[i]];
+            const double rho = balls_[above[found[i]]].support_radius;
             counts_.orphans += sq_distances[i] > rho * rho;
         }
     }
 
-    std::span<const FittedSurfel> surfels_;
+    std::span<const Ball> balls_;
     TreeCounts& counts_;
     std::vector<std::uint32_t> parent_;
 };
@@ -67,12 +101,12 @@ struct Families {
     std::vector<std::uint32_t> begin, child;
 };
 
-Families families_of(std::span<const FittedSurfel> surfels,
-                     const std::vector<std::uint32_t>& parent, const Bbox& box) {
-    const std::size_t n = surfels.size();
+Families families_of(std::span<const Ball> balls, const std::vector<std::uint32_t>& parent,
+                     const Bbox& box) {
+    const std::size_t n = balls.size();
     const MortonCurve curve(box);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
-    for (std::uint32_t i = 0; i < n; ++i) order[i] = {curve.key(surfels[i].surfel.center), i};
+    for (std::uint32_t i = 0; i < n; ++i) order[i] = {curve.key(balls[i].center), i};
     std::sort(order.begin(), order.end());
     const auto slot = [&](std::uint32_t p) { return p == kRoot ? n : std::size_t{p}; };
     Families f;
@@ -86,11 +120,11 @@ Families families_of(std::span<const FittedSurfel> surfels,
 }
 
 /// Keeps leaves and what has one below; `kept[i]` of the input.
-std::vector<bool> keep_fruitful(std::span<const FittedSurfel> surfels,
+std::vector<bool> keep_fruitful(std::span<const Ball> balls,
                                 const std::vector<std::uint32_t>& parent, TreeCounts& counts) {
-    std::vector<bool> kept(surfels.size(), false);
-    for (std::uint32_t i = 0; i < surfels.size(); ++i)
-        if (surfels[i].flags & kLeaf)
+    std::vector<bool> kept(balls.size(), false);
+    for (std::uint32_t i = 0; i < balls.size(); ++i)
+        if (balls[i].flags & kLeaf)
             for (std::uint32_t k = i; k != kRoot && !kept[k]; k = parent[k]) kept[k] = true;
     counts.childless += static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), false));
     return kept;
@@ -104,6 +138,9 @@ struct Layout {
 
 Layout lay_out(const Families& families, const std::vector<bool>& kept, std::size_t n) {
     Layout out;
+    const auto n_nodes = 1 + static_cast<std::size_t>(std::count(kept.begin(), kept.end(), true));
+    out.surfel_of.reserve(n_nodes);
+    out.nodes.reserve(n_nodes);
     out.surfel_of.push_back(kRoot);
     out.nodes.emplace_back();
     std::vector<std::uint32_t> stack{0};
@@ -147,51 +184,83 @@ void set_bounds(SurfelTreeData& tree) {
 }
 
 /// The ball about all surfels, a surfel without a surface.
-Surfel enclosing_ball(std::span<const FittedSurfel> surfels, const Bbox& box) {
+Surfel enclosing_ball(std::span<const Ball> balls, const Bbox& box) {
     Surfel root{box.center(), 0, frame_from_normal(Vec3d{0, 0, 1}), {}, 0};
-    for (const FittedSurfel& s : surfels)
+    for (const Ball& b : balls)
         root.support_radius =
-            std::max(root.support_radius,
-                     length(s.surfel.center - root.center) + s.surfel.support_radius);
+            std::max(root.support_radius, length(b.center - root.center) + b.support_radius);
     // Room for the rounding of centres to floats.
     root.support_radius *= 1 + 1e-6;
     return root;
 }
 
+/// Links the balls and lays the nodes out; nothing but the layout stays.
+Layout lay_out_linked(std::span<const Ball> balls, const Bbox& box, TreeCounts& counts) {
+    const std::vector<std::uint32_t> parent = Linker(balls, counts).link();
+    const std::vector<bool> kept = keep_fruitful(balls, parent, counts);
+    return lay_out(families_of(balls, parent, box), kept, balls.size());
+}
+
+/// node_of[surfel] from surfel_of[node]; kNoNode: left out.
+std::vector<std::uint32_t> inverse(const std::vector<std::uint32_t>& surfel_of, std::size_t n) {
+    std::vector<std::uint32_t> node_of(n, kNoNode);
+    for (std::uint32_t node = 1; node < surfel_of.size(); ++node) node_of[surfel_of[node]] = node;
+    return node_of;
+}
+
+void describe(const FittedSurfel& s, TreeNode& node) {
+    node.fit_error = static_cast<float>(s.fit_error);
+    node.n_points = s.n_points;
+    node.level = s.level;
+    node.degree = static_cast<std::uint8_t>(s.surfel.degree);
+    node.flags = static_cast<std::uint8_t>(s.flags | (s.surfel.sharp ? kSharp : 0));
+}
+
+/// Sends every surfel of the source to its node.
+void put_surfels(const SurfelSource& source, const std::vector<std::uint32_t>& node_of,
+                 SurfelEncoder& encoder, SurfelTreeData& out) {
+    std::size_t next = 0;
+    source([&](const FittedSurfel& s) {
+        const std::uint32_t node = node_of.at(next++);
+        if (node == kNoNode) return;
+        describe(s, out.nodes[node]);
+        encoder.put(node, s.surfel);
+    });
+    SLIM_CHECK(next, ==, node_of.size());
+}
+
 }  // namespace
 
-SurfelTreeData build_tree(std::span<const FittedSurfel> surfels, const ModelHeader& header,
+SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const ModelHeader& header,
                           TreeCounts& counts) {
+    std::vector<Ball> balls = balls_of(source, n);
     SurfelTreeData out;
     out.header = header;
     out.header.n_leaves = 0;
     Bbox box;
-    for (const FittedSurfel& s : surfels) {
-        box.extend(s.surfel.center);
-        out.header.n_leaves += (s.flags & kLeaf) ? 1u : 0u;
+    for (const Ball& b : balls) {
+        box.extend(b.center);
+        out.header.n_leaves += (b.flags & kLeaf) ? 1u : 0u;
     }
     if (out.header.n_leaves == 0) throw DataError("the fit left no surfel: nothing to build a model of");
 
-    Linker linker(surfels, counts);
-    linker.link();
-    const std::vector<bool> kept = keep_fruitful(surfels, linker.parents(), counts);
-    Layout layout = lay_out(families_of(surfels, linker.parents(), box), kept, surfels.size());
-
-    std::vector<Surfel> ordered{enclosing_ball(surfels, box)};
-    for (std::size_t i = 1; i < layout.nodes.size(); ++i) {
-        const FittedSurfel& s = surfels[layout.surfel_of[i]];
-        ordered.push_back(s.surfel);
-        TreeNode& node = layout.nodes[i];
-        node.fit_error = static_cast<float>(s.fit_error);
-        node.n_points = s.n_points;
-        node.level = s.level;
-        node.degree = static_cast<std::uint8_t>(s.surfel.degree);
-        node.flags = static_cast<std::uint8_t>(s.flags | (s.surfel.sharp ? kSharp : 0));
-    }
+    Layout layout = lay_out_linked(balls, box, counts);
     out.nodes = std::move(layout.nodes);
-    encode_surfels(ordered, out);
+    const Surfel root = enclosing_ball(balls, box);
+    SurfelEncoder encoder(
+        out.nodes.size(),
+        [&](std::size_t i) { return i == 0 ? shape_of(root) : balls[layout.surfel_of[i]].shape(); },
+        out);
+    std::vector<Ball>().swap(balls);  // the largest part of the peak otherwise; "= {}" would keep it
+    encoder.put(0, root);
+    put_surfels(source, inverse(layout.surfel_of, n), encoder, out);
     set_bounds(out);
     return out;
+}
+
+SurfelTreeData build_tree(std::span<const FittedSurfel> surfels, const ModelHeader& header,
+                          TreeCounts& counts) {
+    return build_tree(source_of(surfels), surfels.size(), header, counts);
 }
 
 }  // namespace slim

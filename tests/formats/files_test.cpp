@@ -7,6 +7,7 @@
 #include "formats/ply_writer.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
+#include "slim/model/surfel_encoder.h"
 
 #include <csignal>
 #include <filesystem>
@@ -347,6 +348,25 @@ TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {
     EXPECT_EQ(fit.surfels[0].surfel.center, surfels[1].surfel.center);
     expect_every_damage_is_seen(folder, read_bytes(folder.file("f")),
                                 [](const std::string& path) { read_fit(path); });
+}
+
+TEST(FitReader, HandsOutTheSameSurfelsEveryTimeEvenIfAnotherFileTakesTheName) {
+    const TempFolder folder;
+    const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};
+    write_fit(folder.file("f"), surfels, "{\"a\": 1}", std::vector<std::uint64_t>{9});
+    const FitReader reader(folder.file("f"));
+    write_fit(folder.file("f"), std::vector<FittedSurfel>{some_surfel(7)}, "{}");
+    EXPECT_EQ(reader.n_surfels(), 3u);
+    EXPECT_EQ(reader.header_json(), "{\"a\": 1}");
+    EXPECT_EQ(reader.dropped(), std::vector<std::uint64_t>{9});
+    for (int pass = 0; pass < 2; ++pass) {
+        std::size_t next = 0;
+        reader.for_each([&](const FittedSurfel& s) {
+            ASSERT_LT(next, surfels.size());
+            EXPECT_EQ(s.surfel.center, surfels[next++].surfel.center);
+        });
+        EXPECT_EQ(next, surfels.size());
+    }
 }
 
 /// Two further sheets, joined unlike.

@@ -1,5 +1,6 @@
 #include "formats/model_check.h"
 #include "slim/base/hash.h"
+#include "slim/model/surfel_encoder.h"
 
 #include <gtest/gtest.h>
 

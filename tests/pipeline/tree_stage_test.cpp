@@ -92,5 +92,28 @@ TEST_F(TreeStage, TheModelSaysWhatItWasMadeOf) {
     EXPECT_TRUE(tree("m.slim").value("up_to_date", false));
 }
 
+TEST_F(TreeStage, WarnsOnceWhatMemoryTheTreeWouldTakeAndBuildsIt) {
+    slice(write(sampled("sphere", 5000), "c.ply"), 1);
+    normals();
+    fit();
+    listener_.warnings.clear();
+    TreeConfig c;
+    c.work = file("work");
+    c.output = file("m.slim");
+    run_as("tree", c, run_tree, listener_);
+    EXPECT_TRUE(listener_.warnings.empty());
+    c.memory = "1MiB";
+    const auto r = run_as("tree", c, run_tree, listener_);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    const std::string& warning = listener_.warnings[0];
+    EXPECT_NE(warning.find("more than --memory 1MiB: --memory 17MiB would do"), std::string::npos)
+        << warning;
+    EXPECT_GT(r["leaves"], 0);
+    listener_.warnings.clear();
+    c.memory = "17MiB";
+    run_as("tree", c, run_tree, listener_);
+    EXPECT_TRUE(listener_.warnings.empty());
+}
+
 }  // namespace
 }  // namespace slim::test

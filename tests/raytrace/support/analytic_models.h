@@ -3,6 +3,7 @@
 #include "slim/base/frame.h"
 #include "slim/base/vec.h"
 #include "slim/model/surfel.h"
+#include "slim/model/surfel_encoder.h"
 #include "slim/model/surfel_tree.h"
 
 #include <algorithm>

@@ -465,7 +465,7 @@ TEST(LevelCover, CoarseThenFineLevelsCoverWhatAllWouldCover) {
     coarse.last_level = 3;
     const Cover first = cover(block, coarse);
     fine.first_level = 4;
-    fine.done = first.surfels;
+    fine.done = source_of(first.surfels);
     const Cover second = cover(block, fine);
     for (const FittedSurfel& s : first.surfels) EXPECT_LE(s.level, 3);
     for (const FittedSurfel& s : second.surfels) EXPECT_GE(s.level, 4);
@@ -510,7 +510,7 @@ TEST(LevelCover, SlabsWithHalosGiveTheLeavesOfTheWhole) {
         CoverRules fine = rules;
         fine.first_level = kFirstFine;
         fine.rungs_above = kRungs;
-        fine.done = first.surfels;
+        fine.done = source_of(first.surfels);
         fine.dropped = first.dropped;
         fine.owns = [=](const Vec3d& p) { return p.x >= lo && p.x < hi; };
         const Cover c = cover(slab, fine);

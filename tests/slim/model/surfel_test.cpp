@@ -1,5 +1,6 @@
 #include "slim/model/surfel.h"
 
+#include "slim/model/surfel_encoder.h"
 #include "slim/model/surfel_tree.h"
 #include "tests/slim/fit/fit_support.h"
 

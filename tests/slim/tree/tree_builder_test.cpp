@@ -13,6 +13,8 @@
 #include <tuple>
 #include <vector>
 
+#include <malloc.h>
+
 namespace slim::test {
 namespace {
 
@@ -202,6 +204,34 @@ TEST(TreeBuilder, TheOrderOfSurfelsInOneLevelChangesNoLeafOrBound) {
         ASSERT_EQ(one.nodes[i].first_child, two.nodes[i].first_child);
         ASSERT_EQ(one.nodes[i].bound_radius, two.nodes[i].bound_radius);
     }
+}
+
+/// Bytes that the program holds on the heap; 0 where another allocator counts (sanitizers).
+std::size_t heap_bytes() {
+    const struct mallinfo2 info = ::mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+TEST(TreeBuilder, HoldsAFewBytesASurfelWhilstTheSourceIsRead) {
+    constexpr std::size_t n = 200000;
+    const std::size_t before = heap_bytes();
+    std::size_t n_reads = 0, most[2] = {0, 0};
+    const SurfelSource source = [&](const SurfelVisit& visit) {
+        ASSERT_LT(n_reads, 2u);
+        for (std::uint64_t i = 0; i < n; ++i) {
+            visit(simple(random_in_cube(1, i), i < 4000 ? 0.1 : 0.01, i < 4000 ? 1 : 2, i >= 4000));
+            if (i % 1000 == 0 || i + 1 == n)
+                most[n_reads] = std::max(most[n_reads], heap_bytes() - before);
+        }
+        ++n_reads;
+    };
+    ModelHeader header;
+    TreeCounts counts;
+    const SurfelTreeData data = build_tree(source, n, header, counts);
+    EXPECT_EQ(n_reads, 2u);
+    EXPECT_EQ(data.header.n_leaves, n - 4000);
+    EXPECT_LT(most[0], 45 * n);  // balls
+    EXPECT_LT(most[1], 90 * n);  // nodes, records and where each surfel goes
 }
 
 TEST(BallIndex, FindsTheLeavesOverAPointLikeBruteForce) {
