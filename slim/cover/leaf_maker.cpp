@@ -15,7 +15,6 @@ constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-a
 constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
 constexpr int kMostAttempts = 12;
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
-
 constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
@@ -106,7 +105,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
 }
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
-                                    const RadiusChoice& choice, LeafWork& work) const {
+                              const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
     if (lends && (choice.forced || choice.limited))

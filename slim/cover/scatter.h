@@ -17,7 +17,8 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse);
 
 /// Whether a small leaf of a noisy cloud says less of its points than a surface beside them does:
 /// forced with up to 25 points, or up to 60 that fill a volume (eps above 0.12 rho), where
-/// sqrt(lambda) is above 0.07 rho. At rims, where the scanner sees a surface at a grazing angle, each
+/// sqrt(lambda) is above 0.07 rho; or up to 200 points that are two sheets (eps above 0.2 rho), where it is
+/// above 0.04 rho. At rims, where the scanner sees a surface at a grazing angle, each
 /// gets its own direction, and they stand out like scales (notes/0003).
 bool is_doubtful(const FittedSurfel& leaf, double noise_variance);
 

@@ -57,8 +57,8 @@ struct LadderWork {
 };
 
 /// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
-/// and 3): the largest rung whose E is no higher than the least upper bound of all, then a minimum of E
-/// between its neighbours. Depends on the points alone, never on surfels made before.
+/// and 3): the largest rung that is no worse than any other, noise and bias told apart (notes/0005), then a
+/// minimum of E between its neighbours. Depends on the points alone, never on surfels made before.
 class RadiusLadder {
 public:
     /// root_radius: rho_0; least_radius: below it coordinates are rounding. `points` must outlive this.
