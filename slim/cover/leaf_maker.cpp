@@ -104,6 +104,14 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     c.choice.radius = static_cast<float>(c.choice.radius);
 }
 
+bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
+    const double radius = c.choice.radius;
+    if (!are_few_in_noise(0, radius, rules_.noise_variance)) return false;
+    const std::size_t n =
+        count_in_ball(pyramid_.all(), block_.position[c.point], radius, kFewOfForced + 1);
+    return are_few_in_noise(n, radius, rules_.noise_variance);
+}
+
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.

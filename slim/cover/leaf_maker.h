@@ -47,6 +47,9 @@ public:
     /// Fills in choice, n_sheets and sparse of c.point at c.level; cost: one radius search (10 us).
     void choose(LeafCandidate& c, LeafWork& work) const;
 
+    /// Whether a forced ball holds so few points that are_few_in_noise().
+    bool is_few_in_noise(const LeafCandidate& c) const;
+
     /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes
     /// false if that is less than `lower`: the point waits. Strays become choice.isolated.
     void make(LeafCandidate& c, double lower, LeafWork& work) const;

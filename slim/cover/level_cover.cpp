@@ -32,6 +32,7 @@ constexpr double kWantedInBall = 240;       // points of a thinning in a ball of
 
 /// One centre of a batch and what its search found.
 struct Candidate : LeafCandidate {
+    bool few_in_noise = false;           // a forced ball of so few points that it gives way to a leaf beside it
     FittedSurfel internal;               // if it is no leaf
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
 };
@@ -236,6 +237,9 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
     c.leaf = c.choice.radius >= lower && !c.choice.isolated;
     if (c.choice.isolated) return;
+    // Known without a fit: many points of rims end here.
+    c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
+    if (c.few_in_noise && (state_[c.point] & kBeside)) return;
     if (c.leaf) leaves_.make(c, lower, work);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
@@ -280,6 +284,10 @@ void LevelCover::accept(Candidate& c, int level) {
 }
 
 void LevelCover::accept_leaf(Candidate& c, int level) {
+    if (c.few_in_noise && (state_[c.point] & kBeside)) {
+        out_.counts.beside += drop(c.point);
+        return;
+    }
     if (!c.surfel.explains_center) {
         out_.counts.unexplained += drop(c.point);
         return;

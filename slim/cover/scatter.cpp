@@ -12,7 +12,6 @@ constexpr double kThickOfSparse = 0.03;  // noise is small against so large a le
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;  // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;  // eps / rho of one whose points fill a volume (0.25 at random)
-constexpr std::uint32_t kFewOfForced = 25;
 constexpr std::uint32_t kFewOfThick = 60;
 constexpr double kThickOfDoubtful = 0.12;
 // A ball with two sheets in it, where scans disagree, up to the points and down to the noise it may hold.
@@ -43,9 +42,13 @@ bool is_doubtful(const FittedSurfel& leaf, double noise_variance) {
     const double rho = leaf.surfel.support_radius, noise = std::sqrt(noise_variance);
     if (leaf.n_points <= kFewOfTwoSheets && leaf.fit_error > kTwoSheets * rho)
         return noise > kNoisyTwoSheets * rho;
-    if (!(noise > kNoisy * rho)) return false;
-    const bool few = (leaf.flags & kForced) && leaf.n_points <= kFewOfForced;
-    return few || (leaf.n_points <= kFewOfThick && leaf.fit_error > kThickOfDoubtful * rho);
+    if ((leaf.flags & kForced) && are_few_in_noise(leaf.n_points, rho, noise_variance)) return true;
+    return noise > kNoisy * rho && leaf.n_points <= kFewOfThick &&
+           leaf.fit_error > kThickOfDoubtful * rho;
+}
+
+bool are_few_in_noise(std::size_t n_points, double radius, double noise_variance) {
+    return n_points <= kFewOfForced && std::sqrt(noise_variance) > kNoisy * radius;
 }
 
 }  // namespace slim

@@ -22,4 +22,8 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse);
 /// gets its own direction, and they stand out like scales (notes/0003).
 bool is_doubtful(const FittedSurfel& leaf, double noise_variance);
 
+/// The first of these cases by the points of a forced ball alone: no fit is needed to know it.
+bool are_few_in_noise(std::size_t n_points, double radius, double noise_variance);
+inline constexpr std::size_t kFewOfForced = 25;  ///< points that such a ball has at most
+
 }  // namespace slim

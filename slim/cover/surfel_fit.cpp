@@ -1,9 +1,11 @@
 #include "slim/cover/surfel_fit.h"
 
+#include "slim/base/simd.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/model/weight_kernel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace slim {
@@ -33,8 +35,42 @@ bool faces_away(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
     return dot(g, normal) < static_cast<double>(kOtherSideCos) * length(g);
 }
 
-/// Lists the ball's points that the surfel explains and those beside it. Other sheets' points have
-/// sq = 2 and are passed over.
+using Lanes = stdx::native_simd<double>;
+
+Lanes lanes_at(const std::vector<double>& a, std::size_t i) { return {&a[i], stdx::element_aligned}; }
+
+/// |f| at the ball's points, a group at a time, and who is near enough to be looked at: the others are most.
+/// Other sheets' points and padding have sq = 2 and are passed over.
+class Residuals {
+public:
+    Residuals(const Surfel& surfel, const BallPoints<double>& ball) : surfel_(surfel), ball_(ball) {
+        const auto spread = [](const Vec3d& v) { return Vec3<Lanes>{Lanes(v.x), Lanes(v.y), Lanes(v.z)}; };
+        frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
+        for (std::size_t k = 0; k < polynomial_.a.size(); ++k) polynomial_.a[k] = surfel.polynomial.a[k];
+    }
+    /// Bits of the points of group `first` that lie no farther than `most`; their |f| is in off().
+    std::uint64_t within(double most, std::size_t first) {
+        const Lanes sq = lanes_at(ball_.sq, first);
+        const Vec3<Lanes> local = frame_.local_from_world(
+            {lanes_at(ball_.x, first), lanes_at(ball_.y, first), lanes_at(ball_.z, first)});
+        off_ = stdx::abs(local.z - polynomial_.value(local.x, local.y));
+        if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
+        return lane_bits(sq < 1.0 && off_ <= most);
+    }
+    double off(std::size_t lane) const { return off_[lane]; }
+
+private:
+    double joined_at(std::size_t i) const {
+        return std::abs(surfel_.value({ball_.x[i], ball_.y[i], ball_.z[i]}));
+    }
+    const Surfel& surfel_;
+    const BallPoints<double>& ball_;
+    Frame<Lanes> frame_;
+    Polynomial<Lanes> polynomial_;
+    Lanes off_ = 0;
+};
+
+/// Lists the ball's points that the surfel explains and those beside it.
 void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
                   CoveringSurfel& out) {
     const Surfel& s = out.fitted.surfel;
@@ -42,50 +78,56 @@ void list_covered(const PointTree& tree, const BallPoints<double>& ball, double 
     const double tolerance = std::min(
         kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
     const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
-    for (std::size_t i = 0; i < ball.n; ++i) {
-        if (ball.sq[i] >= 1) continue;
-        const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
-        const double off = std::abs(s.value(x));
-        if (!(off <= std::max(tolerance, beside))) continue;
-        if (s.sharp && faces_away(s, x, {ball.nx[i], ball.ny[i], ball.nz[i]})) continue;
-        const std::uint32_t point = tree.source(ball.index[i]);
-        if (off <= tolerance)
-            out.covered.push_back({point, static_cast<float>(weight_kernel(ball.sq[i])),
-                                   ball.sq[i] < kTrim * kTrim});
-        else
-            out.beside.push_back(point);
+    out.covered.reserve(ball.n);
+    Residuals residuals(s, ball);
+    for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
+        const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
+        const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
+        for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+            const std::size_t i = first + lane;
+            if (s.sharp && faces_away(s, {ball.x[i], ball.y[i], ball.z[i]},
+                                      {ball.nx[i], ball.ny[i], ball.nz[i]}))
+                continue;
+            const std::uint32_t point = tree.source(ball.index[i]);
+            if (residuals.off(lane) <= tolerance)
+                out.covered.push_back(
+                    {point, static_cast<float>(weight[lane]), ball.sq[i] < kTrim * kTrim});
+            else
+                out.beside.push_back(point);
+        }
     }
     // The heaviest weight is G(0) = 1, which only points at the centre have.
     for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
 }
 
-/// Weighted mean of the points that take part, along the tangent plane; 0.2 at a straight border.
-Vec3d lean_of(const BallPoints<double>& ball, const Vec3d& normal) {
-    Vec3d sum;
-    double weight = 0;
-    for (std::size_t i = 0; i < ball.n; ++i) {
-        const double g = weight_kernel(ball.sq[i]);
-        sum += Vec3d{ball.x[i], ball.y[i], ball.z[i]} * g;
-        weight += g;
-    }
-    if (!(weight > 0)) return {};
-    const Vec3d mean = sum / weight;
-    return mean - normal * dot(mean, normal);
-}
+/// How the points that take part lie along the tangent plane, over rho.
+struct Footprint {
+    Vec3d lean;          ///< weighted mean; 0.2 at a straight border
+    double breadth = 0;  ///< least RMS width about the mean
+};
 
-/// Least RMS width of the points that take part, in the tangent plane about their mean, over rho.
-double breadth_of(const BallPoints<double>& ball, const Frame<double>& frame) {
-    double weight = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
-    for (std::size_t i = 0; i < ball.n; ++i) {
-        const double g = ball.sq[i] < 1 ? 1.0 : 0.0;  // under G a few points are a line by chance
-        const Vec3d x = frame.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
-        weight += g, u += g * x.x, v += g * x.y;
-        uu += g * x.x * x.x, uv += g * x.x * x.y, vv += g * x.y * x.y;
+Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& frame) {
+    Lanes weight = 0, gu = 0, gv = 0;                         // under G
+    Lanes n = 0, u1 = 0, v1 = 0, uu = 0, uv = 0, vv = 0;      // plain: under G a few points are a line by chance
+    for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
+        const Lanes x = lanes_at(ball.x, first), y = lanes_at(ball.y, first), z = lanes_at(ball.z, first);
+        const Lanes sq = lanes_at(ball.sq, first);
+        const Lanes u = x * frame.u_axis.x + y * frame.u_axis.y + z * frame.u_axis.z;
+        const Lanes v = x * frame.v_axis.x + y * frame.v_axis.y + z * frame.v_axis.z;
+        const Lanes g = weight_kernel(sq), one = select(sq < 1.0, Lanes(1), Lanes(0));
+        weight += g, gu += g * u, gv += g * v;
+        n += one, u1 += one * u, v1 += one * v;
+        uu += one * u * u, uv += one * u * v, vv += one * v * v;
     }
-    if (!(weight > 0)) return 0;
-    u /= weight, v /= weight;
-    const double a = uu / weight - u * u, b = uv / weight - u * v, c = vv / weight - v * v;
-    return std::sqrt(std::max(0.0, (a + c) / 2 - std::hypot((a - c) / 2, b)));
+    const auto sum = [](const Lanes& lanes) { return stdx::reduce(lanes); };
+    Footprint out;
+    if (sum(weight) > 0) out.lean = (frame.u_axis * sum(gu) + frame.v_axis * sum(gv)) / sum(weight);
+    if (!(sum(n) > 0)) return out;
+    const double u = sum(u1) / sum(n), v = sum(v1) / sum(n);
+    const double a = sum(uu) / sum(n) - u * u, b = sum(uv) / sum(n) - u * v, c = sum(vv) / sum(n) - v * v;
+    out.breadth = std::sqrt(std::max(0.0, (a + c) / 2 - std::hypot((a - c) / 2, b)));
+    return out;
 }
 
 /// The fit of a ball in the frame of its rounded normal, and what was set aside for it.
@@ -115,9 +157,10 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
                         double noise_variance, BallPoints<double>& ball) {
     const LocalFit& fit = ball_fit.fit;
     CoveringSurfel out;
-    out.lean = lean_of(ball, ball_fit.frame.normal);
+    const Footprint footprint = footprint_of(ball, ball_fit.frame);
+    out.lean = footprint.lean;
+    out.breadth = footprint.breadth;
     out.n_aside = ball_fit.aside.size();
-    out.breadth = breadth_of(ball, ball_fit.frame);
     take_back(ball, ball_fit.frame.normal, ball_fit.aside);
     out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};
     out.fitted.fit_error = std::sqrt(fit.sq_error);

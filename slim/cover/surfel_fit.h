@@ -45,7 +45,8 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {
-    BallPoints<double> ball, wider;
+    BallPoints<double> ball;
+    BallPoints<float> wider;
 };
 
 /// The same for a leaf whose radius the energy did not choose (forced, or limited by a fold): its

@@ -16,7 +16,7 @@ struct BallPoints {
     std::vector<T> x, y, z;         ///< |.| < 1
     std::vector<T> sq;              ///< x^2 + y^2 + z^2
     std::vector<float> nx, ny, nz;  ///< unit normals, or zero
-    std::vector<std::uint32_t> index;  ///< in the tree they came from
+    std::vector<std::uint32_t> index;  ///< in the tree they came from; of doubles only
     std::size_t n = 0;              ///< without padding
     double radius = 0;
     FitWeight weight = FitWeight::gauss;  ///< that fits to it use; gathering leaves it as it is

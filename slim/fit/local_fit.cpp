@@ -152,6 +152,15 @@ LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<doub
                          frame);
 }
 
+template <int Degree, class T>
+SpreadFit fit_degree_with_spread(const BallPoints<T>& points, double shrink,
+                                 const Frame<double>& frame) {
+    const auto solution = solve_ball<Degree>(points, shrink, frame);
+    SpreadFit out{fit_of_degree(solution, Degree, points, shrink, frame), {}};
+    if (out.fit.degree >= 1) out.spread = spread_of(solution.moments, solution.solver, out.fit.degree);
+    return out;
+}
+
 }  // namespace
 
 bool too_steep(const Polynomial<double>& p) {
@@ -241,6 +250,13 @@ LocalFit fit_ball_ahead(const BallPoints<T>& points, double shrink, const Frame<
 }
 
 template <class T>
+SpreadFit fit_ball_with_spread(const BallPoints<T>& points, double shrink,
+                               const Frame<double>& frame, int degree) {
+    return degree <= 2 ? fit_degree_with_spread<2>(points, shrink, frame)
+                       : fit_degree_with_spread<3>(points, shrink, frame);
+}
+
+template <class T>
 std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
                                                   const Frame<double>& frame) {
     const auto solution = solve_ball<kMaxDegree + 1>(points, shrink, frame);
@@ -264,6 +280,7 @@ template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<floa
                                                            const Frame<double>&);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
                                                            const Frame<double>&);
+template SpreadFit fit_ball_with_spread(const BallPoints<float>&, double, const Frame<double>&, int);
 template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

@@ -86,6 +86,19 @@ template <class T>
 std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, double shrink,
                                                   const Frame<double>& frame);
 
+/// A fit and how its coefficients answer to noise.
+struct SpreadFit {
+    LocalFit fit;
+    /// Variance of each over that of the heights' noise, coordinates divided by the *gather* radius; zero
+    /// beyond the fit's degree.
+    std::array<double, kMaxCoefficients> spread{};
+};
+
+/// fit_ball of degree 2 or 3 with the spread of its coefficients, from the same pass and factor.
+template <class T>
+SpreadFit fit_ball_with_spread(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                               int degree);
+
 /// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
 bool too_steep(const Polynomial<double>& polynomial);
 

@@ -41,4 +41,13 @@ private:
     std::array<double, kMost> scale_{};
 };
 
+/// Variances of the coefficients of a degree over that of the heights' noise, for sums of weights G.
+template <class Moments>
+std::array<double, kMaxCoefficients> spread_of(const Moments& moments, const NestedCholesky& solver,
+                                               int degree) {
+    auto spread = solver.inverse_diagonal(degree);
+    for (double& v : spread) v *= moments.weight() / moments.n_effective();
+    return spread;
+}
+
 }  // namespace slim

@@ -33,29 +33,27 @@ struct Scale {
     std::array<double, kMaxDegree + 1> variance{};
 };
 
-/// The fit of radius `shrink` times the ball's, in units of the narrow one, which is `ratio` times
-/// smaller than the ball.
-template <int Degree>
-Scale measure(const BallPoints<double>& ball, double shrink, double ratio,
-              const Frame<double>& frame, const LocalFit& fit, double noise_variance) {
-    const auto m = accumulate_moments<Degree>(ball, frame, shrink);
-    const NestedCholesky solver(Degree, m.monomial, m.height, m.sq_height);
+/// The terms of second order and above of a fit of radius `shrink` times the ball's, in units of the narrow
+/// one, which is `ratio` times smaller than the ball; `noise`: variance of the heights, in the ball's radius.
+Scale in_narrow_units(const SpreadFit& measured, double shrink, double ratio, double noise) {
     Scale s;
-    s.degree = std::min(fit.degree, solver.rank_degree());
-    if (s.degree < 2) return s;
-    const Coefficients inverse = solver.inverse_diagonal(s.degree);
-    const double noise = std::min(fit.sq_error, noise_variance) / (ball.radius * ball.radius);
+    if (measured.fit.degree < 2) return s;
+    s.degree = measured.fit.degree;
     for (int order = 2; order <= s.degree; ++order) {
         double sum = 0;
         for (int t = 0; t <= order; ++t) {
             const std::size_t k = first_of(order) + static_cast<std::size_t>(t);
-            s.a[k] = fit.polynomial.a[k] * std::pow(shrink * ratio, 1 - order);
-            sum += inverse[k] * inverse_binomial(order, t);
+            s.a[k] = measured.fit.polynomial.a[k] * std::pow(shrink * ratio, 1 - order);
+            sum += measured.spread[k] * inverse_binomial(order, t);
         }
-        s.variance[static_cast<std::size_t>(order)] =
-            sum * noise * m.weight() / m.n_effective() * std::pow(ratio, 2 - 2 * order);
+        s.variance[static_cast<std::size_t>(order)] = sum * noise * std::pow(ratio, 2 - 2 * order);
     }
     return s;
+}
+
+/// Variance of the heights that a fit shows, coordinates divided by a radius.
+double noise_of(const LocalFit& fit, double noise_variance, double radius) {
+    return std::min(fit.sq_error, noise_variance) / (radius * radius);
 }
 
 /// Moves `q` towards a finer measurement as far as that stands out of its noise.
@@ -77,8 +75,7 @@ void take_over(const Scale& finer, Scale& q) {
 
 /// The plane that fits best once the terms of higher order are given.
 template <int Degree>
-LocalFit refit_plane(const NarrowFit& narrow, const Scale& q) {
-    const auto m = accumulate_moments<Degree>(narrow.ball, narrow.frame, 1);
+LocalFit refit_plane(const NarrowFit& narrow, const Moments<Degree>& m, const Scale& q) {
     std::array<double, Moments<Degree>::kBasis> height = m.height;
     double sq_height = m.sq_height;
     for (std::size_t k = 3; k < height.size(); ++k) {
@@ -113,30 +110,43 @@ std::size_t thinning_for(const PointPyramid& points, std::size_t n_narrow, doubl
     return level;
 }
 
-template <int Degree>
-LocalFit steady(const PointPyramid& points, const NarrowFit& narrow, double noise_variance,
-                BallPoints<double>& work) {
+/// What the wider balls say, coarse to fine. Floats will do: of their terms less than their noise is lost.
+Scale wider_scales(const PointPyramid& points, const NarrowFit& narrow, int degree,
+                   double noise_variance, BallPoints<float>& work) {
     const double ratio = std::pow(kGoldenRatio, -kWiderBalls);
     work.weight = narrow.ball.weight;
     gather_ball(points.level(thinning_for(points, narrow.ball.n, ratio)), narrow.center,
                 narrow.ball.radius * ratio, work);
-    std::vector<SetAside<double>> aside;
+    std::vector<SetAside<float>> aside;
     set_contrary_aside(work, narrow.frame.normal, aside);
     Scale q;
     double shrink = 1;
     for (int wider = kWiderBalls; wider > 0; --wider, shrink *= kGoldenRatio) {
-        const LocalFit fit = fit_ball(work, shrink, narrow.frame, Degree);
-        take_over(measure<Degree>(work, shrink, ratio, narrow.frame, fit, noise_variance), q);
+        const SpreadFit found = fit_ball_with_spread(work, shrink, narrow.frame, degree);
+        const double noise = noise_of(found.fit, noise_variance, work.radius);
+        take_over(in_narrow_units(found, shrink, ratio, noise), q);
     }
+    return q;
+}
+
+template <int Degree>
+LocalFit steady(const PointPyramid& points, const NarrowFit& narrow, double noise_variance,
+                BallPoints<float>& work) {
+    Scale q = wider_scales(points, narrow, Degree, noise_variance, work);
     if (q.degree < 2) return narrow.fit;
-    take_over(measure<Degree>(narrow.ball, 1, 1, narrow.frame, narrow.fit, noise_variance), q);
-    return refit_plane<Degree>(narrow, q);
+    const auto moments = accumulate_moments<Degree>(narrow.ball, narrow.frame, 1);
+    if (narrow.fit.degree >= 2) {
+        const NestedCholesky solver(Degree, moments.monomial, moments.height, moments.sq_height);
+        const SpreadFit own{narrow.fit, spread_of(moments, solver, narrow.fit.degree)};
+        take_over(in_narrow_units(own, 1, 1, noise_of(own.fit, noise_variance, narrow.ball.radius)), q);
+    }
+    return refit_plane<Degree>(narrow, moments, q);
 }
 
 }  // namespace
 
 LocalFit steady_curvature(const PointPyramid& points, const NarrowFit& narrow, int degree,
-                          double noise_variance, BallPoints<double>& work) {
+                          double noise_variance, BallPoints<float>& work) {
     if (degree == 2) return steady<2>(points, narrow, noise_variance, work);
     if (degree == 3) return steady<3>(points, narrow, noise_variance, work);
     return narrow.fit;

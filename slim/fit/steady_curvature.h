@@ -27,8 +27,8 @@ struct NarrowFit {
 /// the surface stays where its points are. Exact and noiseless data are left as they are.
 /// degree: asked for the surfel, 2 or 3. `narrow.fit` is returned where no wider ball has the degree,
 /// where the result leaves the ball, and where it is a plane whose eps^2 the lent curvature would raise
-/// by half. Cost: a gather of about 512 points, five passes.
+/// by half. Cost: a gather of about 512 points, two passes over them and one over the narrow ball.
 LocalFit steady_curvature(const PointPyramid& points, const NarrowFit& narrow, int degree,
-                          double noise_variance, BallPoints<double>& work);
+                          double noise_variance, BallPoints<float>& work);
 
 }  // namespace slim

@@ -20,7 +20,8 @@ struct Result {
 
 Result at_origin(const PointBlock& block, int degree, double noise_variance, int narrow_degree) {
     const PointPyramid points(block, box_of(block), 0);
-    BallPoints<double> ball, work;
+    BallPoints<double> ball;
+    BallPoints<float> work;
     gather_ball(points.all(), {0, 0, 0}, kRadius, ball);
     Result out;
     out.plain = fit_ball(ball, 1, kUpright, narrow_degree);
