@@ -10,11 +10,12 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped; a file without either is
-/// still version 1.
+/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4 rims; a file
+/// without any is still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
 constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
-constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 3};
+constexpr ChunkFileKind kDroppedFitKind{"SLIMFITS", "SLIM fit", 3};
+constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 4};
 
 constexpr std::size_t kWrittenAtOnce = 4096;  // records: 1 MiB
 
@@ -27,8 +28,12 @@ struct Record {
     double fit_error;
     std::uint64_t point_id;
     std::uint32_t n_points;
-    std::uint8_t degree, level, flags;
-    std::uint8_t sharp;  ///< further sheets, + 4 if the outer join is min, + 8 if the inner one is
+    std::uint8_t degree;  ///< and above its two bits the direction of the rim
+    std::uint8_t level, flags;
+    std::uint8_t sharp;  ///< further sheets, + 4 if the outer join is min, + 8 if the inner one is, + 16 reach of the rim
+
+    int degree_bits() const { return degree & 3; }
+    PackedRim rim() const { return static_cast<PackedRim>((degree >> 2 & 31) << 3 | (sharp >> 4 & 7)); }
 };
 static_assert(sizeof(Record) == 8 * (3 + 1 + 9 + kMaxCoefficients + 2) + 8);
 
@@ -62,10 +67,11 @@ Record pack(const FittedSurfel& f) {
     r.fit_error = f.fit_error;
     r.point_id = f.point_id;
     r.n_points = f.n_points;
-    r.degree = static_cast<std::uint8_t>(f.surfel.degree);
+    r.degree = static_cast<std::uint8_t>(f.surfel.degree | (f.surfel.rim >> 3) << 2);
     r.level = f.level;
     r.flags = f.flags;
     if (f.surfel.sharp) r.sharp = pack_joins(*f.surfel.sharp);
+    r.sharp = static_cast<std::uint8_t>(r.sharp | (f.surfel.rim & 7) << 4);
     return r;
 }
 
@@ -98,7 +104,8 @@ FittedSurfel unpack(const Record& r) {
                     r.support_radius,
                     take_frame(r.axes),
                     {},
-                    r.degree}};
+                    r.degree_bits()}};
+    f.surfel.rim = r.rim();
     std::copy(r.coefficients, r.coefficients + kMaxCoefficients, f.surfel.polynomial.a.begin());
     f.fit_error = r.fit_error;
     f.n_points = r.n_points;
@@ -115,7 +122,7 @@ bool all_finite(std::span<const double> values) {
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
            all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
-           r.fit_error >= 0 && r.degree <= kMaxDegree && (r.sharp & 3) < kMostSheets;
+           r.fit_error >= 0 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets;
 }
 
 bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }
@@ -127,6 +134,7 @@ struct FitWriter::State {
     std::size_t chunk;
     std::vector<Record> waiting;      // a call of the system for many
     std::vector<SheetRecord> sheets;  // of sharp surfels, which are few
+    bool has_rims = false;
 
     explicit State(const std::string& path)
         : file(path, kFitKind), chunk(file.open("surfels", sizeof(Record))) {
@@ -143,6 +151,7 @@ FitWriter::~FitWriter() = default;
 
 void FitWriter::add(const FittedSurfel& surfel) {
     state_->waiting.push_back(pack(surfel));
+    state_->has_rims |= surfel.surfel.rim != 0;
     if (surfel.surfel.sharp) pack_sheets(*surfel.surfel.sharp, state_->sheets);
     if (state_->waiting.size() == kWrittenAtOnce) state_->flush();
 }
@@ -151,9 +160,10 @@ void FitWriter::commit(const std::string& header_json, std::span<const std::uint
     ChunkWriter& file = state_->file;
     const std::span<const SheetRecord> sheets = state_->sheets;
     state_->flush();
-    file.set_version((!dropped.empty()   ? kFitKind
-                      : !sheets.empty() ? kSharpFitKind
-                                        : kSmoothFitKind)
+    file.set_version((state_->has_rims   ? kFitKind
+                      : !dropped.empty() ? kDroppedFitKind
+                      : !sheets.empty()  ? kSharpFitKind
+                                         : kSmoothFitKind)
                          .version);
     file.add("header_json", std::span<const char>(header_json));
     if (!sheets.empty()) file.add("sheets", sheets);
@@ -193,7 +203,7 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
             throw FormatError(message(file_.path(), ": byte ",
                                       file_.offset("surfels") + i * sizeof(Record), ": surfel ", i,
                                       " has no finite ball, shape or error, or degree ", int{r.degree},
-                                      " or sheets ", int{r.sharp} & 3));
+                                      " or sheets ", int{r.sharp}));
         FittedSurfel surfel = unpack(r);
         const std::size_t extra = r.sharp & 3u;
         if (extra > sheets.size())

@@ -29,11 +29,17 @@ struct Sums {
     std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0;
     double sq_distance = 0, max = 0, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
     std::uint64_t n_angles = 0;
+    Vec3d max_at;  // world; the first point of the greatest distance
 
+    void add_distance(double t, const Vec3d& world) {
+        sq_distance += t * t;
+        if (std::abs(t) > max) max = std::abs(t), max_at = world;
+    }
     void add(const Sums& b) {
         points += b.points, missed += b.missed, opposed += b.opposed, astray += b.astray;
         no_normal += b.no_normal;
-        sq_distance += b.sq_distance, max = std::max(max, b.max);
+        sq_distance += b.sq_distance;
+        if (b.max > max) max = b.max, max_at = b.max_at;
         sq_angle += b.sq_angle, n_angles += b.n_angles;
         sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
     }
@@ -75,8 +81,7 @@ public:
             return;
         }
         sums.opposed += opposed ? 1u : 0u;
-        sums.sq_distance += hit->t * hit->t;
-        sums.max = std::max(sums.max, std::abs(hit->t));
+        sums.add_distance(hit->t, world);
         if (truth || has_normal) add_angle(*hit, truth ? truth->normal : n, opposed, sums);
         if (truth) add_curvature(*hit, *truth, sums);
     }
@@ -165,6 +170,8 @@ nlohmann::json measured(const MeasureConfig& config, const std::string& truth,
                           {"without_normal", s.no_normal},
                           {"l2", rms(s.sq_distance, hits, diagonal)},
                           {"max", hits > 0 ? nlohmann::json(s.max / diagonal) : nlohmann::json()},
+                          {"max_at", hits > 0 ? nlohmann::json{s.max_at.x, s.max_at.y, s.max_at.z}
+                                              : nlohmann::json()},
                           {"normal_rms_deg", rms(s.sq_angle, s.n_angles)},
                           {"leaves", model.header().n_leaves},
                           {"bytes", model.file_size()},

@@ -25,7 +25,8 @@ struct MeasureConfig {
 };
 
 /// Projects every finite point of the cloud along its normal (NUMERICS 5.5; the model's own normal where it
-/// has none). Keys: points missed l2 max normal_rms_deg leaves bytes; with truth also k1_rms k2_rms
+/// has none). Keys: points missed l2 max max_at (the point of the cloud that is farthest, world)
+/// normal_rms_deg leaves bytes; with truth also k1_rms k2_rms
 /// mean_curvature_rms (1 / length) and the same with _x_diagonal.
 /// A point whose normal's line finds the surface only against the normal is counted as `opposed`, the
 /// normals compared without sign (scans hold some flipped normals). One that is supported but whose

@@ -167,11 +167,13 @@ DrawList draw_list(const PixelView& view, const PixelWindow& window, const Surfe
     list.records.resize(order.size());
     list.full.resize(order.size());
     list.trimmed.resize(order.size());
+    list.rims.resize(order.size());
     parallel_blocks(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t node = cut[order[i]];
             list.records[i] = draw_record(view, tree, node);
             list.full[i] = rects[order[i]];
+            list.rims[i] = tree.node(node).rim;
             list.trimmed[i] = screen_rect(view, window, view.camera_from_local(tree.center(node)),
                                           kHitTrim * tree.support_radius(node));
         }

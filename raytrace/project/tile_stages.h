@@ -33,6 +33,22 @@ struct RecordDepths {
           center(static_cast<float>(r.z_center - t.z_ref)) {}
 };
 
+/// A surfel's rim in floats.
+struct RimLanes {
+    float u, v, reach;
+    explicit RimLanes(PackedRim packed) {
+        const Rim rim = unpack_rim(packed);
+        u = static_cast<float>(rim.u), v = static_cast<float>(rim.v);
+        // Whole discs: beyond all that lies in a ball, and finite in the sums below.
+        reach = rim.is_whole() ? 1e3f : static_cast<float>(rim.reach);
+    }
+    /// rim_share at some places.
+    FloatV share(const FloatV& x, const FloatV& y) const {
+        constexpr float kPerRamp = static_cast<float>(1 / kRimRamp);
+        return stdx::clamp((reach - u * x - v * y) * kPerRamp, FloatV(0.0f), FloatV(1.0f));
+    }
+};
+
 /// Writes hits that are nearer than what a group has.
 inline void keep_nearer(TileBuffers& t, std::size_t i, float entry, const FloatV::mask_type& nearer,
                         const FloatV& z, const GradientLanes<FloatV>& g) {
@@ -45,8 +61,8 @@ inline void keep_nearer(TileBuffers& t, std::size_t i, float entry, const FloatV
 
 /// Stage 1 for one surfel and one group: first root inside the shrunken ball, kept if nearer.
 template <int Degree>
-inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& depth, int tile_y,
-                       int group, TileBuffers& t) {
+inline void first_hits(const DrawRecord& r, const RimLanes& rim, float entry,
+                       const RecordDepths& depth, int tile_y, int group, TileBuffers& t) {
     constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const std::size_t i = group_index(tile_y, group);
     const PixelRays<FloatV> rays = t.rays(tile_y, group);
@@ -62,9 +78,10 @@ inline void first_hits(const DrawRecord& r, float entry, const RecordDepths& dep
     const auto root = first_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray),
                                                  stdx::max(-s, at_near), s, active);
     const FloatV z_root = depth.base + r.radius * (root.t - ball.along) * rays.dz;
-    const auto nearer = root.hit && z_root < z;
+    const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
+    const auto nearer = root.hit && z_root < z && rim.share(u, v) > 0.0f;
     if (stdx::none_of(nearer)) return;
-    const auto g = gradient_at<Degree, FloatV>(r, ray.bu + root.t * ray.du, ray.bv + root.t * ray.dv);
+    const auto g = gradient_at<Degree, FloatV>(r, u, v);
     keep_nearer(t, i, entry, nearer, z_root, g);
 }
 
@@ -108,13 +125,13 @@ inline FloatV::mask_type belongs(const FloatV& root, const FloatV& guess) {
     return stdx::abs(root - guess) <= static_cast<float>(kBelongs);
 }
 
-/// Adds roots of one group to the sums; depths are averaged as differences from q^, where floats are finest.
+/// Adds roots of one group to the sums, each with its share of G; depths are averaged as differences from q^, where floats are finest.
 template <class Hessian>
 inline void add_to_sums(TileBuffers& t, std::size_t i, const FloatV::mask_type& taken,
-                        const FloatV& sq_distance, const FloatV& dz, const GradientLanes<FloatV>& g,
+                        const FloatV& share, const FloatV& sq_distance, const FloatV& dz, const GradientLanes<FloatV>& g,
                         Hessian&& add_hessian) {
     const FloatV zero(0.0f);
-    const FloatV w = select<FloatV>(taken, weight_kernel<FloatV>(sq_distance), zero);
+    const FloatV w = select<FloatV>(taken, share * weight_kernel<FloatV>(sq_distance), zero);
     t.weight.add(i, w);
     t.offset.add(i, w * select<FloatV>(taken, dz, zero));
     t.count.add(i, select<FloatV>(taken, FloatV(1.0f), zero));
@@ -147,8 +164,8 @@ inline GuessInBall guess_in_ball(const DrawRecord& r, const RecordDepths& depth,
 /// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter
 /// (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel>
-inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, int group,
-                  TileBuffers& t) {
+inline void blend(const DrawRecord& r, const RimLanes& rim, const RecordDepths& depth, int tile_y,
+                  int group, TileBuffers& t) {
     const std::size_t i = group_index(tile_y, group);
     const auto [rays, ball, guess, s, inside] = guess_in_ball(r, depth, tile_y, group, t);
     if (stdx::none_of(inside)) return;
@@ -158,10 +175,12 @@ inline void blend(const DrawRecord& r, const RecordDepths& depth, int tile_y, in
         nearest_root<Degree, FloatV>(ray_polynomial<Degree>(r, ray), guess, s, inside);
     const FloatV u = ray.bu + root.t * ray.du, v = ray.bv + root.t * ray.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
-    const auto taken = root.hit && belongs(root.t, guess) && admitted<kSharpModel>(g, i, t);
+    const FloatV share = rim.share(u, v);
+    const auto taken =
+        root.hit && belongs(root.t, guess) && share > 0.0f && admitted<kSharpModel>(g, i, t);
     if (stdx::none_of(taken)) return;
     const FloatV dz = r.radius * rays.dz * (root.t - guess);
-    add_to_sums(t, i, taken, ball.sq_distance + root.t * root.t, dz, g, [&](const FloatV& w) {
+    add_to_sums(t, i, taken, share, ball.sq_distance + root.t * root.t, dz, g, [&](const FloatV& w) {
         if constexpr (!kWantHessian) return;
         const auto h = hessian_at<Degree, FloatV>(r, u, v);
         for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
@@ -185,7 +204,7 @@ inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int til
         found.root.hit && belongs(found.root.t, guess) && admitted<true>(g, i, t);
     if (stdx::none_of(taken)) return;
     const FloatV& x = found.root.t;
-    add_to_sums(t, i, taken, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
+    add_to_sums(t, i, taken, FloatV(1.0f), ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
                 [&](const FloatV& w) {
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
@@ -211,8 +230,9 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
                 });
                 continue;
             }
+        const RimLanes rim(list.rims[entries[e]]);
         for_each_group(t, list.trimmed[entries[e]], [&](int y, int group) {
-            first_hits<Degree>(r, entry, depth, y, group, t);
+            first_hits<Degree>(r, rim, entry, depth, y, group, t);
         });
     }
 }
@@ -224,6 +244,7 @@ void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, T
     for (const std::uint32_t entry : entries) {
         const DrawRecord& r = list.records[entry];
         const RecordDepths depth(r, t);
+        const RimLanes rim(list.rims[entry]);
         // A little more than the radius, for the rounding of the depths.
         const float reach = r.radius * 1.0001f;
         for_each_group(t, list.full[entry], [&](int y, int group) {
@@ -233,7 +254,7 @@ void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, T
             if constexpr (kSharpModel)
                 if (const SharpRecord* s = list.sharp_at(entry))
                     return blend_sharp<Degree, kWantHessian>(*s, depth, y, group, t);
-            blend<Degree, kWantHessian, kSharpModel>(r, depth, y, group, t);
+            blend<Degree, kWantHessian, kSharpModel>(r, rim, depth, y, group, t);
         });
     }
 }

@@ -79,6 +79,17 @@ Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supp
     return gate;
 }
 
+/// A point that lies beyond the rims of all its supporters still has them: its own surface was left out.
+void add_beyond_rims(const Ray& ray, const Gate& gate, std::span<const Surfel* const> supporters,
+                     bool want_curvature, BlendSums& sums) {
+    for (const Surfel* s : supporters) {
+        if (s->rim == 0) continue;
+        Surfel whole = *s;
+        whole.rim = 0;
+        add_supporter(ray, 0.0, gate, whole, want_curvature, sums);
+    }
+}
+
 }  // namespace
 
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
@@ -87,7 +98,9 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
     if (!root || !belongs(*root, t_guess, surfel)) return false;
     const Vec3d gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
     if (!gate.admits(gradient)) return false;
-    const double weight = weight_kernel(sq_length(root->local));
+    const double share = rim_share(unpack_rim(surfel.rim), root->local.x, root->local.y);
+    if (!(share > 0)) return false;
+    const double weight = share * weight_kernel(sq_length(root->local));
     sums.weight += weight;
     sums.t += weight * (root->t_base + surfel.support_radius * root->t);
     sums.gradient += gradient * weight;
@@ -104,7 +117,8 @@ std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_m
     const auto root = surfel.sharp ? best_joined_root(ray, surfel, trim, t_lo,
                                                       [](double t) { return t; })
                                    : first_smooth_root(local, surfel, t_lo, trim);
-    if (!root) return std::nullopt;
+    if (!root || !(rim_share(unpack_rim(surfel.rim), root->local.x, root->local.y) > 0))
+        return std::nullopt;
     gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
     return local.t_base + surfel.support_radius * root->t;
 }
@@ -115,6 +129,7 @@ std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
     BlendSums sums;
     const Gate gate = gate_at(p, n, supporters);
     for (const Surfel* s : supporters) add_supporter({p, n}, 0.0, gate, *s, want_curvature, sums);
+    if (!(sums.weight > 0)) add_beyond_rims({p, n}, gate, supporters, want_curvature, sums);
     if (!(sums.weight > 0)) return std::nullopt;
     Projection out;
     out.t = sums.t / sums.weight;

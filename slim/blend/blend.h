@@ -40,7 +40,8 @@ struct Gate {
 /// Adds one surfel to the blend around the ray point of parameter t_guess. The surfel takes part if the
 /// guess lies in its ball, if f has a root on the ray inside the *full* ball (the one nearest the guess
 /// counts; of a sharp surfel on the joined surface) no farther than 0.3 rho from the guess, and if
-/// the gate admits its gradient there. G at |q_i - c_i| / rho_i. Returns whether it took part.
+/// the gate admits its gradient there, this side of its rim. G at |q_i - c_i| / rho_i, less towards the
+/// rim. Returns whether it took part.
 /// Departs from the paper, which blends any root: where a ball holds another sheet or its polynomial runs out
 /// of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to 3.3e-4 L, maximum 1.8e-2 to
 /// 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such points to others by the same measure.
@@ -48,7 +49,7 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
                    bool want_hessian, BlendSums& sums);
 
 /// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
-/// t >= t_min. `gradient` receives that of f at the root (world, times rho).
+/// t >= t_min; nothing if that lies beyond its rim. `gradient` receives that of f at the root (world, times rho).
 std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_min, double trim,
                                 Vec3d& gradient);
 
@@ -65,7 +66,7 @@ struct Projection {
 
 /// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
 /// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
-/// n . grad f > 0. Where one of them is sharp, the root nearest p says which face counts (Gate).
+/// n . grad f > 0; rims count unless they leave nobody. Where one of them is sharp, the root nearest p says which face counts (Gate).
 /// `supporters` may hold more surfels than support p; order fixes the last bits.
 /// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,

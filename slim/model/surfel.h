@@ -3,6 +3,7 @@
 #include "slim/base/frame.h"
 #include "slim/base/vec.h"
 #include "slim/model/polynomial.h"
+#include "slim/model/rim.h"
 #include "slim/model/sharp_sheets.h"
 
 #include <array>
@@ -21,6 +22,8 @@ struct Surfel {
     Polynomial<double> polynomial;
     int degree = 2;         ///< what it was fitted with, after fallbacks: 0..3
     std::shared_ptr<const SharpSheets> sharp = nullptr;  ///< further sheets; null: smooth, as nearly all are
+
+    PackedRim rim = 0;  ///< of smooth surfels, in the axes of `frame`
 
     std::size_t n_sheets() const { return sharp ? sharp->n_sheets() : 1; }
     const Frame<double>& sheet_frame(std::size_t i) const {

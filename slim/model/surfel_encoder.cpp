@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 
 namespace slim {
 namespace {
@@ -30,12 +31,23 @@ void put_sheet(const Sheet& sheet, std::span<float> out) {
         out[k] = static_cast<float>(sheet.polynomial.a[k - 2]);
 }
 
+/// A rim in other axes of nearly the same plane: the nearest direction, a step farther as it turned a little.
+PackedRim turn_rim(PackedRim packed, const Frame<double>& from, const Frame<double>& to) {
+    if (packed == 0) return 0;
+    const Rim rim = unpack_rim(packed);
+    const Vec3d outwards = from.u_axis * rim.u + from.v_axis * rim.v;
+    const double angle = std::atan2(dot(to.v_axis, outwards), dot(to.u_axis, outwards));
+    const long k = std::lround(angle * kRimDirections / (2 * std::numbers::pi));
+    return pack_rim(static_cast<int>((k + kRimDirections) % kRimDirections), rim.reach + 0.5 * kRimStep);
+}
+
 }  // namespace
 
 Surfel level_linear(const Surfel& s) {
     if (s.degree > 1) return s;
     const Sheet own = level_plane({s.frame, s.polynomial});
     Surfel out = s;
+    out.rim = turn_rim(s.rim, s.frame, own.frame);
     out.frame = own.frame;
     out.polynomial = own.polynomial;
     if (!s.sharp) return out;
@@ -98,7 +110,7 @@ void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
     }
 }
 
-void SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
+PackedRim SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
     const bool packed = !out_.in_page.empty();
     const int degree = packed ? surfel.degree : out_.header.degree;
     const Surfel s = degree <= 1 ? level_linear(surfel) : surfel;
@@ -112,6 +124,7 @@ void SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
     r[3] = static_cast<float>(s.support_radius);
     put_sheet({s.frame, s.polynomial}, {r + 4, size - 4});
     if (s.sharp) put_further_sheets(node, *s.sharp);
+    return s.rim;
 }
 
 void SurfelEncoder::put_further_sheets(std::size_t node, const SharpSheets& more) {

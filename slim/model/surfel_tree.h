@@ -58,7 +58,7 @@ struct TreeNode {
     std::uint8_t level = 0;     ///< 1 is the coarsest
     std::uint8_t degree = 0;    ///< 0..3, after fallbacks
     std::uint8_t flags = 0;     ///< NodeFlags
-    std::uint8_t reserved = 0;
+    PackedRim rim = 0;          ///< where its data end on one side; programs that do not know it see whole discs
 
     bool is_leaf() const { return (flags & kLeaf) != 0; }
 };

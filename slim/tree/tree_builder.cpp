@@ -224,7 +224,7 @@ void put_surfels(const SurfelSource& source, const std::vector<std::uint32_t>& n
         const std::uint32_t node = node_of.at(next++);
         if (node == kNoNode) return;
         describe(s, out.nodes[node]);
-        encoder.put(node, s.surfel);
+        out.nodes[node].rim = encoder.put(node, s.surfel);
     });
     SLIM_CHECK(next, ==, node_of.size());
 }

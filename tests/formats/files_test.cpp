@@ -334,6 +334,24 @@ TEST(FitFile, RefusesNumbersThatAreNotFinite) {
     });
 }
 
+TEST(FitFile, KeepsEveryRim) {
+    const TempFolder folder;
+    std::vector<FittedSurfel> surfels;
+    for (int k = 0; k < kRimDirections; ++k)
+        for (int reach = 0; reach <= kRimReaches; ++reach) {
+            surfels.push_back(some_surfel(static_cast<std::uint64_t>(k)));
+            surfels.back().surfel.rim = pack_rim(k, reach > 0 ? kRimStep * reach - 0.01 : 1);
+        }
+    write_fit(folder.file("f"), surfels, "{}", {});
+    EXPECT_EQ(read_bytes(folder.file("f"))[8], 4);  // the version stands behind the magic
+    const FitFile fit = read_fit(folder.file("f"));
+    ASSERT_EQ(fit.surfels.size(), surfels.size());
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        EXPECT_EQ(fit.surfels[i].surfel.rim, surfels[i].surfel.rim);
+        EXPECT_EQ(fit.surfels[i].surfel.degree, surfels[i].surfel.degree);
+    }
+}
+
 TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {
     const TempFolder folder;
     const std::vector<FittedSurfel> surfels{some_surfel(1), some_surfel(4), some_surfel(2)};

@@ -54,6 +54,14 @@ TEST_F(MeasureStage, AnOffsetSphereIsAsFarAsItIsOff) {
     EXPECT_NEAR(m["max"].get<double>() * diagonal, 0.01, 2e-3);
 }
 
+TEST_F(MeasureStage, SaysWhichPointIsFarthest) {
+    Cloud one_off = cloud_;
+    one_off.positions[12345] *= 1.02;
+    const auto m = measure(file("m.slim"), write(one_off, "one_off.ply"));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(m["max_at"][axis].get<double>(), one_off.positions[12345][axis], 1e-6);
+}
+
 TEST_F(MeasureStage, ADistantCloudIsMissed) {
     Cloud away = cloud_;
     for (Vec3d& p : away.positions) p += Vec3d{10, 0, 0};
@@ -61,6 +69,7 @@ TEST_F(MeasureStage, ADistantCloudIsMissed) {
     EXPECT_EQ(m["points"], 20000);
     EXPECT_EQ(m["missed"], 20000);
     EXPECT_TRUE(m["l2"].is_null());  // not 0, the best score
+    EXPECT_TRUE(m["max_at"].is_null());
 }
 
 TEST_F(MeasureStage, FlippedNormalsAreCountedAsOpposed) {

@@ -51,6 +51,35 @@ TEST(RaySurfel, PolynomialIsTheFunctionAlongTheRay) {
     }
 }
 
+TEST(RaySurfel, NothingIsHitOrBlendedBeyondTheRim) {
+    Surfel s{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
+    const Rim rim = unpack_rim(s.rim = pack_rim(0, 0.24));
+    const Vec3d out = s.frame.u_axis * rim.u + s.frame.v_axis * rim.v;
+    const auto at = [&](double reach) { return Ray{out * reach + Vec3d{0, 0, 2}, {0, 0, -1}}; };
+    const auto weight_at = [&](double reach) {
+        BlendSums sums;
+        add_supporter(at(reach), 2, {Vec3d{0, 0, 1}}, s, false, sums);
+        return sums.weight;
+    };
+    Vec3d gradient;
+    EXPECT_TRUE(first_hit(at(0.23), s, 0, kHitTrim, gradient));
+    EXPECT_FALSE(first_hit(at(0.25), s, 0, kHitTrim, gradient));
+    EXPECT_TRUE(first_hit(at(-0.5), s, 0, kHitTrim, gradient));
+    EXPECT_EQ(weight_at(0.25), 0);
+    EXPECT_GT(weight_at(0.23), 0);
+    EXPECT_LT(weight_at(0.23), 0.2 * weight_at(0.13));  // no step: it fades over kRimRamp
+}
+
+TEST(ProjectAlong, APointBeyondTheRimsOfAllItsSupportersKeepsThem) {
+    Surfel s{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
+    const Rim rim = unpack_rim(s.rim = pack_rim(0, 0.24));
+    const Vec3d out = s.frame.u_axis * rim.u + s.frame.v_axis * rim.v;
+    const Surfel* supporters[] = {&s};
+    const auto hit = project_along(out * 0.5 + Vec3d{0, 0, 0.1}, {0, 0, 1}, supporters);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->t, -0.1, 1e-12);
+}
+
 TEST(RaySurfel, FirstHitLiesOnTheSurfelInsideTheTrimmedBall) {
     int hits = 0;
     for (std::uint64_t seed = 0; seed < 500; ++seed) {
