@@ -127,6 +127,19 @@ TEST_P(BruteTest, AgreesWithTheFastRendererOnSharpSurfels) {
         expect_agreement(model, request_for(model, "right", orthographic, 250));
 }
 
+TEST_P(BruteTest, AgreesWithTheFastRendererOnRims) {
+    auto model = rough_model(GetParam(), 7);
+    const RenderRequest request = request_for(model, "right", false, 250);
+    GBuffer whole, cut;
+    render_forward(model.view(), request, whole);
+    for (std::size_t i = 1; i < model.nodes.size(); ++i)
+        model.nodes[i].rim = static_cast<PackedRim>(keyed_hash(3, i));
+    render_forward(model.view(), request, cut);
+    EXPECT_NE(whole.position[2], cut.position[2]);
+    for (const bool orthographic : {false, true})
+        expect_agreement(model, request_for(model, "right", orthographic, 250));
+}
+
 TEST_P(BruteTest, AgreesWithTheFastRendererInsideABall) {
     const auto model = rough_model(GetParam(), 8);
     RenderRequest request = request_for(model, "front", false, 200);
