@@ -39,7 +39,7 @@ using Lanes = stdx::native_simd<double>;
 
 Lanes lanes_at(const std::vector<double>& a, std::size_t i) { return {&a[i], stdx::element_aligned}; }
 
-/// |f| at the ball's points, a group at a time.
+/// |f| at the ball's points, a group at a time, and who is near enough to be looked at.
 /// Other sheets' points and padding have sq = 2 and are passed over.
 class Residuals {
 public:
@@ -48,14 +48,14 @@ public:
         frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
         for (std::size_t k = 0; k < polynomial_.a.size(); ++k) polynomial_.a[k] = surfel.polynomial.a[k];
     }
-    /// Bits of the ball's points of group `first`; their |f| is in off().
-    std::uint64_t inside(std::size_t first) {
+    /// Bits of the points of group `first` that lie no farther than `most`; their |f| is in off().
+    std::uint64_t within(double most, std::size_t first) {
         const Lanes sq = lanes_at(ball_.sq, first);
         const Vec3<Lanes> local = frame_.local_from_world(
             {lanes_at(ball_.x, first), lanes_at(ball_.y, first), lanes_at(ball_.z, first)});
         off_ = stdx::abs(local.z - polynomial_.value(local.x, local.y));
         if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
-        return lane_bits(sq < 1.0);
+        return lane_bits(sq < 1.0 && off_ <= most);
     }
     double off(std::size_t lane) const { return off_[lane]; }
 
@@ -81,9 +81,9 @@ void list_covered(const PointTree& tree, const BallPoints<double>& ball, double 
     out.covered.reserve(ball.n);
     Residuals residuals(s, ball);
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
-        const std::uint64_t inside = residuals.inside(first);
+        const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
         const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
-        for (std::uint64_t bits = inside; bits != 0; bits &= bits - 1) {
+        for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
             const std::size_t i = first + lane;
             if (s.sharp && faces_away(s, {ball.x[i], ball.y[i], ball.z[i]},
@@ -94,8 +94,6 @@ void list_covered(const PointTree& tree, const BallPoints<double>& ball, double 
                 out.covered.push_back(
                     {point, static_cast<float>(weight[lane]), ball.sq[i] < kTrim * kTrim});
             else
-                out.unexplained.push_back(point);
-            if (residuals.off(lane) > tolerance && residuals.off(lane) <= beside)
                 out.beside.push_back(point);
         }
     }

@@ -27,8 +27,6 @@ struct CoveringSurfel {
     std::vector<Covered> covered;
     /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
     std::vector<std::uint32_t> beside;
-    /// All points of its ball that it does not explain, but for those that face away.
-    std::vector<std::uint32_t> unexplained;
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line

@@ -21,7 +21,7 @@ TEST(Rim, PackedItReachesAtLeastAsFar) {
             EXPECT_GE(rim.reach, reach);
             EXPECT_LE(rim.reach, std::max(reach, 0.001) + kRimStep);
             EXPECT_NEAR(std::hypot(rim.u, rim.v), 1, 1e-15);
-            EXPECT_EQ(rim_share(rim, rim.u * rim.reach, rim.v * rim.reach), 0);
+            EXPECT_NEAR(rim_share(rim, rim.u * rim.reach, rim.v * rim.reach), 0, 1e-14);
             EXPECT_EQ(rim_share(rim, -rim.u, -rim.v), 1);
         }
     EXPECT_EQ(pack_rim(3, 0.57), 0);
