@@ -12,7 +12,7 @@ namespace {
 
 /// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
 /// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
-constexpr float kMargin = 1.2f;
+constexpr double kMargin = 1.2;
 constexpr std::size_t kGroups = kRimDirections / FloatV::size();
 using PerDirection = std::array<FloatV, kGroups>;
 
@@ -31,48 +31,37 @@ struct Directions {
     }
 };
 
-/// How far the covered points reach in each direction, over rho.
-struct Reaches {
-    PerDirection last;   ///< the farthest; at least 0, where the centre is
-    PerDirection third;  ///< the third of them from there: far behind where points thin out towards the rim
-};
-
-Reaches reaches_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+/// How far the covered points reach in each direction, over rho; at least 0, where the centre is.
+PerDirection reaches_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
     static const Directions directions;
     const Surfel& s = leaf.fitted.surfel;
-    Reaches out;
-    PerDirection second;
-    for (PerDirection* reach : {&out.last, &second, &out.third}) reach->fill(FloatV(0.0f));
+    PerDirection reach;
+    reach.fill(FloatV(0.0f));
     for (const Covered& c : leaf.covered) {
         const Vec3d x = (position[c.point] - s.center) / s.support_radius;
         const auto u = static_cast<float>(dot(s.frame.u_axis, x));
         const auto v = static_cast<float>(dot(s.frame.v_axis, x));
-        for (std::size_t g = 0; g < kGroups; ++g) {
-            const FloatV at = directions.u[g] * u + directions.v[g] * v;
-            out.third[g] = stdx::max(out.third[g], stdx::min(second[g], at));
-            second[g] = stdx::max(second[g], stdx::min(out.last[g], at));
-            out.last[g] = stdx::max(out.last[g], at);
-        }
+        for (std::size_t g = 0; g < kGroups; ++g)
+            reach[g] = stdx::max(reach[g], directions.u[g] * u + directions.v[g] * v);
     }
-    return out;
+    return reach;
 }
 
 }  // namespace
 
 PackedRim rim_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return 0;
-    const float spacing = std::sqrt(std::numbers::pi_v<float> / static_cast<float>(leaf.covered.size()));
-    const Reaches reaches = reaches_of(leaf, position);
-    const auto rim_in = [&](int k) {
-        const std::size_t g = static_cast<std::size_t>(k) / FloatV::size(),
-                          lane = static_cast<std::size_t>(k) % FloatV::size();
-        const float last = reaches.last[g][lane], thinning = last - reaches.third[g][lane];
-        return last + kMargin * spacing + thinning;
+    const double margin =
+        kMargin * std::sqrt(std::numbers::pi / static_cast<double>(leaf.covered.size()));
+    const PerDirection reach = reaches_of(leaf, position);
+    const auto reach_in = [&](int k) {
+        const auto i = static_cast<std::size_t>(k);
+        return static_cast<double>(reach[i / FloatV::size()][i % FloatV::size()]);
     };
     int least = 0;
     for (int k = 1; k < kRimDirections; ++k)
-        if (rim_in(k) < rim_in(least)) least = k;
-    return pack_rim(least, static_cast<double>(rim_in(least)));
+        if (reach_in(k) < reach_in(least)) least = k;
+    return pack_rim(least, reach_in(least) + margin);
 }
 
 }  // namespace slim

@@ -53,25 +53,6 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
     }
 }
 
-TEST(LeafRim, LeavesRoomWherePointsThinOut) {
-    // A dense half disc; then three points that lie ever farther out.
-    std::vector<Vec3d> position;
-    for (int i = 0; i < 2000; ++i) {
-        const double angle = 2.399963 * i, r = std::sqrt((i + 0.5) / 2000);
-        if (std::cos(angle) <= 0) position.push_back({r * std::cos(angle), r * std::sin(angle), 0});
-    }
-    CoveringSurfel leaf;
-    leaf.fitted.surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
-    const auto reach = [&] {
-        leaf.covered.clear();
-        for (std::uint32_t i = 0; i < position.size(); ++i) leaf.covered.push_back({i, 1, true});
-        return unpack_rim(rim_of(leaf, position)).reach;
-    };
-    EXPECT_LE(reach(), 0.16);
-    for (const double x : {0.05, 0.1, 0.2}) position.push_back({x, 0, 0});
-    EXPECT_GE(reach(), 0.2 + (0.2 - 0.05));
-}
-
 TEST(LeafRim, FewPointsAreNoRim) {
     // Six points may leave a half of the disc empty by chance.
     PointBlock block;
