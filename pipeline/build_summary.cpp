@@ -43,6 +43,9 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("normals turned: {}\n", n);
     if (const auto n = count(result, "dropped"))
         text += fmt::format("strays, left out: {} points\n", n);
+    if (const auto n = count(result, "loose"))
+        text += fmt::format("loose, not drawn: {} leaves that agree with no surface about them "
+                            "(slim render --loose draws them)\n", n);
     const std::uint64_t leaves = count(result, "leaves"), saturated = count(fit, "saturated");
     if (static_cast<double>(saturated) > kManySaturated * static_cast<double>(leaves))
         text += fmt::format(

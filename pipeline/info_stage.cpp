@@ -98,7 +98,7 @@ json model_info(const std::string& path) {
     const ModelHeader& header = file.header();
     const SurfelTree tree = file.tree();
     Tally levels, degrees, sheets;
-    std::uint64_t saturated = 0, forced = 0;
+    std::uint64_t saturated = 0, forced = 0, loose = 0;
     const json provenance = parsed(file.provenance_json());
     for (const SharpEntry& sharp : tree.sharp()) sheets.add(std::size_t{1} + sharp.n_extra);
     for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
@@ -107,6 +107,7 @@ json model_info(const std::string& path) {
         degrees.add(node.degree);
         saturated += (node.flags & kSaturated) != 0;
         forced += (node.flags & kForced) != 0;
+        loose += node.is_loose();
     }
     const json said = provenance_info(path, provenance);
     return {{"kind", "model"},
@@ -114,6 +115,7 @@ json model_info(const std::string& path) {
             {"degree", header.degree},
             {"points", header.n_points},
             {"leaves", header.n_leaves},
+            {"loose", loose},
             {"surfels", tree.n_nodes() ? tree.n_nodes() - 1 : 0},
             {"origin", vector_json(header.origin)},
             {"bounds", bounds_json(header.bounds, header.origin)},

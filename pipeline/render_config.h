@@ -19,6 +19,7 @@ struct RenderConfig {
     std::vector<std::string> aov{"shaded"};
     std::string mode = "forward";
     double lod = 4;
+    bool loose = false;
     int repeat = 1;
     int supersample = 1;
     std::vector<std::string> range;
@@ -56,6 +57,8 @@ struct RenderConfig {
                      {"forward", "brute"});
         field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never)", 0,
               1e6);
+        field("loose", loose,
+              "draw loose surfels too: small pieces that agree with no surface about them");
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
         field("range", range,

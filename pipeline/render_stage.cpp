@@ -64,7 +64,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     frame.view = shade_view(job.camera, frame.size);
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
     const RenderRequest request{job.camera, frame.size.width, frame.size.height, wanted,
-                                job.config.lod * factor};
+                                job.config.lod * factor, {}, job.config.loose};
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
@@ -94,9 +94,10 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
                     "{:g}, {:g}) to "
                     "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
                     "these coordinates; "
-                    "a named camera, as --camera iso, frames the whole model",
+                    "a named camera, as --camera iso, frames the whole model{}",
                     job.config.model, job.size.width, job.size.height,
-                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
+                    stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
 }
 
 /// Renders the frame of a factor as often as the job says; returns the median time.
@@ -228,6 +229,7 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
                                     factor},
             {"covered_pixels", s.covered_pixels},
             {"surfels_drawn", s.surfels_drawn},
+            {"loose_hidden", s.loose_hidden},
             {"nodes_visited", s.nodes_visited},
             {"root_tests", s.root_tests},
             {"distance_tests", s.distance_tests},

@@ -9,6 +9,7 @@
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 #include "slim/slicing/slab_plan.h"
+#include "slim/tree/loose_leaves.h"
 #include "slim/tree/tree_builder.h"
 
 #include <fmt/format.h>
@@ -141,8 +142,10 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;
     const auto surfels = [&](const SurfelVisit& visit) { fits.for_each(visit); };
-    const SurfelTreeData data =
+    SurfelTreeData data =
         build_tree(surfels, fits.n_surfels(), header_of(plan, fits.rules), counts);
+    context.check_stop();
+    const LooseCounts loose = mark_loose(data);
     context.check_stop();
     write_model(config.output, data, provenance_of(plan, fits, counts).dump());
     return stamp.commit({config.output},
@@ -150,6 +153,9 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
                          {"nodes", data.nodes.size()},
                          {"orphans", counts.orphans},
                          {"childless", counts.childless},
+                         {"pieces", loose.pieces},
+                         {"loose", loose.loose()},
+                         {"loose_astray", loose.astray},
                          {"points", plan.n_points},
                          {"bytes", std::filesystem::file_size(config.output)}});
 }

@@ -19,6 +19,7 @@ struct RenderRequest {
     Channels wanted = kDepthChannel | kNormalChannel;
     double lod_px = 4;      ///< descend while a ball's projected diameter exceeds it; 0: leaves only
     PixelWindow window{};   ///< the part to render; the G-buffer has its size
+    bool loose = false;     ///< draw loose surfels as well (kLoose)
 
     /// The window, resolved and checked against the picture (ConfigError).
     PixelWindow resolved_window() const;
@@ -28,6 +29,7 @@ struct RenderRequest {
 struct RenderStats {
     std::uint64_t nodes_visited = 0;
     std::uint64_t surfels_drawn = 0;    ///< in the cut and on the screen
+    std::uint64_t loose_hidden = 0;     ///< loose surfels left out of the cut
     std::uint64_t tile_entries = 0;     ///< (surfel, tile) pairs
     std::uint64_t root_tests = 0;       ///< lanes whose root was asked for, both stages
     std::uint64_t distance_tests = 0;   ///< lanes of the test |q^ - c| < rho

@@ -14,11 +14,16 @@ struct Leaf {
     std::uint32_t node;
 };
 
-std::vector<Leaf> all_leaves(const SurfelTree& tree) {
+std::vector<Leaf> wanted_leaves(const SurfelTree& tree, bool loose, RenderStats& stats) {
     std::vector<Leaf> leaves;
-    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
-        if (tree.node(i).is_leaf())
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i) {
+        const TreeNode& node = tree.node(i);
+        if (!node.is_leaf()) continue;
+        if (loose || !node.is_loose())
             leaves.push_back({tree.surfel(i), static_cast<std::uint32_t>(i)});
+        else
+            ++stats.loose_hidden;
+    }
     return leaves;
 }
 
@@ -119,12 +124,12 @@ RenderStats render_brute(const SurfelTree& tree, const RenderRequest& request, G
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
     out.reset(window.width, window.height, request.wanted);
-    const std::vector<Leaf> leaves = all_leaves(tree);
+    RenderStats stats;
+    const std::vector<Leaf> leaves = wanted_leaves(tree, request.loose, stats);
     std::vector<RenderStats> rows(static_cast<std::size_t>(window.height));
     parallel_blocks(rows.size(), 1, [&](std::size_t y, std::size_t) {
         render_row(view, window, tree, leaves, static_cast<int>(y), out, rows[y]);
     });
-    RenderStats stats;
     stats.nodes_visited = tree.n_nodes();
     stats.surfels_drawn = leaves.size();
     for (const RenderStats& r : rows) {

@@ -88,7 +88,10 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     const PixelWindow window = request.resolved_window();
     const PixelWindow grid = whole_tiles(window);
     out.reset(window.width, window.height, request.wanted);
-    const auto cut = lod_cut(tree, view, grid, request.lod_px, stats.nodes_visited);
+    CutCounts met;
+    const auto cut = lod_cut(tree, view, grid, {request.lod_px, request.loose}, met);
+    stats.nodes_visited = met.nodes_visited;
+    stats.loose_hidden = met.loose_hidden;
     stats.cut_ms = clock.lap_ms();
     const DrawList list = draw_list(view, grid, tree, cut);
     stats.surfels_drawn = list.records.size();

@@ -55,8 +55,8 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 }
 
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
-                                   const PixelWindow& window, double lod_px,
-                                   std::uint64_t& nodes_visited) {
+                                   const PixelWindow& window, const CutRules& rules,
+                                   CutCounts& counts) {
     std::vector<std::uint32_t> cut;
     if (tree.n_nodes() == 0) return cut;
     const ViewVolume volume(view, window);
@@ -64,14 +64,17 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
     while (!stack.empty()) {
         const std::uint32_t i = stack.back();
         stack.pop_back();
-        ++nodes_visited;
+        ++counts.nodes_visited;
         const TreeNode& node = tree.node(i);
         const Vec3d center = view.camera_from_local(tree.center(i));
         const double radius = tree.support_radius(i);
         if (!volume.may_see(center, std::max<double>(node.bound_radius, radius))) continue;
-        const bool small = i != 0 && projected_diameter(view, center, radius) <= lod_px;
+        const bool small = i != 0 && projected_diameter(view, center, radius) <= rules.lod_px;
         if (node.is_leaf() || (small && node.n_children > 0)) {
-            if (volume.may_see(center, radius)) cut.push_back(i);
+            if (!volume.may_see(center, radius)) continue;
+            if (rules.loose || !node.is_loose()) cut.push_back(i);
+            else
+                ++counts.loose_hidden;
             continue;
         }
         if (node.n_children == 0) continue;

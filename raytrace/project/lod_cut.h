@@ -28,13 +28,23 @@ private:
 /// Projected diameter of a ball, pixels; infinite if the eye is inside.
 double projected_diameter(const PixelView& view, const Vec3d& center_in_camera, double radius);
 
+/// Which of the tree's surfels a cut takes, and what it met.
+struct CutRules {
+    double lod_px = 0;   ///< descend while a ball's projected diameter exceeds it; 0: leaves only
+    bool loose = false;  ///< take loose surfels as well
+};
+struct CutCounts {
+    std::uint64_t nodes_visited = 0;
+    std::uint64_t loose_hidden = 0;  ///< loose surfels that the cut would hold otherwise
+};
+
 /// The surfels to draw (Ohtake 2005, sec. 3, "view dependent refinement"): from the root down while
 /// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever they
 /// are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below it.
-/// Order: depth first, children in order. Adds to nodes_visited. Throws FormatError on a child that
+/// Order: depth first, children in order. Adds to the counts. Throws FormatError on a child that
 /// does not come after its parent (a cycle) or lies outside the tree.
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
-                                   const PixelWindow& window, double lod_px,
-                                   std::uint64_t& nodes_visited);
+                                   const PixelWindow& window, const CutRules& rules,
+                                   CutCounts& counts);
 
 }  // namespace slim

@@ -32,6 +32,7 @@ enum NodeFlags : std::uint8_t {
     kSaturated = 2,  ///< E still fell at the largest radius
     kForced = 4,     ///< radius not chosen by E: too few points, or the smallest radius
     kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
+    kLoose = 16,     ///< no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
 };
 
 /// Where the further sheets of a sharp node stand; sorted by node, so that smooth models carry nothing.
@@ -61,6 +62,7 @@ struct TreeNode {
     PackedRim rim = 0;          ///< where its data end on one side; programs that do not know it see whole discs
 
     bool is_leaf() const { return (flags & kLeaf) != 0; }
+    bool is_loose() const { return (flags & kLoose) != 0; }
 };
 static_assert(sizeof(TreeNode) == 24);
 

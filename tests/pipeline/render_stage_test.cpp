@@ -131,6 +131,37 @@ TEST_F(RenderStage, LodDrawsStandInsForSmallBalls) {
     EXPECT_LT(coarse["surfels_drawn"].get<int>(), leaves["surfels_drawn"].get<int>() / 4);
 }
 
+TEST_F(RenderStage, LooseSurfelsAreDrawnOnlyIfAsked) {
+    auto model = test::sphere_model(1, 600);
+    for (std::size_t i = 1; i < model.nodes.size(); i += 2) model.nodes[i].flags |= kLoose;
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = config("x.png");
+    c.lod = 0;
+    for (const char* mode : {"forward", "brute"}) {
+        c.mode = mode;
+        c.loose = false;
+        const auto without = run(c);
+        EXPECT_EQ(without["loose_hidden"], 300) << mode;
+        EXPECT_EQ(without["surfels_drawn"], 300) << mode;
+        c.loose = true;
+        const auto with = run(c);
+        EXPECT_EQ(with["loose_hidden"], 0) << mode;
+        EXPECT_EQ(with["surfels_drawn"], 600) << mode;
+    }
+}
+
+TEST_F(RenderStage, AViewOfNothingButLooseSurfelsSaysSo) {
+    auto model = test::sphere_model(1, 600);
+    for (std::size_t i = 1; i < model.nodes.size(); ++i) model.nodes[i].flags |= kLoose;
+    write_model(file("m.slim"), model, "{}");
+    try {
+        run(config("x.png"));
+        FAIL();
+    } catch (const NumericalError& e) {
+        EXPECT_NE(std::string(e.what()).find("--loose draws"), std::string::npos) << e.what();
+    }
+}
+
 TEST_F(RenderStage, BruteModeDrawsTheSamePictureByAnotherWay) {
     RenderConfig c = config("x.exr");
     c.aov = {"depth"};

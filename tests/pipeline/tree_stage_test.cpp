@@ -92,6 +92,31 @@ TEST_F(TreeStage, TheModelSaysWhatItWasMadeOf) {
     EXPECT_TRUE(tree("m.slim").value("up_to_date", false));
 }
 
+TEST_F(TreeStage, MarksLooseLeavesAndCountsThem) {
+    // A sphere and a tuft of points upright on it, a twentieth as dense.
+    Cloud cloud = sampled("sphere", 20000);
+    for (int i = 0; i < 12; ++i) {
+        cloud.positions.push_back({1.12 + 0.02 * (i % 4), 0.02 * (i / 4), 0});
+        cloud.normals.push_back({0, 0, 1});
+        cloud.scan_ids.push_back(0);
+    }
+    slice(write(cloud, "c.ply"), 1);
+    normals();
+    fit();
+    const auto r = tree("m.slim");
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    std::uint64_t loose = 0, leaves = 0;
+    for (const TreeNode& node : model.tree().nodes()) {
+        if (!node.is_leaf()) continue;
+        ++leaves;
+        loose += node.is_loose();
+    }
+    EXPECT_EQ(r["loose"], loose);
+    EXPECT_GE(loose, 1u);
+    EXPECT_LT(loose, leaves / 4);
+    EXPECT_EQ(r["leaves"], leaves);  // loose ones are leaves still
+}
+
 TEST_F(TreeStage, WarnsOnceWhatMemoryTheTreeWouldTakeAndBuildsIt) {
     slice(write(sampled("sphere", 5000), "c.ply"), 1);
     normals();

@@ -175,5 +175,44 @@ TEST(BruteRenderer, DoesNotDrawInternalNodes) {
         if (out.hit[i]) { ASSERT_GT(out.surfel_id[i], 50u); }
 }
 
+TEST(BruteRenderer, LooseSurfelsAreNeitherHitNorBlendedUnlessAsked) {
+    // A disc in front of a sphere and one sunk into it, which would be blended.
+    auto leaves = [] {
+        std::vector<Surfel> out;
+        for (std::size_t i = 0; i < 800; ++i)
+            out.push_back(test::sphere_surfel(test::fibonacci_point(i, 800), 1, 0.16, 2));
+        return out;
+    }();
+    const std::size_t n_sphere = leaves.size();
+    const auto sphere = test::flat_tree(leaves, 2);
+    const auto disc = [](const Vec3d& center) {
+        return Surfel{center, 0.3, frame_from_normal(round_normal({0, 0, 1})), {}, 2};
+    };
+    leaves.push_back(disc({0, 0, 1.3}));
+    leaves.push_back(disc({0, 0, 0.97}));
+    auto model = test::flat_tree(leaves, 2);
+    model.header.bounds = sphere.header.bounds;
+    for (std::size_t i = n_sphere + 1; i < model.nodes.size(); ++i) model.nodes[i].flags |= kLoose;
+    RenderRequest request = request_for(model, "front", true, 200);
+    for (const bool brute : {false, true}) {
+        const auto draw = [&](const SurfelTreeData& data, bool loose, GBuffer& out) {
+            request.loose = loose;
+            return brute ? render_brute(data.view(), request, out)
+                         : render_forward(data.view(), request, out);
+        };
+        GBuffer plain, without, with;
+        draw(sphere, false, plain);
+        EXPECT_EQ(draw(model, false, without).loose_hidden, 2u);
+        EXPECT_EQ(draw(model, true, with).loose_hidden, 0u);
+        EXPECT_EQ(without.hit, plain.hit);
+        EXPECT_EQ(without.count, plain.count);
+        EXPECT_NE(with.count, plain.count);
+        EXPECT_NE(with.surfel_id, plain.surfel_id);
+        for (std::size_t i = 0; i < plain.n_pixels(); ++i)  // other page origins, other roundings
+            ASSERT_NEAR(without.depth[i], plain.depth[i], 1e-5);
+    }
+    expect_agreement(model, request);
+}
+
 }  // namespace
 }  // namespace slim

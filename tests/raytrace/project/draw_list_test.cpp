@@ -82,12 +82,34 @@ TEST(LodCut, DescendsWhileTheProjectedBallIsLarger) {
     camera.orthographic = true, camera.width = 4, camera.eye = {0, 0, 5};
     const PixelView view = pixel_view(camera, 400, 400);
     const double diameter = 2 * model.view().support_radius(1) * view.px_per_unit;
-    std::uint64_t visited = 0;
+    CutCounts met;
     const PixelWindow window{0, 0, 400, 400};
-    EXPECT_EQ(lod_cut(model.view(), view, window, diameter * 1.01, visited).size(), 100u);
-    EXPECT_EQ(visited, 101u);
-    EXPECT_EQ(lod_cut(model.view(), view, window, diameter * 0.99, visited).size(), 900u);
-    EXPECT_EQ(lod_cut(model.view(), view, window, 0, visited).size(), 900u);
+    EXPECT_EQ(lod_cut(model.view(), view, window, {diameter * 1.01, false}, met).size(), 100u);
+    EXPECT_EQ(met.nodes_visited, 101u);
+    EXPECT_EQ(lod_cut(model.view(), view, window, {diameter * 0.99, false}, met).size(), 900u);
+    EXPECT_EQ(lod_cut(model.view(), view, window, {0, false}, met).size(), 900u);
+}
+
+TEST(LodCut, LeavesLooseSurfelsOutUnlessAsked) {
+    auto model = test::two_level_sphere(1, 100, 900);
+    const auto first = model.nodes[1].first_child;
+    for (std::uint32_t c = 0; c < model.nodes[1].n_children; ++c) model.nodes[first + c].flags |= kLoose;
+    model.nodes[1].flags |= kLoose;
+    const std::size_t loose = model.nodes[1].n_children;
+    Camera camera;
+    camera.orthographic = true, camera.width = 4, camera.eye = {0, 0, 5};
+    const PixelView view = pixel_view(camera, 400, 400);
+    const double diameter = 2 * model.view().support_radius(1) * view.px_per_unit;
+    const auto cut = [&](double lod_px, bool wanted, CutCounts& met) {
+        return lod_cut(model.view(), view, {0, 0, 400, 400}, {lod_px, wanted}, met).size();
+    };
+    CutCounts leaves, coarse, all;
+    EXPECT_EQ(cut(0, false, leaves), 900u - loose);
+    EXPECT_EQ(leaves.loose_hidden, loose);
+    EXPECT_EQ(cut(diameter * 1.01, false, coarse), 99u);
+    EXPECT_EQ(coarse.loose_hidden, 1u);
+    EXPECT_EQ(cut(0, true, all), 900u);
+    EXPECT_EQ(all.loose_hidden, 0u);
 }
 
 TEST(LodCut, Row44RefusesACycle) {
@@ -95,11 +117,11 @@ TEST(LodCut, Row44RefusesACycle) {
     model.nodes[3].first_child = 2;
     Camera camera;
     camera.eye = {0, 0, 5};
-    std::uint64_t visited = 0;
+    CutCounts met;
     const PixelView view = pixel_view(camera, 50, 50);
-    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, 0, visited), FormatError);
+    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, {0, false}, met), FormatError);
     model.nodes[3].first_child = 49;
-    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, 0, visited), FormatError);
+    EXPECT_THROW(lod_cut(model.view(), view, {0, 0, 50, 50}, {0, false}, met), FormatError);
 }
 
 TEST(DrawList, IsSortedByTheNearEndOfTheTrimmedBall) {
@@ -107,9 +129,9 @@ TEST(DrawList, IsSortedByTheNearEndOfTheTrimmedBall) {
     Camera camera;
     camera.eye = {0, 0, 5};
     const PixelView view = pixel_view(camera, 50, 50);
-    std::uint64_t visited = 0;
+    CutCounts met;
     const PixelWindow window{0, 0, 50, 50};
-    const auto cut = lod_cut(model.view(), view, window, 0, visited);
+    const auto cut = lod_cut(model.view(), view, window, {0, false}, met);
     const DrawList list = draw_list(view, window, model.view(), cut);
     ASSERT_EQ(list.records.size(), 500u);
     for (std::size_t i = 1; i < list.records.size(); ++i)
