@@ -103,10 +103,12 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
     return manifest.at(said).get<bool>();
 }
 
-/// A slice's points and those of its neighbours near the cuts, whose normals are zero where all are
+/// A slice's points (`handed`, if given) and those of its neighbours near the cuts, whose normals are zero where all are
 /// estimated but for those of the slice before.
-PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
-    PointBlock points = read_slice(slice_points_path(config.work, slice).string());
+PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
+                          std::optional<PointBlock> handed) {
+    PointBlock points = handed ? std::move(*handed)
+                               : read_slice(slice_points_path(config.work, slice).string());
     const double width = rim_width(plan);
     // Strictly outside the cuts, as drop_rims tells them apart: a coordinate of the slice may round to the cut.
     if (slice + 1 < plan.slices.size()) {
@@ -296,7 +298,9 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
     if (auto done = stamp.up_to_date()) return *done;
-    PointBlock points = read_with_rims(config, plan, slice);
+    std::optional<PointBlock> handed;
+    if (context.handed) handed = context.handed->take(input.string());
+    PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
     const std::vector<bool> own = own_points(plan, slice, points);
@@ -317,7 +321,11 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
              [&] { if (noise.empty()) noise = noise_of(points, search, own, plan); });
     context.check_stop();
     writer.commit();
-    return stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
+    nlohmann::json result =
+        stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
+    if (context.handed && plan.slices.size() == 1)
+        context.handed->put(output.string(), std::move(points));
+    return result;
 }
 
 /// Counts of all slices added up.

@@ -33,7 +33,7 @@ struct NormalAudit {
 /// to 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
 /// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count
 /// as missing and stay. The block must be in Morton order (sort_along_curve).
-/// Cost: 0.15 us a point and core (notes/0001); 24 bytes a point meanwhile. Parallel.
+/// Cost: 0.17 us a point and core (notes/0001); 24 bytes a point meanwhile. Parallel.
 /// boxes: of the block's points
 /// counted: the points that contrary and noisy are counted of; empty: all
 NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
