@@ -57,13 +57,20 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
     return f;
 }
 
+/// What the stages of a build know of each other.
+struct BuildState {
+    std::map<std::string, std::string> written;
+    HandedPoints handed;
+};
+
 /// Runs one stage with a context of its own; its result, with its seconds and peak memory, goes under
 /// its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
-                       std::map<std::string, std::string>& written, nlohmann::json& stages) {
+                       BuildState& state, nlohmann::json& stages) {
     StageContext context = for_stage(parent, name, config);
-    context.written = &written;
+    context.written = &state.written;
+    context.handed = &state.handed;
     const PeakMeter peak;
     const auto start = std::chrono::steady_clock::now();
     nlohmann::json result = run(config, context);
@@ -123,9 +130,9 @@ void check_output(const BuildConfig& config) {
 nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
                         StageContext& context) {
     nlohmann::json stages = nlohmann::json::object();
-    std::map<std::string, std::string> written;
+    BuildState state;
     const auto run_next = [&](const char* name, const auto& of_stage, auto run) {
-        return run_one(name, of_stage, run, context, written, stages);
+        return run_one(name, of_stage, run, context, state, stages);
     };
     run_next("slice", slice_config(config, work), run_slice);
     const auto normals = run_next("normals", normals_config(config, work), run_normals);

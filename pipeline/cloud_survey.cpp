@@ -40,14 +40,22 @@ private:
 /// Takes the chunks of one input after another into a survey.
 class Surveyor {
 public:
-    Surveyor(CloudSurvey& survey, const std::vector<std::string>& paths, bool strict)
-        : survey_(survey), paths_(paths), strict_(strict) {}
+    Surveyor(CloudSurvey& survey, const std::vector<std::string>& paths, bool strict,
+             std::uint64_t most_gathered)
+        : survey_(survey), paths_(paths), strict_(strict), is_gathering_(most_gathered > 0) {
+        survey_.gathered = GatheredPoints(most_gathered);
+    }
 
     void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t i, const CloudInfo& info) {
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
         const Bbox box = take_positions(chunk, input);
-        if (!box.empty()) take_histograms(chunk, box);
+        if (first_box_.empty()) first_box_ = box;
+        if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) {
+            is_gathering_ = false;
+            take_histograms(survey_.gathered.release(false, false).position);
+        }
+        if (!is_gathering_) take_histograms(chunk.position);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
@@ -93,11 +101,12 @@ private:
         return box;
     }
 
-    void take_histograms(const PointChunk& chunk, const Bbox& box) {
+    void take_histograms(const std::vector<Vec3d>& positions) {
+        if (first_box_.empty()) return;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             auto& histogram = survey_.histograms[axis];
-            if (!histogram) histogram.emplace(box.lo[axis], box.hi[axis]);
-            for (const Vec3d& p : chunk.position)
+            if (!histogram) histogram.emplace(first_box_.lo[axis], first_box_.hi[axis]);
+            for (const Vec3d& p : positions)
                 if (is_finite(p)) histogram->add(p[axis]);
         }
     }
@@ -105,6 +114,8 @@ private:
     CloudSurvey& survey_;
     const std::vector<std::string>& paths_;
     bool strict_;
+    bool is_gathering_;
+    Bbox first_box_;  // of the first chunk with finite points: histograms start from it
     std::uint32_t end_scan_ = 0;
 };
 
@@ -173,9 +184,10 @@ void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
     }
 }
 
-CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict, Reporter& reporter) {
+CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
+                          std::uint64_t most_gathered, Reporter& reporter) {
     CloudSurvey survey;
-    Surveyor surveyor(survey, paths, strict);
+    Surveyor surveyor(survey, paths, strict, most_gathered);
     for_each_chunk(paths, reporter, "reading",
                    [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
                        const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); });

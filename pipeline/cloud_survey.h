@@ -1,6 +1,7 @@
 #pragma once
 
 #include "formats/point_source.h"
+#include "pipeline/gathered_points.h"
 #include "pipeline/plan_file.h"
 #include "slim/base/bbox.h"
 #include "slim/base/reporter.h"
@@ -47,15 +48,17 @@ struct CloudSurvey {
     Bbox bounds;                ///< world frame, finite points
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
-    std::array<std::optional<AxisHistogram>, 3> histograms;  ///< world frame; empty without points
+    std::array<std::optional<AxisHistogram>, 3> histograms;  ///< world frame; of points not gathered
+    GatheredPoints gathered{0};  ///< all, or none if they are too many
     bool is_float32 = false;
     double coordinate_quantum = 0;
 };
 
-/// Reads all clouds once. strict: a point without finite coordinates is a DataError naming it.
+/// Reads all clouds once. Up to most_gathered points are kept; histograms are made of more. strict: a point without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
-/// cost   two chunks of points in memory
-CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict, Reporter& reporter);
+/// cost   two chunks of points in memory, and 46 bytes a gathered point
+CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
+                          std::uint64_t most_gathered, Reporter& reporter);
 
 /// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all points.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -160,7 +161,10 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     rules.first_level = division.first_fine;
     rules.done = source_of(coarse.surfels);
     rules.dropped = coarse.dropped;
-    const PointBlock block = read_with_halo(config.work, plan, slice, division.halo);
+    std::optional<PointBlock> handed;
+    if (context.handed) handed = context.handed->take(oriented_points_path(config.work, slice).string());
+    const PointBlock block =
+        handed ? std::move(*handed) : read_with_halo(config.work, plan, slice, division.halo);
     const CoverCounts counts = write_cover(output, block, rules, context);
     return stamp.commit({output}, counts_json(counts), Outlasts::process);
 }

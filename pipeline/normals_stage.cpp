@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -33,6 +34,7 @@ namespace {
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr double kWidestRim = 0.05, kRimSpacings = 12;  // of L, and of L / sqrt(n)
+constexpr std::size_t kGrain = 16384;        // points a task
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
 
 /// Counts of one slice, by what became of the normals.
@@ -41,10 +43,25 @@ struct NormalsReport {
     OrientReport orientation;
 };
 
+/// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
+std::size_t normalize_all(std::vector<Vec3f>& normals) {
+    std::atomic<std::size_t> n_missing = 0;
+    parallel_blocks(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::size_t missing = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            Vec3f& n = normals[i];
+            n = is_finite(n) ? normalized(n) : Vec3f{};
+            missing += !(sq_length(n) > 0);
+        }
+        n_missing += missing;
+    });
+    return n_missing;
+}
+
 std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     std::vector<std::uint32_t> out;
     for (std::uint32_t i = 0; i < points.size(); ++i)
-        if (!(sq_length(points.normal[i]) > 0) || !is_finite(points.normal[i])) out.push_back(i);
+        if (!(sq_length(points.normal[i]) > 0)) out.push_back(i);
     return out;
 }
 
@@ -86,10 +103,12 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
     return manifest.at(said).get<bool>();
 }
 
-/// A slice's points and those of its neighbours near the cuts, whose normals are zero where all are
+/// A slice's points (`handed`, if given) and those of its neighbours near the cuts, whose normals are zero where all are
 /// estimated but for those of the slice before.
-PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
-    PointBlock points = read_slice(slice_points_path(config.work, slice).string());
+PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
+                          std::optional<PointBlock> handed) {
+    PointBlock points = handed ? std::move(*handed)
+                               : read_slice(slice_points_path(config.work, slice).string());
     const double width = rim_width(plan);
     // Strictly outside the cuts, as drop_rims tells them apart: a coordinate of the slice may round to the cut.
     if (slice + 1 < plan.slices.size()) {
@@ -112,6 +131,7 @@ std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const Poi
     const auto axis = static_cast<std::size_t>(plan.axis);
     const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
     const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
+    if (plan.cuts.empty()) return std::vector<bool>(points.size(), true);
     std::vector<bool> own(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
         own[i] = points.position[i][axis] >= lo && points.position[i][axis] <= hi;
@@ -139,12 +159,12 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
 }
 
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
-void estimate_missing(PointBlock& points, const std::vector<bool>& own,
+void estimate_missing(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
                       const std::vector<std::uint32_t>& wanted,
                       const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
                       const std::vector<Vec3f>& hints, std::size_t k, bool seen_from_above,
                       NormalsReport& report) {
-    const NeighborGraph graph = estimate_normals(points, wanted, k, report.degenerate, own);
+    const NeighborGraph graph = estimate_normals(points, search, wanted, k, report.degenerate, own);
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {
@@ -158,15 +178,16 @@ void estimate_missing(PointBlock& points, const std::vector<bool>& own,
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
 }
 
-/// points: in Morton order; the report is of the slice's own
-NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
+/// points: in Morton order, `search` over them; the report is of the slice's own
+NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
+                           const std::vector<bool>& own,
                            const std::optional<Vec3d>& center,
                            const NormalsConfig& config, const SlicePlan& plan,
                            const std::vector<Vec3d>& sensors, bool seen_from_above,
                            Reporter& reporter) {
     NormalsReport report;
-    for (Vec3f& n : points.normal) n = is_finite(n) ? normalized(n) : Vec3f{};
-    std::vector<std::uint32_t> wanted = points_without_normal(points);
+    std::vector<std::uint32_t> wanted;
+    if (normalize_all(points.normal) > 0) wanted = points_without_normal(points);
     const std::size_t n_points = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
     if (config.normals == "keep" && count_own(own, wanted) > 0)
         reporter.warn(fmt::format(
@@ -180,7 +201,7 @@ NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
     }
     std::vector<Vec3f> hints;
     if (n_own > 0 && !signs_carry_over(config, plan)) {
-        const NormalAudit audit = repair_contrary_normals(points, own);
+        const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
         report.turned = audit.contrary;
         report.noisy = audit.noisy;
         const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
@@ -198,26 +219,38 @@ NormalsReport give_normals(PointBlock& points, const std::vector<bool>& own,
     if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
         report.kept = n_points - count_own(own, wanted) - report.turned;
     if (!wanted.empty())
-        estimate_missing(points, own, wanted, center, sensors, hints,
+        estimate_missing(points, search, own, wanted, center, sensors, hints,
                          static_cast<std::size_t>(config.neighbors), seen_from_above, report);
     return report;
+}
+
+/// About that share of a slice's own points, by rising hash of their id.
+std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
+                                         double share) {
+    using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
+    std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
+            if (own[i] && unit_interval(h) < share)
+                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
+        }
+    });
+    Chosen chosen;
+    for (const Chosen& part : parts) chosen.insert(chosen.end(), part.begin(), part.end());
+    std::sort(chosen.begin(), chosen.end());
+    std::vector<std::uint32_t> samples;
+    for (const auto& [hash, i] : chosen) samples.push_back(i);
+    return samples;
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
 /// number of neighbours counts is decided for all slices together: a job of several measures each, those
 /// that are rarely wanted only if this slice is not flat before.
-std::vector<NoiseVariance> noise_of(const PointBlock& points, const std::vector<bool>& own,
-                                    const SlicePlan& plan) {
-    const double rate = kSamples / static_cast<double>(plan.n_points);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
-        if (own[i] && unit_interval(h) < rate) chosen.emplace_back(h, i);
-    }
-    std::sort(chosen.begin(), chosen.end());
-    std::vector<std::uint32_t> samples;
-    for (const auto& [hash, i] : chosen) samples.push_back(i);
-    const NearestSearch search(points.position);
+std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearch& search,
+                                    const std::vector<bool>& own, const SlicePlan& plan) {
+    const std::vector<std::uint32_t> samples =
+        sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
     if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0)};
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
@@ -265,27 +298,34 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
     if (auto done = stamp.up_to_date()) return *done;
-    PointBlock points = read_with_rims(config, plan, slice);
+    std::optional<PointBlock> handed;
+    if (context.handed) handed = context.handed->take(input.string());
+    PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
     sort_along_curve(points, plan.bounds);
+    const NearestSearch search(points.position);
     const std::vector<bool> own = own_points(plan, slice, points);
     // A slab's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report =
-        give_normals(points, own, center, config, plan, sensors, from_above, context.reporter);
+        give_normals(points, search, own, center, config, plan, sensors, from_above, context.reporter);
     std::vector<NoiseVariance> noise;
     if (plan.slices.size() > 1) {
-        noise = noise_of(points, own, plan);
+        noise = noise_of(points, search, own, plan);
         drop_rims(own, points);
     }
     SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
                        points.has_scans());
     // Neither keeps all threads busy: the file system takes one writer at a time.
     run_both([&] { writer.append(points); },
-             [&] { if (noise.empty()) noise = noise_of(points, own, plan); });
+             [&] { if (noise.empty()) noise = noise_of(points, search, own, plan); });
     context.check_stop();
     writer.commit();
-    return stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
+    nlohmann::json result =
+        stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
+    if (context.handed && plan.slices.size() == 1)
+        context.handed->put(output.string(), std::move(points));
+    return result;
 }
 
 /// Counts of all slices added up.

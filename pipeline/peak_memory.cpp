@@ -39,6 +39,7 @@ void keep_freed_memory(bool keep) {
     constexpr int kLarge = 1 << 20, kLargest = 32 << 20;  // the most that glibc takes
     mallopt(M_MMAP_THRESHOLD, keep ? kLargest : kLarge);  // set, it no longer adapts
     mallopt(M_TRIM_THRESHOLD, keep ? 1 << 30 : kLarge);
+    if (!keep) malloc_trim(0);
 }
 
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {

@@ -4,6 +4,7 @@
 #include "pipeline/cloud_survey.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
 #include "slim/slicing/slab_plan.h"
 
@@ -83,7 +84,9 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     const std::uint64_t wanted =
         config.slices > 0 ? static_cast<std::uint64_t>(config.slices)
                           : slabs_for_memory(plan.n_points, parse_memory_size(config.memory));
-    const SlabPlan slabs = choose_axis(survey, wanted, plan.axis);
+    plan.axis = survey.bounds.longest_axis();
+    const SlabPlan slabs = survey.gathered.points().empty() ? choose_axis(survey, wanted, plan.axis)
+                                                            : SlabPlan{{}, {survey.n_points}};
     const auto axis = static_cast<std::size_t>(plan.axis);
     world_cuts = slabs.cuts;
     for (const double cut : slabs.cuts) plan.cuts.push_back(cut - plan.origin[axis]);
@@ -150,6 +153,22 @@ private:
     std::vector<PointBlock> pending_;
     std::vector<SliceWriter> writers_;
 };
+
+/// Writes the one slice of a job whose points were gathered.
+PointBlock write_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey) {
+    PointBlock points = survey.gathered.release(plan.has_normals, plan.has_scans);
+    points.origin = plan.origin;
+    for (Vec3d& p : points.position) p -= plan.origin;
+    plan.slices[0].bounds = plan.bounds;
+    fs::create_directories(slice_folder(work, 0));
+    write_slice(slice_points_path(work, 0).string(), points);
+    return points;
+}
+
+/// How many points are worth keeping while the clouds are read: as many as one slice may have.
+std::uint64_t most_gathered(const SliceConfig& config) {
+    return config.slices > 1 ? 0 : points_in_memory(parse_memory_size(config.memory));
+}
 
 /// Slices of an earlier run with more of them would be taken for ours.
 void remove_slices_from(const fs::path& work, std::size_t first) {
@@ -220,7 +239,10 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     if (auto result = stamp.up_to_date()) return *result;
 
     const InputWatch watch(config.inputs);
-    const CloudSurvey survey = survey_clouds(config.inputs, config.strict, context.reporter);
+    const std::uint64_t most = most_gathered(config);
+    keep_freed_memory(most > 0);
+    CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
+    keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
     std::vector<double> world_cuts;
     SlicePlan plan = plan_from_survey(config, survey, world_cuts);
@@ -229,8 +251,14 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     // From here the folder is no finished job until the new plan stands in it.
     fs::remove(plan_path(work));
     remove_slices_from(work, plan.slices.size());
-    Dealer dealer(work, plan, world_cuts);
     watch.over([&] {
+        if (!survey.gathered.points().empty()) {
+            PointBlock points = write_gathered(work, plan, survey);
+            if (context.handed)
+                context.handed->put(slice_points_path(work, 0).string(), std::move(points));
+            return;
+        }
+        Dealer dealer(work, plan, world_cuts);
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
                            const CloudInfo&) { dealer.take(chunk, first_id, input); });

@@ -2,16 +2,39 @@
 
 #include "pipeline/config.h"
 #include "slim/base/reporter.h"
+#include "slim/model/point_block.h"
 
 #include <nlohmann/json.hpp>
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace slim {
+
+/// The points of a job's one slice, handed from a stage of a build to the next, which need not read what
+/// was just written.
+class HandedPoints {
+public:
+    void put(std::string path, PointBlock points) {
+        path_ = std::move(path);
+        points_ = std::move(points);
+    }
+    /// The points that were written to that path. Nothing is held any more, whatever the path.
+    std::optional<PointBlock> take(const std::string& path) {
+        std::optional<PointBlock> out;
+        if (path == path_) out = std::move(points_);
+        *this = {};
+        return out;
+    }
+
+private:
+    std::string path_;
+    PointBlock points_;
+};
 
 /// What a stage is given besides its configuration. A stage called inside another one (build calls
 /// slice) gets a context of its own: for_stage().
@@ -27,6 +50,7 @@ struct StageContext {
     /// Hashes of what the stages of one build wrote into its locked folder, so that none is read
     /// for its hash again.
     std::map<std::string, std::string>* written = nullptr;
+    HandedPoints* handed = nullptr;  ///< within a build
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
     void check_stop() const;

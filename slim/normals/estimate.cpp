@@ -1,7 +1,6 @@
 #include "slim/normals/estimate.h"
 
 #include "slim/base/parallel.h"
-#include "slim/neighbors/nearest.h"
 #include "slim/normals/covariance.h"
 
 #include <algorithm>
@@ -24,10 +23,9 @@ void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlo
 
 }  // namespace
 
-NeighborGraph estimate_normals(PointBlock& points, std::span<const std::uint32_t> wanted,
-                               std::size_t k, std::size_t& degenerate,
-                               const std::vector<bool>& counted) {
-    const NearestSearch search(points.position);
+NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
+                               std::span<const std::uint32_t> wanted, std::size_t k,
+                               std::size_t& degenerate, const std::vector<bool>& counted) {
     NeighborGraph graph;
     graph.k = std::min(k, points.size());
     graph.points.assign(wanted.begin(), wanted.end());

@@ -1,5 +1,7 @@
 #include "slim/normals/orient.h"
 
+#include "slim/base/parallel.h"
+
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -11,6 +13,7 @@
 namespace slim {
 namespace {
 
+constexpr std::size_t kGrain = 4096;  // rows of the graph a task
 constexpr float kSteep = 0.5f;        // |n_z| of a slope of 60 degrees
 constexpr double kMostlyFlat = 0.8;   // share of points less steep in a scene that is seen from above
 constexpr double kClearFlux = 0.15;  // |sum (p - c) . n| / sum |p - c| of a shape that has an outside
@@ -90,19 +93,38 @@ void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, Si
     }
 }
 
+/// The edges of rows [begin, end) of the graph with lo <= weight < hi that join two trees; tree: of each
+/// point.
+std::vector<Edge> edges_of_rows(const PointBlock& points, const NeighborGraph& graph,
+                                const std::vector<std::uint32_t>& tree, float lo, float hi,
+                                std::size_t begin, std::size_t end) {
+    std::vector<Edge> edges;
+    for (std::size_t row = begin; row < end; ++row) {
+        const std::uint32_t i = graph.points[row];
+        for (const std::uint32_t j : graph.of(row)) {
+            if (tree[i] == tree[j]) continue;
+            const float weight = weight_of(points, i, j);
+            if (!(weight >= lo && weight < hi)) continue;
+            if (j < i && graph.is_neighbor_too(j, i)) continue;  // once is enough
+            edges.push_back({weight, i, j});
+        }
+    }
+    return edges;
+}
+
 /// The edges with lo <= weight < hi that join two trees, lightest first.
 std::vector<Edge> edges_between_trees(const PointBlock& points, const NeighborGraph& graph,
                                       SignedForest& forest, float lo, float hi) {
     std::vector<std::uint32_t> tree(points.size());
     for (std::uint32_t i = 0; i < tree.size(); ++i) tree[i] = forest.find(i).index;
+    std::vector<std::vector<Edge>> parts((graph.points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(graph.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        parts[begin / kGrain] = edges_of_rows(points, graph, tree, lo, hi, begin, end);
+    });
     std::vector<Edge> edges;
-    for (std::size_t row = 0; row < graph.points.size(); ++row) {
-        const std::uint32_t i = graph.points[row];
-        for (const std::uint32_t j : graph.of(row)) {
-            if (tree[i] == tree[j] || (j < i && graph.is_neighbor_too(j, i))) continue;
-            const float weight = weight_of(points, i, j);
-            if (weight >= lo && weight < hi) edges.push_back({weight, i, j});
-        }
+    for (std::vector<Edge>& part : parts) {
+        edges.insert(edges.end(), part.begin(), part.end());
+        part = {};
     }
     tbb::parallel_sort(edges.begin(), edges.end());
     return edges;

@@ -1,12 +1,15 @@
 #include "slim/normals/repair.h"
 
+#include "slim/base/check.h"
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
 #include "slim/base/unfilled_vector.h"
-#include "slim/neighbors/box_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -21,13 +24,15 @@ constexpr float kLeastNeighbors = 5;
 constexpr float kAlongOneLine = 0.7f;        // |cosine| of normals that are the same but for the sign
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 constexpr float kNowhere = 1e30f;  // of padding: in no ball
-constexpr std::size_t kGrain = 256;  // buckets a task
 
 constexpr std::size_t kBucket = BoxTree::kBucket;
+constexpr std::size_t kShared = kBucket * BoxTree::kFanout;  // points that share a walk of the tree
+constexpr std::size_t kGrain = 4096;                         // points a task
+static_assert(kGrain % kShared == 0);
 
 /// A bucket's points relative to the low corner of its box, and their normals, as flat arrays:
-/// ready to be copied into the surroundings of every bucket near.
-struct LocalBucket {
+/// ready to be moved to the origin of any bucket near.
+struct alignas(64) LocalBucket {
     float x[kBucket], y[kBucket], z[kBucket], nx[kBucket], ny[kBucket], nz[kBucket];
 
     void set(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& corner) {
@@ -41,15 +46,14 @@ struct LocalBucket {
     }
 };
 
-/// The points of an audit: tree and local buckets. 28 bytes a point.
+/// The points of an audit: tree and local buckets. 24 bytes a point.
 struct Neighborhoods {
-    BoxTree tree;
+    const BoxTree& tree;
     UnfilledVector<LocalBucket> buckets;
 
-    explicit Neighborhoods(const PointBlock& points)
-        : tree(points.size(), [&](std::size_t i) { return points.position[i]; }),
-          buckets(tree.n_buckets()) {
-        parallel_blocks(buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    Neighborhoods(const PointBlock& points, const BoxTree& boxes)
+        : tree(boxes), buckets(tree.n_buckets()) {
+        parallel_blocks(buckets.size(), kGrain / kBucket, [&](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; b < end; ++b)
                 buckets[b].set(points, b * kBucket, std::min((b + 1) * kBucket, points.size()),
                                tree.bucket(b).lo);
@@ -57,82 +61,194 @@ struct Neighborhoods {
     }
 };
 
-/// The points around one bucket, relative to an origin: found once for its sixteen.
-struct Surroundings {
-    std::vector<float> x, y, z, nx, ny, nz;
-    std::size_t n = 0;  // of the arrays' first; whole buckets, padded with points that are in no ball
+constexpr std::size_t kGroups = kBucket / kLanes;  // of lanes that hold a bucket
+static_assert(kBucket % kLanes == 0);
 
+using BucketLanes = std::array<FloatV, kGroups>;
+
+FloatV lanes_at(const float* values) { return FloatV(values, stdx::element_aligned); }
+
+BucketLanes lanes_of(const float (&values)[kBucket]) {
+    BucketLanes out;
+    for (std::size_t g = 0; g < kGroups; ++g) out[g] = lanes_at(values + g * kLanes);
+    return out;
+}
+
+/// Gaps between [lo, hi] and intervals side by side; zero where they meet.
+FloatV gap(const FloatV& lo, const FloatV& hi, float from, float to) {
+    return stdx::max(stdx::max(lo - to, from - hi), FloatV(0));
+}
+
+/// A box in floats, relative to an origin near it.
+struct LocalBox {
+    Vec3f lo, hi;
+};
+
+/// The buckets around some points: found with one walk for up to eight buckets of them.
+class Surroundings {
+public:
     void gather(const Neighborhoods& all, const Bbox& box, double radius) {
-        n = 0;
-        const Vec3d origin = box.lo;
+        n_ = 0;
+        origin_ = box.lo;
+        margin_ = static_cast<float>(kRounding * (box.diagonal() + radius));
         all.tree.for_buckets_near(box, radius, [&](std::size_t begin, std::size_t) {
-            if (n + kBucket > x.size()) grow();
-            const LocalBucket& from = all.buckets[begin / kBucket];
-            const Vec3f shift = to_float(all.tree.bucket(begin / kBucket).lo - origin);
-            for (std::size_t k = 0; k < kBucket; ++k) {
-                x[n + k] = from.x[k] + shift.x;
-                y[n + k] = from.y[k] + shift.y;
-                z[n + k] = from.z[k] + shift.z;
-            }
-            std::copy_n(from.nx, kBucket, &nx[n]);
-            std::copy_n(from.ny, kBucket, &ny[n]);
-            std::copy_n(from.nz, kBucket, &nz[n]);
-            n += kBucket;
+            if (n_ + kLanes > bucket_.size()) grow();
+            const LocalBox near = local(all.tree.bucket(begin / kBucket));
+            bucket_[n_] = static_cast<std::uint32_t>(begin / kBucket);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                lo_[axis][n_] = near.lo[axis], hi_[axis][n_] = near.hi[axis];
+            ++n_;
         });
+        for (std::size_t k = n_; k % kLanes != 0; ++k) lo_[0][k] = hi_[0][k] = kNowhere;
+    }
+
+    /// Calls body(bucket) for every bucket whose box is nearer to a part of the box than the radius, in
+    /// order; for some that are as far but for rounding, too.
+    template <class Body>
+    void for_buckets_near(const Bbox& part, double radius, Body&& body) const {
+        const LocalBox box = local(part);
+        const float reach = static_cast<float>(radius) + margin_;
+        for (std::size_t first = 0; first < n_; first += kLanes)
+            for (std::uint64_t bits = near_bits(first, box, reach * reach); bits != 0; bits &= bits - 1)
+                body(bucket_[first + static_cast<std::size_t>(std::countr_zero(bits))]);
+    }
+
+private:
+    static constexpr double kRounding = 1e-6;  // of floats, with room to spare
+
+    /// Which of the boxes from the first on are near.
+    [[gnu::flatten]] std::uint64_t near_bits(std::size_t first, const LocalBox& box,
+                                             float sq_reach) const {
+        FloatV sq = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const FloatV d = gap(lanes_at(&lo_[axis][first]), lanes_at(&hi_[axis][first]),
+                                 box.lo[axis], box.hi[axis]);
+            sq += d * d;
+        }
+        return lane_bits(sq < FloatV(sq_reach));
+    }
+    LocalBox local(const Bbox& box) const {
+        return {to_float(box.lo - origin_), to_float(box.hi - origin_)};
+    }
+    void grow() {
+        bucket_.resize(2 * bucket_.size() + 256);
+        for (auto* a : {&lo_, &hi_})
+            for (std::vector<float>& values : *a) values.resize(bucket_.size());
+    }
+
+    Vec3d origin_;
+    float margin_ = 0;
+    std::vector<std::uint32_t> bucket_;
+    std::array<std::vector<float>, 3> lo_, hi_;  // padded with boxes that are nowhere
+    std::size_t n_ = 0;
+};
+
+/// The points nearer to a box than the radius, relative to its low corner, as flat arrays.
+struct Candidates {
+    std::vector<float> x, y, z, nx, ny, nz;
+    std::size_t n = 0;
+
+    void clear() { n = 0; }
+
+    /// shift: of the bucket's corner from the box's; extent: of the box
+    [[gnu::flatten]] void add(const LocalBucket& bucket, const Vec3f& shift, const Vec3f& extent,
+                              float sq_radius) {
+        if (n + kBucket > x.size()) grow();
+        for (std::size_t k = 0; k < kBucket; k += kLanes) {
+            const FloatV px = lanes_at(bucket.x + k) + shift.x, py = lanes_at(bucket.y + k) + shift.y,
+                         pz = lanes_at(bucket.z + k) + shift.z;
+            const FloatV dx = gap(px, px, 0, extent.x), dy = gap(py, py, 0, extent.y),
+                         dz = gap(pz, pz, 0, extent.z);
+            const std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < FloatV(sq_radius));
+            compress_to(px, near, &x[n]), compress_to(py, near, &y[n]), compress_to(pz, near, &z[n]);
+            compress_to(lanes_at(bucket.nx + k), near, &nx[n]);
+            compress_to(lanes_at(bucket.ny + k), near, &ny[n]);
+            compress_to(lanes_at(bucket.nz + k), near, &nz[n]);
+            n += static_cast<std::size_t>(std::popcount(near));
+        }
     }
 
 private:
     void grow() {
-        for (auto* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(2 * a->size() + 256);
+        for (auto* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(2 * a->size() + 512);
     }
 };
-static_assert(kBucket % kLanes == 0);
 
-/// Mean of the normals within a radius of p, the point's own (`own`) left out; zero if they are too
-/// few.
-Vec3d majority(const Surroundings& s, const Vec3f& p, const Vec3f& own, float radius) {
-    FloatV sum_x = 0, sum_y = 0, sum_z = 0, count = 0;
-    const auto lanes = [](const std::vector<float>& a, std::size_t k) {
-        return FloatV(&a[k], stdx::element_aligned);
-    };
-    for (std::size_t k = 0; k < s.n; k += kLanes) {
-        const FloatV dx = lanes(s.x, k) - p.x, dy = lanes(s.y, k) - p.y, dz = lanes(s.z, k) - p.z;
-        const FloatV in = select(dx * dx + dy * dy + dz * dz < FloatV(radius * radius), FloatV(1),
-                                 FloatV(0));
-        sum_x += in * lanes(s.nx, k), sum_y += in * lanes(s.ny, k), sum_z += in * lanes(s.nz, k);
-        count += in;
-    }
-    const Vec3d sum{stdx::reduce(sum_x), stdx::reduce(sum_y), stdx::reduce(sum_z)};
-    const float n = stdx::reduce(count);
-    if (n < kLeastNeighbors + 1) return {};
-    return (sum - to_double(own)) / static_cast<double>(n - 1);
-}
+/// Points of one bucket, a lane each, and what they find of the candidates within a radius. A candidate
+/// is looked at by all of them at once: most are near to most.
+struct Sixteen {
+    BucketLanes x, y, z, nx, ny, nz;
+    BucketLanes sum_x{}, sum_y{}, sum_z{}, count{};  // of normals within the radius
 
-/// Compares the normal of a point at p with those within the radius.
-void compare_signs(const Surroundings& s, const Vec3f& p, const Vec3f& own, float radius,
-                   NormalAudit& audit) {
-    FloatV opposed = 0, compared = 0, across = 0, across_size = 0;
-    const FloatV zero = 0, one = 1;
-    const auto lanes = [](const std::vector<float>& a, std::size_t k) {
-        return FloatV(&a[k], stdx::element_aligned);
-    };
-    for (std::size_t k = 0; k < s.n; k += kLanes) {
-        const FloatV dx = lanes(s.x, k) - p.x, dy = lanes(s.y, k) - p.y, dz = lanes(s.z, k) - p.z;
-        const auto in = dx * dx + dy * dy + dz * dz < FloatV(radius * radius);
-        const FloatV cosine =
-            own.x * lanes(s.nx, k) + own.y * lanes(s.ny, k) + own.z * lanes(s.nz, k);
-        const FloatV height = own.x * dx + own.y * dy + own.z * dz;
-        const auto is_opposed = in && cosine < FloatV(-kAlongOneLine);
-        opposed += select(is_opposed, one, zero);
-        compared += select(is_opposed || (in && cosine > FloatV(kAlongOneLine)), one, zero);
-        across += select(is_opposed, height, zero);
-        across_size += select(is_opposed, stdx::abs(height), zero);
+    explicit Sixteen(const LocalBucket& points)
+        : x(lanes_of(points.x)), y(lanes_of(points.y)), z(lanes_of(points.z)),
+          nx(lanes_of(points.nx)), ny(lanes_of(points.ny)), nz(lanes_of(points.nz)) {}
+
+    [[gnu::flatten]] void sum_up(const Candidates& c, float sq_radius) {
+        const FloatV zero = 0, one = 1;
+        for (std::size_t g = 0; g < kGroups; ++g) {
+            // Copies, as the compiler keeps them in registers.
+            const FloatV px = x[g], py = y[g], pz = z[g];
+            FloatV sx = 0, sy = 0, sz = 0, n = 0;
+            for (std::size_t k = 0; k < c.n; ++k) {
+                const FloatV dx = c.x[k] - px, dy = c.y[k] - py, dz = c.z[k] - pz;
+                const FloatV in = select(dx * dx + dy * dy + dz * dz < FloatV(sq_radius), one, zero);
+                sx += in * c.nx[k], sy += in * c.ny[k], sz += in * c.nz[k];
+                n += in;
+            }
+            sum_x[g] = sx, sum_y[g] = sy, sum_z[g] = sz, count[g] = n;
+        }
     }
-    audit.opposed += stdx::reduce(opposed);
-    audit.compared += stdx::reduce(compared);
-    audit.across += stdx::reduce(across);
-    audit.across_size += stdx::reduce(across_size);
-}
+
+    /// Bit k: the normal of the k-th is within 72 degrees of the mean of the others, by more than
+    /// rounding: nothing is wrong with it.
+    [[gnu::flatten]] std::uint64_t agreeing() const {
+        constexpr float kAgree = static_cast<float>(kNoisy) + 0.01f;
+        std::uint64_t bits = 0;
+        for (std::size_t g = 0; g < kGroups; ++g) {
+            const FloatV mx = sum_x[g] - nx[g], my = sum_y[g] - ny[g], mz = sum_z[g] - nz[g];
+            const FloatV along = mx * nx[g] + my * ny[g] + mz * nz[g];
+            const FloatV sq_own = nx[g] * nx[g] + ny[g] * ny[g] + nz[g] * nz[g];
+            const FloatV sq_mean = mx * mx + my * my + mz * mz;
+            bits |= lane_bits(along > FloatV(0) &&
+                              along * along > FloatV(kAgree * kAgree) * sq_own * sq_mean)
+                    << (g * kLanes);
+        }
+        return bits;
+    }
+
+    [[gnu::flatten]] void compare_signs(const Candidates& c, float sq_radius, NormalAudit& audit) const {
+        const FloatV zero = 0, one = 1;
+        for (std::size_t g = 0; g < kGroups; ++g) {
+            FloatV opposed = 0, compared = 0, across = 0, across_size = 0;
+            for (std::size_t k = 0; k < c.n; ++k) {
+                const FloatV dx = c.x[k] - x[g], dy = c.y[k] - y[g], dz = c.z[k] - z[g];
+                const auto in = dx * dx + dy * dy + dz * dz < FloatV(sq_radius);
+                const FloatV cosine = nx[g] * c.nx[k] + ny[g] * c.ny[k] + nz[g] * c.nz[k];
+                const FloatV height = nx[g] * dx + ny[g] * dy + nz[g] * dz;
+                const auto is_opposed = in && cosine < FloatV(-kAlongOneLine);
+                opposed += select(is_opposed, one, zero);
+                compared += select(is_opposed || (in && cosine > FloatV(kAlongOneLine)), one, zero);
+                across += select(is_opposed, height, zero);
+                across_size += select(is_opposed, stdx::abs(height), zero);
+            }
+            audit.opposed += stdx::reduce(opposed);
+            audit.compared += stdx::reduce(compared);
+            audit.across += stdx::reduce(across);
+            audit.across_size += stdx::reduce(across_size);
+        }
+    }
+
+    /// Mean of the normals within the radius of the k-th, its own left out; zero if they are too few.
+    Vec3d majority(std::size_t k) const {
+        const std::size_t g = k / kLanes, lane = k % kLanes;
+        const float n = count[g][lane];
+        if (n < kLeastNeighbors + 1) return {};
+        const Vec3d sum{sum_x[g][lane], sum_y[g][lane], sum_z[g][lane]};
+        const Vec3d own{nx[g][lane], ny[g][lane], nz[g][lane]};
+        return (sum - own) / static_cast<double>(n - 1);
+    }
+};
 
 /// A bucket that straddles a jump of the curve is as large as the jump: its radius would gather
 /// thousands of points. Twice the median serves all but the sparsest 1 %.
@@ -151,80 +267,122 @@ struct Mended {
     Vec3f normal;
 };
 
-/// Looks at points [begin, end) of a bucket, whose surroundings hold all within the radius; those
-/// that are mended go to `mended`.
-void audit_points(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& origin,
-                  double radius, const Surroundings& around, const std::vector<bool>& counted,
-                  std::vector<Mended>& mended, NormalAudit& audit) {
-    for (std::size_t i = begin; i < end; ++i) {
-        const Vec3f own = points.normal[i];
-        if (!(sq_length(own) > 0)) {
-            ++audit.missing;
-            continue;
+/// What one thread works with, and what it found.
+class Auditor {
+public:
+    Auditor(const PointBlock& points, const Neighborhoods& all, double most_radius,
+            const std::vector<bool>& counted)
+        : points_(points), all_(all), most_radius_(most_radius), counted_(counted) {}
+
+    /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on either
+    /// side of a jump of the curve are taken in parts.
+    void audit(std::size_t begin, std::size_t end) {
+        const Bbox box = box_of(begin, end);
+        const std::size_t n_buckets = (end - begin + kBucket - 1) / kBucket;
+        if (n_buckets > 1 && box.diagonal() > kCompact * most_radius_) {
+            const std::size_t middle = begin + n_buckets / 2 * kBucket;
+            audit(begin, middle);
+            return audit(middle, end);
         }
-        const Vec3d mean = majority(around, to_float(points.position[i] - origin), own,
-                                    static_cast<float>(radius));
-        if (i / kBucket % kSampledBuckets == 0)
-            compare_signs(around, to_float(points.position[i] - origin), own,
-                          static_cast<float>(radius), audit);
+        around_.gather(all_, box, most_radius_);
+        for (std::size_t first = begin; first < end; first += kBucket)
+            audit_part(first, std::min(first + kBucket, end));
+    }
+
+    NormalAudit counts;
+    std::vector<Mended> mended;
+
+private:
+    static constexpr double kCompact = 8;
+
+    Bbox box_of(std::size_t begin, std::size_t end) const {
+        Bbox box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(points_.position[i]);
+        return box;
+    }
+
+    /// Points of one bucket; in parts, too.
+    void audit_part(std::size_t begin, std::size_t end) {
+        const Bbox box = box_of(begin, end);
+        if (end - begin > 1 && box.diagonal() > 2 * most_radius_) {
+            const std::size_t middle = (begin + end) / 2;
+            audit_part(begin, middle);
+            return audit_part(middle, end);
+        }
+        const std::size_t bucket = begin / kBucket;
+        const double radius = std::min(0.5 * all_.tree.bucket(bucket).diagonal(), most_radius_);
+        LocalBucket own;
+        own.set(points_, begin, end, box.lo);
+        Sixteen found(own);
+        const auto sq_radius = static_cast<float>(radius) * static_cast<float>(radius);
+        candidates_.clear();
+        around_.for_buckets_near(box, radius, [&](std::size_t b) {
+            candidates_.add(all_.buckets[b], to_float(all_.tree.bucket(b).lo - box.lo),
+                            to_float(box.extent()), sq_radius);
+        });
+        found.sum_up(candidates_, sq_radius);
+        if (bucket % kSampledBuckets == 0) found.compare_signs(candidates_, sq_radius, counts);
+        const std::uint64_t agreeing = found.agreeing();
+        for (std::size_t k = 0; k < end - begin; ++k)
+            if ((agreeing >> k & 1) == 0) judge(begin + k, found.majority(k));
+    }
+
+    /// mean: of the normals about point i
+    void judge(std::size_t i, const Vec3d& mean) {
+        const Vec3f own = points_.normal[i];
+        if (!(sq_length(own) > 0)) {
+            ++counts.missing;
+            return;
+        }
         const double agreement = length(mean);
-        if (!(agreement > 0)) continue;
+        if (!(agreement > 0)) return;
         const double cosine = dot(normalized(to_double(own)), mean) / agreement;
-        const bool counts = counted.empty() || counted[i];
-        audit.noisy += counts && agreement > kClear && cosine < kNoisy && cosine > kContrary;
-        if (agreement < kMajority || cosine > kContrary) continue;
-        audit.contrary += counts;
+        const bool counts_too = counted_.empty() || counted_[i];
+        counts.noisy += counts_too && agreement > kClear && cosine < kNoisy && cosine > kContrary;
+        if (agreement < kMajority || cosine > kContrary) return;
+        counts.contrary += counts_too;
         mended.push_back({i, to_float(mean / agreement)});
     }
-}
 
-/// Audits points [begin, end) with the neighbours within a radius. Points that straddle a jump of
-/// the curve are taken in parts.
-void audit_range(const PointBlock& points, const Neighborhoods& all, std::size_t begin, std::size_t end,
-                 double radius, double most_radius, Surroundings& around,
-                 const std::vector<bool>& counted, std::vector<Mended>& mended, NormalAudit& audit) {
-    Bbox box;
-    for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
-    if (end - begin > 1 && box.diagonal() > 2 * most_radius) {
-        const std::size_t middle = (begin + end) / 2;
-        audit_range(points, all, begin, middle, radius, most_radius, around, counted, mended, audit);
-        audit_range(points, all, middle, end, radius, most_radius, around, counted, mended, audit);
-        return;
-    }
-    around.gather(all, box, radius);
-    audit_points(points, begin, end, box.lo, radius, around, counted, mended, audit);
+    const PointBlock& points_;
+    const Neighborhoods& all_;
+    double most_radius_;
+    const std::vector<bool>& counted_;
+    Surroundings around_;
+    Candidates candidates_;
+};
+
+void add(const NormalAudit& one, NormalAudit& sum) {
+    sum.missing += one.missing;
+    sum.contrary += one.contrary;
+    sum.noisy += one.noisy;
+    sum.opposed += one.opposed;
+    sum.compared += one.compared;
+    sum.across += one.across;
+    sum.across_size += one.across_size;
 }
 
 }  // namespace
 
-NormalAudit repair_contrary_normals(PointBlock& points, const std::vector<bool>& counted) {
-    const Neighborhoods all(points);
+NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
+                                    const std::vector<bool>& counted) {
+    SLIM_CHECK(boxes.size(), ==, points.size());
+    const Neighborhoods all(points, boxes);
     const double most_radius = usual_diagonal(all.tree);
-    std::vector<NormalAudit> partial((all.buckets.size() + kGrain - 1) / kGrain);
+    std::vector<NormalAudit> partial((points.size() + kGrain - 1) / kGrain);
     std::vector<std::vector<Mended>> mended(partial.size());
-    parallel_blocks(all.buckets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        Surroundings around;
-        for (std::size_t b = begin; b < end; ++b) {
-            const std::size_t first = b * kBucket;
-            const double radius = std::min(0.5 * all.tree.bucket(b).diagonal(), most_radius);
-            audit_range(points, all, first, std::min(first + kBucket, points.size()), radius,
-                        most_radius, around, counted, mended[begin / kGrain],
-                        partial[begin / kGrain]);
-        }
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Auditor auditor(points, all, most_radius, counted);
+        for (std::size_t first = begin; first < end; first += kShared)
+            auditor.audit(first, std::min(first + kShared, end));
+        partial[begin / kGrain] = auditor.counts;
+        mended[begin / kGrain] = std::move(auditor.mended);
     });
     for (const std::vector<Mended>& some : mended)
         for (const Mended& m : some) points.normal[m.point] = m.normal;
     NormalAudit audit;
     audit.n = points.size();
-    for (const NormalAudit& p : partial) {
-        audit.missing += p.missing;
-        audit.contrary += p.contrary;
-        audit.noisy += p.noisy;
-        audit.opposed += p.opposed;
-        audit.compared += p.compared;
-        audit.across += p.across;
-        audit.across_size += p.across_size;
-    }
+    for (const NormalAudit& p : partial) add(p, audit);
     return audit;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/model/point_block.h"
+#include "slim/neighbors/box_tree.h"
 
 #include <cmath>
 #include <cstddef>
@@ -32,8 +33,10 @@ struct NormalAudit {
 /// to 1.3 % of them. A thin sheet has no majority (its two sides cancel), and stays as it is.
 /// Neighbours: the points within half a bucket's diagonal (about 16). Normals that are zero count
 /// as missing and stay. The block must be in Morton order (sort_along_curve).
-/// Cost: one walk of the tree a bucket and some hundred distance tests a point; parallel.
+/// Cost: 0.17 us a point and core (notes/0001); 24 bytes a point meanwhile. Parallel.
+/// boxes: of the block's points
 /// counted: the points that contrary and noisy are counted of; empty: all
-NormalAudit repair_contrary_normals(PointBlock& points, const std::vector<bool>& counted = {});
+NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
+                                    const std::vector<bool>& counted = {});
 
 }  // namespace slim

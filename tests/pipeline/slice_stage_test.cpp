@@ -137,6 +137,49 @@ TEST(SliceStage, IdsCountAllPointsOfAllInputsAndScansStayApart) {
     EXPECT_EQ(block.normal[10], (Vec3f{0, 0, 0}));
 }
 
+TEST(SliceStage, PointsReadOnceAndTwiceMakeTheSameFiles) {
+    const TempFolder folder;
+    const Vec3d far{403000, 3604900, -1000};
+    const std::vector<std::string> inputs = {
+        folder.write("b.xyz", "403000 3604900 -1000\nnan 0 0\n403001 3604901 -1000\n"),
+        write_cloud(folder, "a.ply", random_points(4, 70000, far), true),
+        write_cloud(folder, "c.ply", random_points(5, 5, far))};
+    // One slice; its points fit into the one memory, not into the other.
+    SliceConfig config{inputs, folder.file("once"), "1GiB", 1, false};
+    const SlicePlan once = slice(config);
+    config.work = folder.file("twice");
+    config.memory = "17MiB";
+    const SlicePlan twice = slice(config);
+    EXPECT_TRUE(read_bytes(slice_points_path(folder.file("once"), 0).string()) ==
+                read_bytes(slice_points_path(folder.file("twice"), 0).string()));
+    EXPECT_TRUE(read_bytes(plan_path(folder.file("once")).string()) ==
+                read_bytes(plan_path(folder.file("twice")).string()));
+    EXPECT_EQ(once.n_points, 70007u);
+    EXPECT_EQ(once.slices[0].bounds.lo, twice.slices[0].bounds.lo);
+}
+
+TEST(SliceStage, HandsTheSlicesPointsToTheNextStageOnce) {
+    const TempFolder folder;
+    const SliceConfig config{{write_cloud(folder, "a.ply", random_points(6, 100, {}))},
+                             folder.file("work"), "1GiB", 0, false};
+    Reporter silent;
+    HandedPoints handed;
+    const StageContext parent{silent, 1, false, "", "", "", ""};
+    StageContext context = for_stage(parent, "slice", config);
+    context.handed = &handed;
+    run_slice(config, context);
+    const std::string path = slice_points_path(config.work, 0).string();
+    const auto points = handed.take(path);
+    ASSERT_TRUE(points);
+    const PointBlock written = read_slice(path);
+    EXPECT_EQ(points->position, written.position);
+    EXPECT_EQ(points->id, written.id);
+    EXPECT_FALSE(handed.take(path));  // given away
+    handed.put(path, written);
+    EXPECT_FALSE(handed.take("another"));
+    EXPECT_FALSE(handed.take(path));  // nobody asked for it in time
+}
+
 TEST(SliceStage, Row05QuantumIsTheStepOfStoredFloats) {
     CloudInfo info;
     const Bbox box{{1000, 0, -1}, {1030, 5, 1}};

@@ -198,6 +198,20 @@ TEST(KeySort, SortsByKeyAndKeepsTheOrderOfEqualOnes) {
         }
 }
 
+TEST(KeySort, SortsACrowdInOneCornerOfTheRange) {
+    KeyedIndices items(400000);
+    for (std::uint32_t i = 0; i < items.size(); ++i) {
+        const std::uint64_t key = keyed_hash(5, i) >> 1;
+        items[i] = {i % 8 == 0 ? key : key >> 20, i};
+    }
+    KeyedIndices expected = items;
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](const auto& a, const auto& b) { return a.key < b.key; });
+    const ThreadLimit limit(3);
+    sort_by_key(items);
+    EXPECT_TRUE(items == expected);
+}
+
 TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {
     PointBlock block = random_cube(3000, 12);
     for (std::size_t i = 0; i < 1000; ++i) block.position[i] = block.position[i % 70];

@@ -22,10 +22,20 @@ std::vector<std::uint32_t> all_of(const PointBlock& block) {
     return ids;
 }
 
+NeighborGraph estimate(PointBlock& block, const std::vector<std::uint32_t>& wanted, std::size_t k,
+                       std::size_t& degenerate) {
+    return estimate_normals(block, NearestSearch(block.position), wanted, k, degenerate);
+}
+
+NormalAudit repair(PointBlock& block) {
+    return repair_contrary_normals(
+        block, BoxTree(block.size(), [&](std::size_t i) { return block.position[i]; }));
+}
+
 /// The block with normals estimated anew, and oriented by its neighbours alone.
 OrientReport estimate_and_orient(PointBlock& block, std::size_t k = 16) {
     std::size_t degenerate = 0;
-    const NeighborGraph graph = estimate_normals(block, all_of(block), k, degenerate);
+    const NeighborGraph graph = estimate(block, all_of(block), k, degenerate);
     EXPECT_EQ(degenerate, 0u);
     std::vector<bool> known(block.size(), false);
     return orient_by_neighbors(block, graph, known);
@@ -41,7 +51,7 @@ TEST(EstimateNormals, IsWithinADegreeOnASphere) {
     const Cloud cloud = sampled("sphere", 20000);
     PointBlock block = along_curve(block_of(cloud));
     std::size_t degenerate = 7;
-    estimate_normals(block, all_of(block), 16, degenerate);
+    estimate(block, all_of(block), 16, degenerate);
     EXPECT_EQ(degenerate, 0u);
     double sq_sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -58,7 +68,7 @@ TEST(EstimateNormals, CountsNeighboursThatSpanNoPlane) {
     for (int i = 0; i < 100; ++i) line.push_back({0.01 * i, 0, 0});
     PointBlock block = along_curve(block_of(line, std::vector<Vec3f>(line.size())));
     std::size_t degenerate = 0;
-    estimate_normals(block, all_of(block), 8, degenerate);
+    estimate(block, all_of(block), 8, degenerate);
     EXPECT_EQ(degenerate, 100u);
     for (const Vec3f& n : block.normal) {
         EXPECT_NEAR(length(n), 1, 1e-6);
@@ -75,8 +85,8 @@ TEST(EstimateNormals, DuplicatesGiveTheNormalsOfTheUniqueSet) {
     PointBlock twelve =
         along_curve(block_of(copies.positions, std::vector<Vec3f>(copies.positions.size())));
     std::size_t degenerate = 0;
-    estimate_normals(once, all_of(once), 16, degenerate);
-    estimate_normals(twelve, all_of(twelve), 16, degenerate);
+    estimate(once, all_of(once), 16, degenerate);
+    estimate(twelve, all_of(twelve), 16, degenerate);
     std::vector<Vec3f> normals(cloud.size());
     for (std::size_t i = 0; i < once.size(); ++i) normals[once.id[i]] = once.normal[i];
     for (std::size_t i = 0; i < twelve.size(); ++i)
@@ -89,7 +99,7 @@ TEST(EstimateNormals, TouchesTheWantedOnly) {
     const std::vector<std::uint32_t> wanted{3, 500, 1999};
     block.normal[3] = block.normal[500] = block.normal[1999] = {};
     std::size_t degenerate = 0;
-    EXPECT_EQ(estimate_normals(block, wanted, 16, degenerate).points, wanted);
+    EXPECT_EQ(estimate(block, wanted, 16, degenerate).points, wanted);
     for (std::size_t i = 0; i < block.size(); ++i) {
         const bool is_wanted = i == 3 || i == 500 || i == 1999;
         if (is_wanted) {
@@ -103,7 +113,7 @@ TEST(EstimateNormals, TouchesTheWantedOnly) {
 TEST(NeighborGraph, IsCutToTheCloud) {
     PointBlock block = along_curve(block_of(sampled("sphere", 5)));
     std::size_t degenerate = 0;
-    EXPECT_EQ(estimate_normals(block, all_of(block), 16, degenerate).k, 5u);
+    EXPECT_EQ(estimate(block, all_of(block), 16, degenerate).k, 5u);
 }
 
 TEST(Orient, ClosedShapesFaceOutwards) {
@@ -145,7 +155,7 @@ TEST(Orient, KnownSignsSpreadOverTheirComponent) {
     PointBlock block = along_curve(block_of(sampled("torus", 10000)));
     const std::vector<Vec3f> truth = block.normal;
     std::size_t degenerate = 0;
-    const NeighborGraph graph = estimate_normals(block, all_of(block), 16, degenerate);
+    const NeighborGraph graph = estimate(block, all_of(block), 16, degenerate);
     std::vector<bool> known(block.size(), false);
     for (std::size_t i = 0; i < 3; ++i) known[i] = true, block.normal[i] = -truth[i];
     const OrientReport report = orient_by_neighbors(block, graph, known);
@@ -200,7 +210,7 @@ TEST(Repair, TurnsSparseFlippedNormalsBack) {
         block.normal[i] = -block.normal[i];
         ++flipped;
     }
-    const NormalAudit audit = repair_contrary_normals(block);
+    const NormalAudit audit = repair(block);
     EXPECT_EQ(audit.n, block.size());
     EXPECT_EQ(audit.missing, 0u);
     // A few have too few neighbours or a neighbourhood full of flips.
@@ -213,10 +223,59 @@ TEST(Repair, TurnsSparseFlippedNormalsBack) {
         }
 }
 
+/// Counts of an audit by its definition: all pairs.
+NormalAudit audit_by_all_pairs(const PointBlock& block) {
+    const BoxTree boxes(block.size(), [&](std::size_t i) { return block.position[i]; });
+    std::vector<double> diagonals;
+    for (std::size_t b = 0; b < boxes.n_buckets(); ++b) diagonals.push_back(boxes.bucket(b).diagonal());
+    std::vector<double> sorted = diagonals;
+    std::sort(sorted.begin(), sorted.end());
+    NormalAudit audit;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        const double radius =
+            std::min(0.5 * diagonals[i / BoxTree::kBucket], sorted[sorted.size() / 2]);
+        Vec3d sum{};
+        double n = 0;
+        for (std::size_t k = 0; k < block.size(); ++k) {
+            if (k == i || length(block.position[k] - block.position[i]) >= radius) continue;
+            sum += to_double(block.normal[k]);
+            ++n;
+        }
+        if (n < 5) continue;
+        const double agreement = length(sum) / n;
+        const double cosine = dot(to_double(block.normal[i]), sum) / length(sum);
+        audit.contrary += agreement >= 0.5 && cosine <= -0.3;
+        audit.noisy += agreement > 0.7 && cosine < 0.3 && cosine > -0.3;
+    }
+    return audit;
+}
+
+TEST(Repair, FindsWhatAllPairsShow) {
+    // Two spheres of other density, so that the curve jumps and buckets straddle; a third of the normals
+    // is tilted at random.
+    PointBlock block = block_of(sampled("sphere", 2500));
+    const PointBlock far = block_of(sampled("sphere", 600));
+    for (std::size_t i = 0; i < far.size(); ++i) {
+        block.position.push_back(0.3 * far.position[i] + Vec3d{1.1, 0.2, -0.4});
+        block.normal.push_back(far.normal[i]);
+        block.id.push_back(block.id.size());
+    }
+    block = along_curve(std::move(block));
+    for (std::size_t i = 0; i < block.size(); i += 3) {
+        const Vec3d tilt{random_at(7, 3 * i), random_at(7, 3 * i + 1), random_at(7, 3 * i + 2)};
+        block.normal[i] = normalized(to_float(to_double(block.normal[i]) + 2.5 * tilt));
+    }
+    const NormalAudit truth = audit_by_all_pairs(block), found = repair(block);
+    EXPECT_GT(truth.contrary, 50u);
+    EXPECT_GT(truth.noisy, 50u);
+    EXPECT_EQ(found.contrary, truth.contrary);
+    EXPECT_EQ(found.noisy, truth.noisy);
+}
+
 TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
     PointBlock clean = along_curve(block_of(sampled("sculpture", 20000)));
     const std::vector<Vec3f> before = clean.normal;
-    EXPECT_LT(repair_contrary_normals(clean).contrary, 10u);
+    EXPECT_LT(repair(clean).contrary, 10u);
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
     for (std::size_t i = 0; i < 20000; ++i) {
@@ -225,7 +284,7 @@ TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
         normals.push_back({0, 0, top ? 1.0f : -1.0f});
     }
     PointBlock sheet = along_curve(block_of(positions, normals));
-    const NormalAudit audit = repair_contrary_normals(sheet);
+    const NormalAudit audit = repair(sheet);
     // By chance one side is a clear majority of some 16 neighbours now and then.
     EXPECT_LT(audit.contrary, 600u);
     std::size_t kept = 0;
@@ -240,7 +299,7 @@ TEST(Repair, SeesMixedSignsWhereNoMajorityIsLeft) {
         PointBlock block = along_curve(block_of(sampled("sphere", 20000)));
         for (std::size_t i = 0; i < block.size(); ++i)
             if (unit_interval(keyed_hash(5, i)) < share) block.normal[i] = -block.normal[i];
-        EXPECT_EQ(repair_contrary_normals(block).has_mixed_signs(), share > 0.1) << share;
+        EXPECT_EQ(repair(block).has_mixed_signs(), share > 0.1) << share;
     }
 }
 
@@ -253,7 +312,7 @@ TEST(Repair, CountsMissingAndNoisyNormals) {
         const Vec3d n = to_double(block.normal[i]);
         block.normal[i] = to_float(frame_from_normal(n).u_axis);
     }
-    const NormalAudit audit = repair_contrary_normals(block);
+    const NormalAudit audit = repair(block);
     EXPECT_EQ(audit.missing, 50u);
     EXPECT_EQ(audit.contrary, 0u);
     EXPECT_NEAR(static_cast<double>(audit.noisy), static_cast<double>(tilted), 0.1 * static_cast<double>(tilted));
