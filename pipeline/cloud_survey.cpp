@@ -47,7 +47,7 @@ public:
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
         const Bbox box = take_positions(chunk, input);
-        if (!box.empty()) take_histograms(chunk, box);
+        if (!box.empty()) count_cells(chunk, box);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
@@ -93,13 +93,10 @@ private:
         return box;
     }
 
-    void take_histograms(const PointChunk& chunk, const Bbox& box) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            auto& histogram = survey_.histograms[axis];
-            if (!histogram) histogram.emplace(box.lo[axis], box.hi[axis]);
-            for (const Vec3d& p : chunk.position)
-                if (is_finite(p)) histogram->add(p[axis]);
-        }
+    void count_cells(const PointChunk& chunk, const Bbox& box) {
+        if (!survey_.cells) survey_.cells.emplace(box);
+        for (const Vec3d& p : chunk.position)
+            if (is_finite(p)) survey_.cells->add(p);
     }
 
     CloudSurvey& survey_;

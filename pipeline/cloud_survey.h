@@ -4,9 +4,8 @@
 #include "pipeline/plan_file.h"
 #include "slim/base/bbox.h"
 #include "slim/base/reporter.h"
-#include "slim/slicing/axis_histogram.h"
+#include "slim/slicing/cell_counts.h"
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -47,7 +46,7 @@ struct CloudSurvey {
     Bbox bounds;                ///< world frame, finite points
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
-    std::array<std::optional<AxisHistogram>, 3> histograms;  ///< world frame; empty without points
+    std::optional<CellCounts> cells;  ///< world frame; empty without points
     bool is_float32 = false;
     double coordinate_quantum = 0;
 };

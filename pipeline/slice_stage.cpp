@@ -2,16 +2,19 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/cloud_survey.h"
+#include "pipeline/fit_division.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "slim/base/error.h"
-#include "slim/slicing/slab_plan.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -23,6 +26,8 @@ constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of the diagonal
 // that is a usual fit's error.
 constexpr double kCoarseQuantum = 2.5e-5;
+// Blocks, over as many as the points alone would fill: more, and every point is read by that many slices.
+constexpr std::uint64_t kMostDearBlocks = 4;
 
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
@@ -46,27 +51,43 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
 
 Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }
 
-/// Cuts across the axis that gives the thickest slabs, as a halo must be thinner: the longest one, unless
-/// points crowd there, as on a flat base.
-SlabPlan choose_axis(const CloudSurvey& survey, std::uint64_t wanted, int& axis) {
-    axis = survey.bounds.longest_axis();
-    SlabPlan best = plan_slabs(*survey.histograms[static_cast<std::size_t>(axis)], wanted);
-    const auto thinnest = [&](const SlabPlan& slabs, std::size_t a) {
-        return thinnest_slab(slabs.cuts, survey.bounds.lo[a], survey.bounds.hi[a]);
-    };
-    for (std::size_t other = 0; other < 3 && best.n_slabs() > 1; ++other) {
-        SlabPlan slabs = plan_slabs(*survey.histograms[other], wanted);
-        if (slabs.n_slabs() < best.n_slabs() ||
-            !(thinnest(slabs, other) > thinnest(best, static_cast<std::size_t>(axis))))
-            continue;
-        axis = static_cast<int>(other);
-        best = std::move(slabs);
+/// Takes the blocks, their counts and what they hold with a halo into the plan.
+void set_blocks(const BlockPlan& blocks, const std::vector<Cell>& cells, double width,
+                SlicePlan& plan) {
+    plan.slices.clear();
+    for (std::size_t i = 0; i < blocks.n_blocks(); ++i)
+        plan.slices.push_back({blocks.n_points[i], {}, shifted(blocks.regions[i], plan.origin)});
+    plan.most_within.clear();
+    if (blocks.n_blocks() > 1)
+        plan.most_within =
+            most_points_within(blocks, cells, width, possible_halos(plan.diagonal));
+}
+
+/// The fewest blocks that leave room for the halo that the fit wants, or if none of a reasonable number do,
+/// those that come nearest: halos then cost three times the points.
+BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double width, std::uint64_t memory,
+                            SlicePlan& plan) {
+    const std::uint64_t least = (plan.n_points - 1) / points_in_memory(memory) + 1;
+    const std::uint64_t most = least < 2 ? 1 : std::min(kMostDearBlocks * least, kMostBlocks);
+    BlockPlan best;
+    double widest = -1;
+    for (std::uint64_t n = std::min(least, most); n <= most; n += 1 + n / 8) {
+        BlockPlan blocks = plan_blocks(cells, width, n);
+        set_blocks(blocks, cells, width, plan);
+        const FitDivision division = divide_fit(plan, memory);
+        if (division.halo > widest) {
+            widest = division.halo;
+            best = std::move(blocks);
+        }
+        if (halo_suffices(plan, division)) break;
     }
+    set_blocks(best, cells, width, plan);
     return best;
 }
 
+/// The plan and the blocks, in the world's frame.
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
-                           std::vector<double>& world_cuts) {
+                           BlockPlan& blocks) {
     SlicePlan plan;
     plan.inputs = survey.inputs;
     plan.origin = choose_origin(survey.bounds);
@@ -80,22 +101,23 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
         plan.has_normals |= input.has_normals;
         plan.has_scans |= input.has_scan;
     }
-    const std::uint64_t wanted =
-        config.slices > 0 ? static_cast<std::uint64_t>(config.slices)
-                          : slabs_for_memory(plan.n_points, parse_memory_size(config.memory));
-    const SlabPlan slabs = choose_axis(survey, wanted, plan.axis);
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    world_cuts = slabs.cuts;
-    for (const double cut : slabs.cuts) plan.cuts.push_back(cut - plan.origin[axis]);
-    for (const std::uint64_t n : slabs.n_points) plan.slices.push_back({n, {}});
+    const std::vector<Cell> cells = survey.cells->cells();
+    const double width = survey.cells->width();
+    plan.spacing = surface_spacing(cells, width);
+    if (config.slices > 0) {
+        blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
+        set_blocks(blocks, cells, width, plan);
+    } else {
+        blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
+    }
     return plan;
 }
 
-/// Deals points out to the files of their slices.
+/// Deals points out to the files of their slices. Holds one slice's points of one chunk at a time.
 class Dealer {
 public:
-    Dealer(const fs::path& work, SlicePlan& plan, const std::vector<double>& world_cuts)
-        : plan_(plan), world_cuts_(world_cuts), pending_(plan.slices.size()) {
+    Dealer(const fs::path& work, SlicePlan& plan, const BlockPlan& blocks)
+        : plan_(plan), blocks_(blocks) {
         for (std::size_t i = 0; i < plan.slices.size(); ++i) {
             fs::create_directories(slice_folder(work, i));
             writers_.emplace_back(slice_points_path(work, i).string(), plan.origin,
@@ -104,13 +126,17 @@ public:
     }
 
     void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input) {
-        const auto axis = static_cast<std::size_t>(plan_.axis);
-        for (std::size_t i = 0; i < chunk.size(); ++i) {
-            const Vec3d& p = chunk.position[i];
-            if (!is_finite(p)) continue;
-            put(chunk, i, first_id, input, slab_of(p[axis], world_cuts_));
+        sort_by_slice(chunk);
+        for (std::size_t s = 0; s < writers_.size(); ++s) {
+            if (begin_[s] == begin_[s + 1]) continue;
+            block_.position.clear();
+            block_.id.clear();
+            block_.normal.clear();
+            block_.scan.clear();
+            for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k)
+                put(chunk, order_[k], first_id, input, s);
+            writers_[s].append(block_);
         }
-        for (std::size_t s = 0; s < pending_.size(); ++s) flush(s);
     }
 
     void commit() {
@@ -118,37 +144,43 @@ public:
     }
 
 private:
+    /// Fills order_ with the chunk's finite points, those of slice s from begin_[s] on, in their order.
+    void sort_by_slice(const PointChunk& chunk) {
+        slice_of_.assign(chunk.size(), 0);
+        begin_.assign(writers_.size() + 1, 0);
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            if (!is_finite(chunk.position[i])) continue;
+            slice_of_[i] = blocks_.block_of(chunk.position[i]);
+            ++begin_[slice_of_[i] + 1];
+        }
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        order_.resize(begin_.back());
+        std::vector<std::size_t> at(begin_.begin(), begin_.end() - 1);
+        for (std::size_t i = 0; i < chunk.size(); ++i)
+            if (is_finite(chunk.position[i])) order_[at[slice_of_[i]]++] = i;
+    }
+
     void put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id, std::size_t input,
              std::size_t slice) {
-        PointBlock& block = pending_[slice];
         const Vec3d local = chunk.position[i] - plan_.origin;
         plan_.slices[slice].bounds.extend(local);
-        block.position.push_back(local);
-        block.id.push_back(first_id + i);
+        block_.position.push_back(local);
+        block_.id.push_back(first_id + i);
         if (plan_.has_normals) {
             const bool good = !chunk.normal.empty() && is_finite(chunk.normal[i]);
-            block.normal.push_back(good ? chunk.normal[i] : Vec3f{});
+            block_.normal.push_back(good ? chunk.normal[i] : Vec3f{});
         }
         if (plan_.has_scans) {
             const std::uint32_t own = chunk.scan.empty() ? 0u : chunk.scan[i];
-            block.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
+            block_.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
         }
     }
 
-    void flush(std::size_t slice) {
-        PointBlock& block = pending_[slice];
-        if (block.empty()) return;
-        writers_[slice].append(block);
-        block.position.clear();
-        block.id.clear();
-        block.normal.clear();
-        block.scan.clear();
-    }
-
     SlicePlan& plan_;
-    const std::vector<double>& world_cuts_;
-    std::vector<PointBlock> pending_;
+    const BlockPlan& blocks_;
     std::vector<SliceWriter> writers_;
+    std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
+    PointBlock block_;
 };
 
 /// Slices of an earlier run with more of them would be taken for ours.
@@ -192,7 +224,6 @@ nlohmann::json summary(const SlicePlan& plan) {
             {"slices", plan.slices.size()},
             {"diagonal", plan.diagonal},
             {"origin", {plan.origin.x, plan.origin.y, plan.origin.z}},
-            {"axis", plan.axis},
             {"has_normals", plan.has_normals},
             {"has_scans", plan.has_scans}};
 }
@@ -222,14 +253,14 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const InputWatch watch(config.inputs);
     const CloudSurvey survey = survey_clouds(config.inputs, config.strict, context.reporter);
     check_survey(config, survey);
-    std::vector<double> world_cuts;
-    SlicePlan plan = plan_from_survey(config, survey, world_cuts);
+    BlockPlan blocks;
+    SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);
 
     // From here the folder is no finished job until the new plan stands in it.
     fs::remove(plan_path(work));
     remove_slices_from(work, plan.slices.size());
-    Dealer dealer(work, plan, world_cuts);
+    Dealer dealer(work, plan, blocks);
     watch.over([&] {
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
