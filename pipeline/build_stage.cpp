@@ -65,6 +65,7 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
                        std::map<std::string, std::string>& written, nlohmann::json& stages) {
     StageContext context = for_stage(parent, name, config);
     context.written = &written;
+    return_freed_memory();
     const PeakMeter peak;
     const auto start = std::chrono::steady_clock::now();
     const std::clock_t processor_start = std::clock();

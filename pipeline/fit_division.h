@@ -23,11 +23,20 @@ inline constexpr int kHaloRungs = 2;
 /// The halo of a job of diagonal L whose first fine level is 1, 2, ...: falling.
 std::vector<double> possible_halos(double diagonal);
 
-/// The halo is as wide as the largest leaf that a sample of the memory's size does not resolve, so that every
-/// leaf is somebody's, but so narrow that the fullest slice and its halo fit into memory_bytes.
+/// The halo is as wide as the largest leaf that the sample does not resolve, so that every leaf is somebody's. Of
+/// the samples that fit into memory_bytes, as the fullest slice and its halo must, the one for which the
+/// fewest points are read in all: a small one makes wide halos. Where none leaves room for its halo, the
+/// largest sample with the widest halo there is room for, but no less than a fit can do with; where the number
+/// of slices was given, its halo whatever it takes.
 FitDivision divide_fit(const SlicePlan& plan, std::uint64_t memory_bytes);
+
+/// Points of the fullest slice and its halo.
+std::uint64_t points_held(const SlicePlan& plan, const FitDivision& division);
 
 /// Whether the halo is as wide as it should be.
 bool halo_suffices(const SlicePlan& plan, const FitDivision& division);
+
+/// Points that the fits of all slices and of the coarse levels hold, added up.
+std::uint64_t points_read(const SlicePlan& plan, const FitDivision& division);
 
 }  // namespace slim

@@ -278,6 +278,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     }
     const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config.slice, plan);
     for (const std::size_t slice : todo) {
+        if (plan.slices.size() > 1) return_freed_memory();
         const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

@@ -284,7 +284,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     PointBlock points = read_with_rims(config, plan, slice);
     sort_along_curve(points, plan.bounds);
     const std::vector<bool> own = own_points(plan, slice, points);
-    // A slab's own centroid says little of its outside; the centre of the whole does.
+    // A slice's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report =
@@ -350,6 +350,7 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     bool up_to_date = true;
     const auto todo = slices_to_do(config.slice, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
+        if (i > 0) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

@@ -41,6 +41,8 @@ void keep_freed_memory(bool keep) {
     mallopt(M_TRIM_THRESHOLD, keep ? 1 << 30 : kLarge);
 }
 
+void return_freed_memory() { malloc_trim(0); }
+
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {
     if (!outermost_) sampler_ = std::thread([this] { sample(); });
 }

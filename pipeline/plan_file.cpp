@@ -83,7 +83,9 @@ json to_json(const SlicePlan& plan) {
             {"dropped", plan.n_dropped},
             {"spacing", plan.spacing},
             {"slices", slices},
+            {"slices_given", plan.slices_given},
             {"most_within", plan.most_within},
+            {"all_within", plan.all_within},
             {"has_normals", plan.has_normals},
             {"has_scans", plan.has_scans},
             {"float32", plan.is_float32},
@@ -99,7 +101,9 @@ SlicePlan plan_from(const json& j) {
     j.at("points").get_to(plan.n_points);
     j.at("dropped").get_to(plan.n_dropped);
     j.at("spacing").get_to(plan.spacing);
+    j.at("slices_given").get_to(plan.slices_given);
     j.at("most_within").get_to(plan.most_within);
+    j.at("all_within").get_to(plan.all_within);
     for (const json& s : j.at("slices"))
         plan.slices.push_back({s.at("points").get<std::uint64_t>(), box_from(s.at("bounds")),
                                region_from(s.at("region"))});
@@ -108,7 +112,8 @@ SlicePlan plan_from(const json& j) {
     j.at("float32").get_to(plan.is_float32);
     j.at("coordinate_quantum").get_to(plan.coordinate_quantum);
     if (plan.slices.empty()) throw FormatError("there are no slices");
-    if (plan.slices.size() > 1 && plan.most_within.size() != possible_halos(plan.diagonal).size())
+    const std::size_t n_halos = plan.slices.size() > 1 ? possible_halos(plan.diagonal).size() : 0;
+    if (plan.most_within.size() != n_halos || plan.all_within.size() != n_halos)
         throw FormatError("the numbers of points within the halos are missing");
     return plan;
 }

@@ -42,7 +42,9 @@ struct SlicePlan {
     std::uint64_t n_dropped = 0;
     double spacing = 0;         ///< square root of the area of one point
     std::vector<PlanSlice> slices;
+    bool slices_given = false;  ///< their number was asked for: the memory did not decide
     std::vector<std::uint64_t> most_within;  ///< points of the fullest slice with each of possible_halos()
+    std::vector<std::uint64_t> all_within;   ///< and of all slices, each with its halo, added up
     bool has_normals = false;   ///< slices carry them; zero where an input had none
     bool has_scans = false;
     bool is_float32 = false;    ///< some input stores its coordinates as floats

@@ -26,8 +26,9 @@ constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of the diagonal
 // that is a usual fit's error.
 constexpr double kCoarseQuantum = 2.5e-5;
-// Blocks, over as many as the points alone would fill: more, and every point is read by that many slices.
-constexpr std::uint64_t kMostDearBlocks = 4;
+// Blocks, over as many as the points alone would fill: with more, every point is read by so many slices.
+constexpr std::uint64_t kMostDearBlocks = 8;
+constexpr double kClearlyDearer = 1.1;  // than fewer blocks: still more will not be cheaper
 
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
@@ -57,32 +58,50 @@ void set_blocks(const BlockPlan& blocks, const std::vector<Cell>& cells, double 
     plan.slices.clear();
     for (std::size_t i = 0; i < blocks.n_blocks(); ++i)
         plan.slices.push_back({blocks.n_points[i], {}, shifted(blocks.regions[i], plan.origin)});
-    plan.most_within.clear();
+    HaloCounts within;
     if (blocks.n_blocks() > 1)
-        plan.most_within =
-            most_points_within(blocks, cells, width, possible_halos(plan.diagonal));
+        within = count_within(blocks, cells, width, possible_halos(plan.diagonal));
+    plan.most_within = std::move(within.most);
+    plan.all_within = std::move(within.all);
 }
 
-/// The fewest blocks that leave room for the halo that the fit wants, or if none of a reasonable number do,
-/// those that come nearest: halos then cost three times the points.
-BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double width, std::uint64_t memory,
+/// As many blocks as leave room for the halo that the fit wants and have it read the fewest points, or if no
+/// reasonable number does, as many as leave room for the widest.
+BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double cell_width, std::uint64_t memory,
                             SlicePlan& plan) {
     const std::uint64_t least = (plan.n_points - 1) / points_in_memory(memory) + 1;
     const std::uint64_t most = least < 2 ? 1 : std::min(kMostDearBlocks * least, kMostBlocks);
     BlockPlan best;
-    double widest = -1;
+    double best_cost = INFINITY;
+    std::pair<double, double> widest{-INFINITY, 0};  // what of the memory is exceeded, then the halo
     for (std::uint64_t n = std::min(least, most); n <= most; n += 1 + n / 8) {
-        BlockPlan blocks = plan_blocks(cells, width, n);
-        set_blocks(blocks, cells, width, plan);
+        BlockPlan blocks = plan_blocks(cells, cell_width, n);
+        set_blocks(blocks, cells, cell_width, plan);
+        if (plan.slices.size() < 2) return blocks;
         const FitDivision division = divide_fit(plan, memory);
-        if (division.halo > widest) {
-            widest = division.halo;
-            best = std::move(blocks);
-        }
-        if (halo_suffices(plan, division)) break;
+        const bool suffices = halo_suffices(plan, division) &&
+                              points_held(plan, division) <= points_in_memory(memory);
+        const double cost = suffices ? static_cast<double>(points_read(plan, division)) : INFINITY;
+        if (cost > kClearlyDearer * best_cost) break;
+        const double excess = std::max(0.0, static_cast<double>(points_held(plan, division)) -
+                                                static_cast<double>(points_in_memory(memory)));
+        const std::pair width_here{-excess, division.halo};
+        if (cost >= best_cost && (suffices || best_cost < INFINITY || width_here <= widest)) continue;
+        best = std::move(blocks);
+        best_cost = cost;
+        widest = width_here;
     }
-    set_blocks(best, cells, width, plan);
+    set_blocks(best, cells, cell_width, plan);
     return best;
+}
+
+/// Where the slices are too few or the memory too small for a halo that a fit can do with.
+void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& reporter) {
+    if (plan.slices.size() < 2) return;
+    const std::uint64_t n = points_held(plan, divide_fit(plan, memory));
+    if (n <= points_in_memory(memory)) return;
+    reporter.warn(fmt::format("{} slices, each with its surroundings, take up to {} MiB, more than --memory",
+                              plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
 }
 
 /// The plan and the blocks, in the world's frame.
@@ -104,7 +123,8 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     const std::vector<Cell> cells = survey.cells->cells();
     const double width = survey.cells->width();
     plan.spacing = surface_spacing(cells, width);
-    if (config.slices > 0) {
+    plan.slices_given = config.slices > 0;
+    if (plan.slices_given) {
         blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
         set_blocks(blocks, cells, width, plan);
     } else {
@@ -256,6 +276,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     BlockPlan blocks;
     SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);
+    warn_of_memory(plan, parse_memory_size(config.memory), context.reporter);
 
     // From here the folder is no finished job until the new plan stands in it.
     fs::remove(plan_path(work));

@@ -127,8 +127,8 @@ BlockPlan plan_blocks(std::vector<Cell> cells, double width, std::uint64_t wante
     return plan;
 }
 
-std::vector<std::uint64_t> most_points_within(const BlockPlan& plan, std::span<const Cell> cells,
-                                              double width, std::span<const double> halos) {
+HaloCounts count_within(const BlockPlan& plan, std::span<const Cell> cells, double width,
+                        std::span<const double> halos) {
     std::vector<std::vector<std::uint64_t>> within(plan.n_blocks());
     parallel_blocks(plan.n_blocks(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
@@ -140,10 +140,13 @@ std::vector<std::uint64_t> most_points_within(const BlockPlan& plan, std::span<c
             }
         }
     });
-    std::vector<std::uint64_t> most(halos.size(), 0);
+    HaloCounts out{std::vector<std::uint64_t>(halos.size()), std::vector<std::uint64_t>(halos.size())};
     for (const auto& of_block : within)
-        for (std::size_t h = 0; h < halos.size(); ++h) most[h] = std::max(most[h], of_block[h]);
-    return most;
+        for (std::size_t h = 0; h < halos.size(); ++h) {
+            out.most[h] = std::max(out.most[h], of_block[h]);
+            out.all[h] += of_block[h];
+        }
+    return out;
 }
 
 }  // namespace slim

@@ -48,9 +48,14 @@ struct BlockPlan {
 /// wanted >= 1, cells not empty
 BlockPlan plan_blocks(std::vector<Cell> cells, double width, std::uint64_t wanted);
 
-/// For each of some halos, falling: the points that the fullest block and its halo hold, or a few more (whole
-/// cells count). Cost: cells times blocks, 5 ns.
-std::vector<std::uint64_t> most_points_within(const BlockPlan& plan, std::span<const Cell> cells,
-                                              double width, std::span<const double> halos);
+/// Points in blocks with a halo around each, one value a halo.
+struct HaloCounts {
+    std::vector<std::uint64_t> most;  ///< of the fullest block
+    std::vector<std::uint64_t> all;   ///< of all blocks, added up
+};
+
+/// halos: falling. Or a few more points, as whole cells count. Cost: cells times blocks, 5 ns.
+HaloCounts count_within(const BlockPlan& plan, std::span<const Cell> cells, double width,
+                        std::span<const double> halos);
 
 }  // namespace slim

@@ -128,8 +128,9 @@ TEST(BlockPlan, BlocksHoldNearlyEqualCountsThatAreExact) {
             ASSERT_EQ(plan.n_blocks(), wanted);
             expect_exact(plan, points);
             const double share = 40000.0 / static_cast<double>(wanted);
+            // The layer of cells at the column's foot holds 440 points; each of three cuts may miss by half of it.
             for (const std::uint64_t n : plan.n_points)
-                EXPECT_NEAR(static_cast<double>(n), share, 0.1 * share + 100);
+                EXPECT_NEAR(static_cast<double>(n), share, 0.06 * share + 660);
         }
 }
 
@@ -162,7 +163,7 @@ TEST(BlockPlan, PointsWithinAHaloAreCountedAndAFewMore) {
     const auto cells = counts.cells();
     const BlockPlan plan = plan_blocks(cells, counts.width(), 6);
     const std::vector<double> halos{10, 0.2, 0.05, 0};
-    const auto most = most_points_within(plan, cells, counts.width(), halos);
+    const HaloCounts within = count_within(plan, cells, counts.width(), halos);
     for (std::size_t h = 0; h < halos.size(); ++h) {
         const auto fullest = [&](double halo) {
             std::uint64_t n = 0;
@@ -173,10 +174,12 @@ TEST(BlockPlan, PointsWithinAHaloAreCountedAndAFewMore) {
                            [&](const Vec3d& p) { return is_near(r, p, halo); })));
             return n;
         };
-        EXPECT_GE(most[h], fullest(halos[h]));
-        EXPECT_LE(most[h], fullest(halos[h] + 1.01 * counts.width()));
+        EXPECT_GE(within.most[h], fullest(halos[h]));
+        EXPECT_LE(within.most[h], fullest(halos[h] + 1.01 * counts.width()));
     }
-    EXPECT_EQ(most[0], sum(plan.n_points));
+    EXPECT_EQ(within.most[0], sum(plan.n_points));
+    EXPECT_EQ(within.all[0], 6 * sum(plan.n_points));
+    EXPECT_GT(within.all[2], sum(plan.n_points));
 }
 
 TEST(BlockPlan, MemoryDecidesHowManyPointsAreHeld) {
