@@ -8,7 +8,7 @@
 #include "pipeline/peak_memory.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
-#include "slim/slicing/slab_plan.h"
+#include "slim/slicing/block_plan.h"
 #include "slim/tree/loose_leaves.h"
 #include "slim/tree/tree_builder.h"
 
