@@ -1,5 +1,6 @@
 #include "slim/fit/noise_variance.h"
 
+#include "slim/fit/normal_variance.h"
 #include "slim/normals/covariance.h"
 
 #include <algorithm>
@@ -14,12 +15,12 @@ constexpr std::size_t kFew = 1000;  // samples that every mean is over, if there
 
 /// The mean over the first n samples.
 NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
-                             std::size_t k, std::size_t n) {
+                             std::size_t k, std::size_t n, std::span<const Vec3f> normals = {}) {
     std::vector<std::uint32_t> wanted(samples.begin(),
                                       samples.begin() + static_cast<std::ptrdiff_t>(n));
     std::sort(wanted.begin(), wanted.end());
     struct Flatness {
-        double smallest = 0, ratio = 0, sq_reach = 0;
+        double smallest = 0, ratio = 0, sq_reach = 0, normal = 0;
         bool known = false;
     };
     std::vector<Flatness> found(n);
@@ -31,22 +32,26 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
             sq_reach = std::max(sq_reach, sq_length(search.positions()[i] -
                                                     search.positions()[wanted[w]]));
         found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0,
-                    sq_reach / static_cast<double>(neighbors.size()), true};
+                    sq_reach / static_cast<double>(neighbors.size()),
+                    normals.empty() ? 0 : normal_variance_of(search.positions(), normals, neighbors, s.normal),
+                    true};
     });
     NoiseVariance out;
     out.neighbors = k;
-    double log_sq_reach = 0;
+    double log_sq_reach = 0, log_normal = 0;
     for (const Flatness& f : found) {  // in one order, so threads do not matter
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
         if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
+        if (f.known && !normals.empty()) log_normal += std::log(f.normal);
     }
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
         const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
         out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
+        if (!normals.empty()) out.normal = std::exp(log_normal / static_cast<double>(out.n_sampled));
     }
     return out;
 }
@@ -91,10 +96,10 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
 
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples,
-                                      std::size_t neighbors) {
+                                      std::size_t neighbors, std::span<const Vec3f> normals) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
     const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
-    return with_neighbors(search, places, k, enough_samples(places.size(), k));
+    return with_neighbors(search, places, k, enough_samples(places.size(), k), normals);
 }
 
 }  // namespace slim

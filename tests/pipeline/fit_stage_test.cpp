@@ -59,6 +59,22 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     EXPECT_GT(flat.noise_variance, 0);
 }
 
+TEST_F(FitStage, GivenNormalsAreFollowedWhereTheyTellMoreThanNoisyPoints) {
+    const auto follows = [&](double noise, const NormalsConfig& normals_config, const FitConfig& config) {
+        slice(write(sampled("bumpy", 20000, 1, noise), "c.ply"), 2);
+        normals(normals_config);
+        return fit(config)["follow_normals"].get<bool>();
+    };
+    NormalsConfig estimated;
+    estimated.normals = "estimate";
+    FitConfig windows;
+    windows.radius_rule = "windows";
+    EXPECT_TRUE(follows(3e-3, {}, {}));
+    EXPECT_FALSE(follows(0, {}, {}));
+    EXPECT_FALSE(follows(3e-3, estimated, {}));
+    EXPECT_FALSE(follows(3e-3, {}, windows));
+}
+
 TEST_F(FitStage, SlicesOwnTheCentresOfTheirSlabAndCoarseLevelsAreShared) {
     slice(write(sampled("bumpy", 20000), "c.ply"), 3);
     normals();
