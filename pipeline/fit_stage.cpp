@@ -188,11 +188,13 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
         s.value += share * (one.at("variance").get<double>() - s.value);
         s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
+        s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
         const auto add_log = [&](double value, double& mean) {  // geometric means
             mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
         };
         add_log(one.at("spacing"), s.spacing);
         add_log(one.at("normal_variance"), s.normal);
+        add_log(one.at("typical_variance"), s.typical);
         s.n_sampled += n;
     }
 }
@@ -262,7 +264,8 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     out.noise_variance = config.lambda > 0 ? config.lambda : std::max(measured, floor);
     out.floored = config.lambda <= 0 && measured < floor;
     out.normals_inform = estimated <= kFewEstimated * points &&
-                         normals_inform(measured, chosen.normal, chosen.spacing);
+                         chosen.independence >= kIndependent &&
+                         normals_inform(chosen.typical, chosen.normal, chosen.spacing);
     out.contrary_share = points > 0 ? noisy / points : 0;
     return out;
 }

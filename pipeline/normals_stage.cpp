@@ -268,6 +268,8 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
                             {"flatness", v.flatness},
                             {"spacing", v.spacing},
                             {"normal_variance", v.normal},
+                            {"typical_variance", v.typical},
+                            {"normal_independence", v.independence},
                             {"neighbors", v.neighbors},
                             {"samples", v.n_sampled}});
     return {{"points", n},

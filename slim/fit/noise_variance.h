@@ -18,6 +18,8 @@ struct NoiseVariance {
     /// Of the normals, one component, radians^2: geometric mean of normal_variance_of over the samples, so that
     /// edges do not count; 0 without normals.
     double normal = 0;
+    double typical = 0;  ///< geometric mean in place of `value`: noise, where edges make up that of a clean cloud
+    double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
 };

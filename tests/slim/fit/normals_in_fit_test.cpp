@@ -4,6 +4,7 @@
 #include "slim/fit/nested_cholesky.h"
 #include "slim/fit/normal_variance.h"
 #include "slim/fit/radius_ladder.h"
+#include "slim/normals/covariance.h"
 #include "tests/slim/fit/noise_support.h"
 
 #include <gtest/gtest.h>
@@ -146,10 +147,32 @@ TEST(NormalVariance, IsOfTheNoiseNotOfTheCurvature) {
 
 TEST(NormalVariance, NormalsInformWhereTheyAreBetterThanNoisyPoints) {
     constexpr double h = 0.01;
-    EXPECT_TRUE(normals_inform(0.09 * h * h, 1e-4, h));    // noise 0.3 spacings, 0.6 degrees
-    EXPECT_FALSE(normals_inform(0.09 * h * h, 1e-2, h));   // 6 degrees: as good as 16 neighbours'
+    EXPECT_TRUE(normals_inform(0.09 * h * h, 2e-5, h));    // noise 0.3 spacings, 0.25 degrees
+    EXPECT_FALSE(normals_inform(0.09 * h * h, 1e-3, h));   // 2 degrees: as good as some scans' own
     EXPECT_FALSE(normals_inform(1e-4 * h * h, 1e-14, h));  // hardly any noise
     EXPECT_FALSE(normals_inform(0, 0, 0));
+}
+
+/// normal_independence of a noisy sphere's normals: exact ones, or those of planes through so many neighbours.
+double independence(std::size_t estimated_from, std::size_t first_k) {
+    PointBlock points = along_curve(block_of(sampled("sphere", 40000, 1, 1e-3)));
+    const NearestSearch search(points.position);
+    std::vector<std::uint32_t> all(points.size()), samples;
+    std::iota(all.begin(), all.end(), 0u);
+    for (std::uint32_t i = 0; i < points.size(); i += 67) samples.push_back(i);
+    const std::vector<Vec3f> exact = points.normal;
+    if (estimated_from > 0)
+        search.for_each(all, estimated_from, [&](std::size_t w, std::span<const std::uint32_t> near) {
+            const Vec3d n = spread_of(points.position, near).normal;
+            points.normal[w] = to_float(n * std::copysign(1.0, dot(n, to_double(exact[w]))));
+        });
+    return normal_independence(search, samples, points.normal, first_k);
+}
+
+TEST(NormalVariance, EstimatesAreToldFromIndependentNormals) {
+    EXPECT_GT(independence(0, 10), 1.1 * kIndependent);
+    for (const std::size_t k : {16u, 24u, 33u, 47u, 100u, 180u})
+        EXPECT_LT(independence(k, 10), 0.9 * kIndependent) << k;
 }
 
 }  // namespace
