@@ -9,6 +9,7 @@
 #include "slim/base/error.h"
 #include "slim/cover/level_cover.h"
 #include "slim/fit/noise_variance.h"
+#include "slim/fit/normal_variance.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/slicing/block_plan.h"
 
@@ -22,6 +23,8 @@
 
 namespace slim {
 namespace {
+
+constexpr double kFewEstimated = 0.01;  // of the normals: estimated ones tell nothing new of the points
 
 nlohmann::json counts_json(const CoverCounts& c) {
     nlohmann::json fallbacks, degrees;
@@ -68,6 +71,7 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
+    rules.follow_normals = noise.normals_inform && !rules.windows;
     return rules;
 }
 
@@ -84,13 +88,14 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
             {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
             {"sharp", rules.sharp},
+            {"follow_normals", rules.follow_normals},
             {"seed", rules.seed}};
 }
 
 /// What a fit takes from the normals of all slices, for its manifest.
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {}", rules.noise_variance,
-                       rules.ladder.contrary_share, rules.spacing);
+    return fmt::format("lambda {} contrary {} spacing {} normals {}", rules.noise_variance,
+                       rules.ladder.contrary_share, rules.spacing, rules.follow_normals);
 }
 
 /// Covers points and writes the surfels as they come: they take no memory, however many.
@@ -179,8 +184,13 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
         s.value += share * (one.at("variance").get<double>() - s.value);
         s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
-        const double spacing = one.at("spacing");  // geometric means
-        s.spacing = s.n_sampled == 0 ? spacing : s.spacing * std::pow(spacing / s.spacing, share);
+        s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
+        const auto add_log = [&](double value, double& mean) {  // geometric means
+            mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
+        };
+        add_log(one.at("spacing"), s.spacing);
+        add_log(one.at("normal_variance"), s.normal);
+        add_log(one.at("typical_variance"), s.typical);
         s.n_sampled += n;
     }
 }
@@ -221,7 +231,7 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
 
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     std::string missing;
-    double noisy = 0, points = 0;
+    double noisy = 0, points = 0, estimated = 0;
     std::vector<NoiseVariance> noise;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
@@ -234,6 +244,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
         add_noise(r.at("noise"), noise);
         noisy += r.at("noisy").get<double>();
         points += r.at("points").get<double>();
+        estimated += r.at("estimated").get<double>();
     }
     if (!missing.empty())
         throw IncompleteError(fmt::format(
@@ -248,6 +259,9 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     const double floor = 16 * quantum * quantum;
     out.noise_variance = config.lambda > 0 ? config.lambda : std::max(measured, floor);
     out.floored = config.lambda <= 0 && measured < floor;
+    out.normals_inform = estimated <= kFewEstimated * points &&
+                         chosen.independence >= kIndependent &&
+                         normals_inform(chosen.typical, chosen.normal, chosen.spacing);
     out.contrary_share = points > 0 ? noisy / points : 0;
     return out;
 }
@@ -290,6 +304,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     sum["noise_variance"] = noise.noise_variance;
     sum["noise_variance_floored"] = noise.floored;
     sum["contrary_share"] = noise.contrary_share;
+    sum["follow_normals"] = rules.follow_normals;
     if (up_to_date) sum["up_to_date"] = true;
     return sum;
 }

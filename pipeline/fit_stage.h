@@ -42,6 +42,7 @@ struct GlobalNoise {
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
     double spacing = 0;         ///< square root of the area that a point usually has
     bool floored = false;
+    bool normals_inform = false;  ///< the cloud's own normals tell more of its shape than its positions
 };
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);

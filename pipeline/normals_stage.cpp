@@ -268,10 +268,10 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearc
                                     const std::vector<bool>& own, const SlicePlan& plan) {
     const std::vector<std::uint32_t> samples =
         sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
-    if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0)};
+    if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0, points.normal)};
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
-        noise.push_back(estimate_noise_variance(search, samples, k));
+        noise.push_back(estimate_noise_variance(search, samples, k, points.normal));
         if (k >= kUsualMostNeighbors && noise.back().flatness <= kFlat) break;
     }
     return noise;
@@ -284,6 +284,9 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
         measured.push_back({{"variance", v.value},
                             {"flatness", v.flatness},
                             {"spacing", v.spacing},
+                            {"normal_variance", v.normal},
+                            {"typical_variance", v.typical},
+                            {"normal_independence", v.independence},
                             {"neighbors", v.neighbors},
                             {"samples", v.n_sampled}});
     return {{"points", n},

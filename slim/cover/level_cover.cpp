@@ -55,6 +55,7 @@ public:
           work_([&rules] {
               LeafWork w;
               w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
+              w.ladder.ball.normals_count = w.exact.ball.normals_count = rules.follow_normals;
               return w;
           }) {
         std::iota(open_.begin(), open_.end(), 0u);

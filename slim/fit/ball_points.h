@@ -20,6 +20,7 @@ struct BallPoints {
     std::size_t n = 0;              ///< without padding
     double radius = 0;
     FitWeight weight = FitWeight::gauss;  ///< that fits to it use; gathering leaves it as it is
+    bool normals_count = false;  ///< fits follow the normals, too (slim/fit/notes/0007); left as it is as well
 
     std::size_t padded() const {
         constexpr std::size_t lanes = stdx::native_simd<T>::size();

@@ -2,6 +2,7 @@
 
 #include "slim/fit/moments.h"
 #include "slim/fit/nested_cholesky.h"
+#include "slim/fit/slope_system.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -92,6 +93,52 @@ void look_ahead(const NestedCholesky& solver, double weight, double radius, Loca
     fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
 }
 
+/// How far eps^2 may rise when the normals take part: a seventh of the noise in all, or what three standard errors
+/// of the coefficients amount to. Normals that the points contradict are not followed.
+double most_raised(int degree, double n_effective) {
+    const double k = n_coefficients(degree);
+    return 1 + std::max(0.02, (k + 3 * std::sqrt(2 * k)) / n_effective);
+}
+
+/// The fit to points and normals in place of the fit to points alone. A slope counts as often as its
+/// variance goes into that of a height, both as this ball shows them: about the fit of the degree itself,
+/// normals as good as the points' own slopes (any that are made of them) hardly count.
+template <int MomentDegree, class T>
+void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
+                    const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                    LocalFit& fit) {
+    const auto slopes = accumulate_slopes<MomentDegree>(points, frame, shrink, T(kLeastCos));
+    if (!(slopes.weight > 0) || fit.degree < 1) return;
+    const SlopeSystem<MomentDegree> system(m, slopes);
+    const double freedom = std::max(1 - n_coefficients(fit.degree) / fit.n_effective, kLeastShare);
+    double sq_height = alone.sq_residual(fit.degree) / m.weight() / freedom;
+    double sq_slope = system.sq_slopes_off(alone.coefficients(fit.degree)) / (2 * slopes.weight);
+    const double most = most_raised(fit.degree, fit.n_effective) * sq_height;
+    for (int pass = 0; pass < 2; ++pass) {
+        if (!(sq_slope > 0) || !(sq_height > 0)) return;
+        const NestedCholesky both = system.solve(sq_height / sq_slope);
+        if (both.rank_degree() < fit.degree) return;
+        const auto a = both.coefficients(fit.degree);
+        sq_height = system.sq_heights_off(a) / m.weight() / freedom;
+        sq_slope = system.sq_slopes_off(a) / (2 * slopes.weight);
+        if (sq_height > most) return;
+        if (pass == 0) continue;
+        const Polynomial<double> polynomial = rescale(a, shrink);
+        if (too_steep(polynomial)) return;
+        fit.polynomial = polynomial;
+        fit.sq_error = points.radius * points.radius * sq_height;
+        const int next = fit.degree + 1;
+        if (MomentDegree < next || both.rank_degree() < next || alone.rank_degree() < next) return;
+        const auto found = both.gain_in(alone, next);
+        const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
+        fit.sq_missed = points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
+        const auto fully = both.gain_in(system.solve(shrink * shrink), next);
+        fit.sq_missed_slope = points.radius * points.radius * fully.sq_gain / m.weight() -
+                              noise * fully.n_errors - fit.sq_missed;
+        fit.sq_missed_error = noise * fully.n_errors * std::sqrt(2.0 / (next + 1));
+    }
+}
+
 /// What one pass over a ball gives: sums, and one factor that serves every degree.
 template <int MomentDegree>
 struct BallSolution {
@@ -143,6 +190,7 @@ LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
     fit.n_effective = n_eff;
     fit.n_points = n;
     if (looks_ahead) look_ahead(solver, m.weight(), points.radius, fit);
+    if (points.normals_count) follow_normals(m, solver, points, shrink, frame, fit);
     return fit;
 }
 

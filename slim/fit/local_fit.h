@@ -26,6 +26,8 @@ struct LocalFit {
     /// What the terms of the next degree would take off eps^2 beyond the share of them that noise
     /// explains, and the standard error of that (length^2; fit_ball leaves both 0). May be negative.
     double sq_missed = 0, sq_missed_error = 0;
+    /// What these terms would take off the mean squared slope error, times rho^2, where the normals count; else 0.
+    double sq_missed_slope = 0;
     double n_effective = 0;  ///< (sum G)^2 / sum G^2
     std::size_t n_points = 0;
     Fallback fallback = Fallback::none;

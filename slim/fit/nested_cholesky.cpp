@@ -42,7 +42,18 @@ std::size_t product_index(std::size_t i, std::size_t j) { return kProduct[i][j];
 NestedCholesky::NestedCholesky(int degree, std::span<const double> monomials,
                                std::span<const double> heights, double sq_height)
     : sq_height_(sq_height) {
-    const auto entry = [&](std::size_t i, std::size_t j) { return monomials[kProduct[i][j]]; };
+    factorise(degree, [&](std::size_t i, std::size_t j) { return monomials[kProduct[i][j]]; }, heights);
+}
+
+NestedCholesky::NestedCholesky(int degree, const Matrix& matrix, std::span<const double> heights,
+                               double sq_height)
+    : sq_height_(sq_height) {
+    factorise(degree, [&](std::size_t i, std::size_t j) { return matrix.entries[i * matrix.n + j]; },
+              heights);
+}
+
+template <class Entry>
+void NestedCholesky::factorise(int degree, const Entry& entry, std::span<const double> heights) {
     for (int d = 0; d <= degree; ++d) {
         const auto first = static_cast<std::size_t>(d * (d + 1) / 2);
         for (std::size_t i = first; i < first + static_cast<std::size_t>(d) + 1; ++i) {
@@ -106,6 +117,27 @@ std::array<double, kMaxCoefficients> NestedCholesky::inverse_diagonal(int degree
         }
     }
     for (std::size_t k = 0; k < n; ++k) out[k] *= scale_[k] * scale_[k];
+    return out;
+}
+
+/// The coefficients a of the block are D L^-T y, D the scale, with covariance D L^-T L^-1 D; there they take off
+/// |L'^T D'^-1 a|^2 = |X^T y|^2, X = L^-1 D D'^-1 L'.
+NestedCholesky::GainThere NestedCholesky::gain_in(const NestedCholesky& other, int degree) const {
+    const auto first = static_cast<std::size_t>(n_coefficients(degree - 1));
+    const auto end = static_cast<std::size_t>(n_coefficients(degree));
+    GainThere out{0, 0};
+    for (std::size_t c = first; c < end; ++c) {
+        std::array<double, kMost> x{};
+        double along = 0;
+        for (std::size_t i = first; i < end; ++i) {
+            double sum = i >= c ? other.factor_[i][c] * scale_[i] / other.scale_[i] : 0;
+            for (std::size_t j = first; j < i; ++j) sum -= factor_[i][j] * x[j];
+            x[i] = sum / factor_[i][i];
+            along += x[i] * y_[i];
+            out.n_errors += x[i] * x[i];
+        }
+        out.sq_gain += along * along;
+    }
     return out;
 }
 

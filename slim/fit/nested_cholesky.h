@@ -22,6 +22,13 @@ class NestedCholesky {
 public:
     NestedCholesky(int degree, std::span<const double> monomials, std::span<const double> heights,
                    double sq_height);
+    /// From the whole matrix (symmetric, n_coefficients(degree) rows one after the other; lower half read).
+    struct Matrix {
+        std::span<const double> entries;
+        std::size_t n;
+    };
+    NestedCholesky(int degree, const Matrix& matrix, std::span<const double> heights,
+                   double sq_height);
     int rank_degree() const { return rank_degree_; }
     double sq_residual(int degree) const;
     /// What the terms of one degree take off the residual of the degrees below, <= rank_degree().
@@ -31,7 +38,18 @@ public:
     /// sum G^2 / sum G) it is the variance of the coefficients.
     std::array<double, kMaxCoefficients> inverse_diagonal(int degree) const;
 
+    /// What the terms of one degree, as this system solves them, take off the residual of another, of the same
+    /// points seen in fewer ways, beyond what lower degrees take there; and how many independent errors of that
+    /// other system their errors amount to (degree + 1 if both are the same). degree <= rank_degree() of both.
+    struct GainThere {
+        double sq_gain, n_errors;
+    };
+    GainThere gain_in(const NestedCholesky& other, int degree) const;
+
 private:
+    template <class Entry>
+    void factorise(int degree, const Entry& entry, std::span<const double> heights);
+
     int rank_degree_ = -1;  ///< -1: not even a constant (no weight)
     /// Room for the degree beyond a cubic that fit_ball_ahead looks at.
     static constexpr int kMost = n_coefficients(kMaxDegree + 1);

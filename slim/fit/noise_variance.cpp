@@ -1,5 +1,6 @@
 #include "slim/fit/noise_variance.h"
 
+#include "slim/fit/normal_variance.h"
 #include "slim/normals/covariance.h"
 
 #include <algorithm>
@@ -12,14 +13,16 @@ namespace {
 
 constexpr std::size_t kFew = 1000;  // samples that every mean is over, if there are so many
 
+constexpr double kRounding = 1e-12;         // of the squared spacing: below it a neighbourhood is flat
+
 /// The mean over the first n samples.
 NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
-                             std::size_t k, std::size_t n) {
+                             std::size_t k, std::size_t n, std::span<const Vec3f> normals = {}) {
     std::vector<std::uint32_t> wanted(samples.begin(),
                                       samples.begin() + static_cast<std::ptrdiff_t>(n));
     std::sort(wanted.begin(), wanted.end());
     struct Flatness {
-        double smallest = 0, ratio = 0, sq_reach = 0;
+        double smallest = 0, ratio = 0, sq_reach = 0, normal = 0;
         bool known = false;
     };
     std::vector<Flatness> found(n);
@@ -31,22 +34,28 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
             sq_reach = std::max(sq_reach, sq_length(search.positions()[i] -
                                                     search.positions()[wanted[w]]));
         found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0,
-                    sq_reach / static_cast<double>(neighbors.size()), true};
+                    sq_reach / static_cast<double>(neighbors.size()),
+                    normals.empty() ? 0 : normal_variance_of(search.positions(), normals, neighbors, s.normal),
+                    true};
     });
     NoiseVariance out;
     out.neighbors = k;
-    double log_sq_reach = 0;
+    double log_sq_reach = 0, log_normal = 0, log_smallest = 0;
     for (const Flatness& f : found) {  // in one order, so threads do not matter
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
         if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
+        if (f.known) log_smallest += std::log(std::max(f.smallest, kRounding * f.sq_reach));
+        if (f.known && !normals.empty()) log_normal += std::log(f.normal);
     }
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
         const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
         out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
+        out.typical = std::exp(log_smallest / static_cast<double>(out.n_sampled));
+        if (!normals.empty()) out.normal = std::exp(log_normal / static_cast<double>(out.n_sampled));
     }
     return out;
 }
@@ -91,10 +100,13 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
 
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples,
-                                      std::size_t neighbors) {
+                                      std::size_t neighbors, std::span<const Vec3f> normals) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
     const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
-    return with_neighbors(search, places, k, enough_samples(places.size(), k));
+    NoiseVariance out = with_neighbors(search, places, k, enough_samples(places.size(), k), normals);
+    if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
+        out.independence = normal_independence(search, places, normals, k);
+    return out;
 }
 
 }  // namespace slim

@@ -101,7 +101,7 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
     return Rung{rung,           level,          found.degree, energy,
-                upper,          energy - missed, upper - missed, missed,
+                upper,          energy - missed, upper - missed, missed + fit.sq_missed_slope,
                 2 * fit.sq_missed_error};
 }
 
@@ -150,8 +150,18 @@ int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
     return found->value().index;
 }
 
+/// Where normals tell what a rung misses, its energy is that and the price: least in closed form, what is missed
+/// being C rho^2p (NUMERICS 3.2). eps^2 would only add its noise to the choice.
+double RadiusLadder::known_optimum(const Rung& chosen, double lo, double hi) const {
+    const double rho = rung_radius(chosen.index), price = energy_of(chosen.degree).price(rho);
+    const double p = chosen.degree + 1, missed = chosen.missed - price;
+    if (!(missed > 0)) return hi;
+    return std::clamp(rho * std::pow(price / (p * missed), 1 / (2 * p + 2)), lo, hi);
+}
+
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
                             const Vec3d& normal, LadderWork& work) const {
+    if (work.ball.normals_count) return known_optimum(chosen, lo, hi);
     gather_ball(points_.level(chosen.level), center, hi, work.ball);
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);

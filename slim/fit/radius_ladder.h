@@ -99,6 +99,7 @@ private:
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;
+    double known_optimum(const Rung& chosen, double lo, double hi) const;
     double refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
                   const Vec3d& normal, LadderWork& work) const;
 

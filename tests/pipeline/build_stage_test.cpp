@@ -120,6 +120,20 @@ TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
     EXPECT_EQ(info_of(config)["fit"]["radius_rule"], "windows");
 }
 
+TEST_F(BuildStage, NormalsBetterThanThePointsMakeCurvatureBetter) {
+    const std::string cloud = write(sampled("bumpy", 30000, 1, 1e-3), "bumpy.ply");
+    auto config = build_config(cloud, "m.slim");
+    config.degree = "3";
+    build(config);
+    const auto followed = measure(config.output, cloud);
+    config.normals = "estimate";
+    build(config);
+    const auto alone = measure(config.output, cloud);
+    for (const char* key : {"normal_rms_deg", "k1_rms", "k2_rms", "mean_curvature_rms"})
+        EXPECT_LT(followed[key].get<double>(), 0.5 * alone[key].get<double>()) << key;
+    EXPECT_LT(followed["l2"].get<double>(), 1.05 * alone["l2"].get<double>());
+}
+
 TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
     // A cube's corners, a scan with noise: forced leaves, too few points, contrary normals.
     const std::string cube = folder_.write("cube.xyz", cube_text(24));

@@ -2,6 +2,7 @@
 
 #include "formats/fit_file.h"
 #include "pipeline/manifest.h"
+#include "slim/base/hash.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/slicing/block_plan.h"
 #include "tests/pipeline/fit_stages_support.h"
@@ -58,6 +59,39 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     const GlobalNoise flat = read_global_noise(config, read_plan(config.work));
     EXPECT_TRUE(flat.floored);
     EXPECT_GT(flat.noise_variance, 0);
+}
+
+TEST_F(FitStage, GivenNormalsAreFollowedWhereTheyTellMoreThanNoisyPoints) {
+    const auto follows = [&](double noise, const NormalsConfig& normals_config, const FitConfig& config) {
+        slice(write(sampled("bumpy", 20000, 1, noise), "c.ply"), 2);
+        normals(normals_config);
+        return fit(config)["follow_normals"].get<bool>();
+    };
+    NormalsConfig estimated;
+    estimated.normals = "estimate";
+    FitConfig windows;
+    windows.radius_rule = "windows";
+    EXPECT_TRUE(follows(3e-3, {}, {}));
+    EXPECT_FALSE(follows(0, {}, {}));
+    EXPECT_FALSE(follows(3e-3, estimated, {}));
+    EXPECT_FALSE(follows(3e-3, {}, windows));
+}
+
+TEST_F(FitStage, EdgesOfACleanCloudAreNoNoise) {
+    // A cube of exact points and normals: lambda comes from its edges.
+    Cloud cube;
+    for (std::uint64_t i = 0; i < 6000; ++i) {
+        Vec3d p, n;
+        for (std::size_t k = 0; k < 3; ++k) p[k] = 2 * unit_interval(keyed_hash(k, i)) - 1;
+        n[i % 3] = p[i % 3] = i % 2 == 0 ? 1.0 : -1.0;
+        cube.positions.push_back(p);
+        cube.normals.push_back(to_float(n));
+        cube.truth.push_back({});
+        cube.scan_ids.push_back(0);
+    }
+    slice(write(cube, "cube.ply"), 1);
+    normals();
+    EXPECT_FALSE(fit()["follow_normals"].get<bool>());
 }
 
 TEST_F(FitStage, SlicesOwnTheCentresOfTheirRegionAndCoarseLevelsAreShared) {
