@@ -50,11 +50,12 @@ public:
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
         const Bbox box = take_positions(chunk, input);
+        if (first_box_.empty()) first_box_ = box;
         if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) {
             is_gathering_ = false;
-            survey_.gathered.release(false, false);
+            count_cells(survey_.gathered.release(false, false).position);
         }
-        if (!box.empty()) count_cells(chunk, box);
+        if (!is_gathering_) count_cells(chunk.position);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
@@ -100,9 +101,10 @@ private:
         return box;
     }
 
-    void count_cells(const PointChunk& chunk, const Bbox& box) {
-        if (!survey_.cells) survey_.cells.emplace(box);
-        for (const Vec3d& p : chunk.position)
+    void count_cells(const std::vector<Vec3d>& positions) {
+        if (first_box_.empty()) return;
+        if (!survey_.cells) survey_.cells.emplace(first_box_);
+        for (const Vec3d& p : positions)
             if (is_finite(p)) survey_.cells->add(p);
     }
 
@@ -110,6 +112,7 @@ private:
     const std::vector<std::string>& paths_;
     bool strict_;
     bool is_gathering_;
+    Bbox first_box_;  // of the first chunk with finite points: cells start from it
     std::uint32_t end_scan_ = 0;
 };
 

@@ -47,14 +47,13 @@ struct CloudSurvey {
     Bbox bounds;                ///< world frame, finite points
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
-    std::optional<CellCounts> cells;  ///< world frame; empty without points
+    std::optional<CellCounts> cells;  ///< world frame; of points not gathered
     GatheredPoints gathered{0};  ///< all, or none if they are too many
     bool is_float32 = false;
     double coordinate_quantum = 0;
 };
 
-/// Reads all clouds once. Up to most_gathered points are kept. strict: a point without finite coordinates is a
-/// DataError naming it.
+/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a point without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,

@@ -290,6 +290,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     if (plan.slices.size() > 1) {
+        return_freed_memory();
         const auto coarse = fit_coarse(config, plan, rules, division, context);
         add_counts(coarse, sum);
         up_to_date &= coarse.contains("up_to_date");

@@ -128,8 +128,8 @@ void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::s
     }, points);
 }
 
-/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where all are estimated but for those of
-/// slices before.
+/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where all are estimated but
+/// for those of slices before.
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
                           std::optional<PointBlock> handed) {
     PointBlock points = handed ? std::move(*handed)
@@ -393,7 +393,7 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     bool up_to_date = true;
     const auto todo = slices_to_do(config.slice, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
-        if (i > 0) return_freed_memory();
+        if (plan.slices.size() > 1) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

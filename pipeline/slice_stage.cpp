@@ -105,7 +105,7 @@ void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& repor
                               plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
 }
 
-/// The plan and the blocks, in the world's frame.
+/// The plan and the blocks, in the world's frame; none of points that were gathered.
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
                            BlockPlan& blocks) {
     SlicePlan plan;
@@ -121,10 +121,15 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
         plan.has_normals |= input.has_normals;
         plan.has_scans |= input.has_scan;
     }
+    plan.slices_given = config.slices > 0;
+    if (!survey.gathered.points().empty()) {
+        const Vec3d far{INFINITY, INFINITY, INFINITY};
+        plan.slices.push_back({survey.n_points, {}, {far * -1.0, far}});
+        return plan;
+    }
     const std::vector<Cell> cells = survey.cells->cells();
     const double width = survey.cells->width();
     plan.spacing = surface_spacing(cells, width);
-    plan.slices_given = config.slices > 0;
     if (plan.slices_given) {
         blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
         set_blocks(blocks, cells, width, plan);
@@ -291,12 +296,10 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const std::uint64_t most = most_gathered(config);
     keep_freed_memory(most > 0);
     CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
+    keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
     BlockPlan blocks;
     SlicePlan plan = plan_from_survey(config, survey, blocks);
-    if (plan.slices.size() > 1) survey.gathered.release(false, false);
-    const bool is_gathered = !survey.gathered.points().empty();
-    keep_freed_memory(is_gathered);
     report(plan, context.reporter);
     warn_of_memory(plan, parse_memory_size(config.memory), context.reporter);
 
@@ -304,7 +307,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     fs::remove(plan_path(work));
     remove_slices_from(work, plan.slices.size());
     watch.over([&] {
-        if (is_gathered) {
+        if (!survey.gathered.points().empty()) {
             PointBlock points = write_gathered(work, plan, survey);
             if (context.handed)
                 context.handed->put(slice_points_path(work, 0).string(), std::move(points));

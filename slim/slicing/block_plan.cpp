@@ -4,13 +4,17 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace slim {
 namespace {
 
+constexpr double kFarOff = 0.1;  // of a block's points
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Bbox kEverywhere{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
 
@@ -48,30 +52,43 @@ public:
     }
 
 private:
-    /// Across the longest side that has more than one layer of cells, nearest to the share of half of the blocks.
+    /// Between two layers of cells, as near as can be to the share of half of the blocks: across the longest
+    /// side, or if its layers are too full, as of a flat base, across another.
     static bool find_cut(std::span<const Cell> cells, std::uint64_t wanted, std::size_t& axis,
                          std::int64_t& at) {
-        std::int64_t longest = 0;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const auto [lo, hi] = std::minmax_element(
-                cells.begin(), cells.end(),
-                [a](const Cell& x, const Cell& y) { return x.at[a] < y.at[a]; });
-            if (hi->at[a] - lo->at[a] <= longest) continue;
-            longest = hi->at[a] - lo->at[a];
-            axis = a;
+        std::array<std::int64_t, 3> sides;
+        for (std::size_t a = 0; a < 3; ++a) sides[a] = side(cells, a);
+        std::array<std::size_t, 3> axes{0, 1, 2};
+        std::stable_sort(axes.begin(), axes.end(),
+                         [&](std::size_t a, std::size_t b) { return sides[a] > sides[b]; });
+        const double block = static_cast<double>(count(cells)) / static_cast<double>(wanted);
+        double nearest = kInfinity;
+        for (const std::size_t a : axes) {
+            const auto [layer, off] = nearest_layer(cells, a, block * static_cast<double>(wanted / 2));
+            if (off < nearest) nearest = off, axis = a, at = layer;
+            if (nearest <= kFarOff * block) break;
         }
-        if (longest == 0) return false;
+        return nearest < kInfinity;
+    }
+    static std::int64_t side(std::span<const Cell> cells, std::size_t axis) {
+        const auto [lo, hi] = std::minmax_element(
+            cells.begin(), cells.end(),
+            [axis](const Cell& x, const Cell& y) { return x.at[axis] < y.at[axis]; });
+        return hi->at[axis] - lo->at[axis];
+    }
+    /// The layer below which most nearly so many points lie, and how far off that is; infinitely if there is one only.
+    static std::pair<std::int64_t, double> nearest_layer(std::span<const Cell> cells, std::size_t axis,
+                                                         double share) {
         std::map<std::int64_t, std::uint64_t> layers;
         for (const Cell& c : cells) layers[c.at[axis]] += c.n_points;
-        const double share = static_cast<double>(count(cells)) * static_cast<double>(wanted / 2) /
-                             static_cast<double>(wanted);
-        double below = 0, nearest = kInfinity;
+        std::pair<std::int64_t, double> nearest{0, kInfinity};
+        double below = 0;
         for (const auto& [layer, n] : layers) {
-            const double off = below > share ? below - share : share - below;
-            if (layer != layers.begin()->first && off < nearest) nearest = off, at = layer;
+            const double off = std::abs(below - share);
+            if (below > 0 && off < nearest.second) nearest = {layer, off};
             below += static_cast<double>(n);
         }
-        return true;
+        return nearest;
     }
 
     BlockPlan& plan_;
