@@ -65,7 +65,6 @@ AtomicFile::AtomicFile(std::string path)
         throw IoError(message(path_, ": cannot be created: ", std::strerror(errno)),
                       full ? ExitCode::resource : ExitCode::usage);
     }
-    buffer_.reserve(kBufferSize);
 }
 
 AtomicFile::~AtomicFile() {
@@ -105,6 +104,7 @@ void AtomicFile::write(const void* data, std::size_t n) {
         put(end_, bytes, n);
         end_ += n;
     } else {
+        buffer_.reserve(kBufferSize);  // not before: hundreds of slices are open at once and never write here
         buffer_.insert(buffer_.end(), bytes, bytes + n);
     }
 }

@@ -102,12 +102,10 @@ PointBlock read_slice(const std::string& path) {
     return block;
 }
 
-void append_slice_part(const std::string& path, int axis, double lo, double hi, PointBlock& out) {
+void append_slice_part(const std::string& path,
+                       const std::function<bool(const Vec3d&)>& is_wanted, PointBlock& out) {
     const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    append_columns(file, choose_by<Vec3d>(file, "position", [=](const Vec3d& p) {
-                       const double x = p[static_cast<std::size_t>(axis)];
-                       return x >= lo && x <= hi;
-                   }), out);
+    append_columns(file, choose_by<Vec3d>(file, "position", is_wanted), out);
 }
 
 void append_slice_points(const std::string& path,

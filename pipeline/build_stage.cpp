@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -63,8 +64,8 @@ struct BuildState {
     HandedPoints handed;
 };
 
-/// Runs one stage with a context of its own; its result, with its seconds and peak memory, goes under
-/// its name.
+/// Runs one stage with a context of its own; its result, with its seconds, those of all its threads and its
+/// peak memory, goes under its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
                        BuildState& state, nlohmann::json& stages) {
@@ -73,11 +74,15 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
     context.handed = &state.handed;
     const PeakMeter peak;
     const auto start = std::chrono::steady_clock::now();
+    const std::clock_t processor_start = std::clock();
     nlohmann::json result = run(config, context);
+    const double processor_seconds =
+        static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     parent.reporter.info(fmt::format("{}: {:.2f} s", name, seconds.count()));
     stages[name] = result;
     stages[name]["seconds"] = seconds.count();
+    stages[name]["processor_seconds"] = processor_seconds;
     stages[name]["peak_memory_bytes"] = peak.bytes();
     parent.check_stop();
     return result;

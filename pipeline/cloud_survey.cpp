@@ -53,9 +53,9 @@ public:
         if (first_box_.empty()) first_box_ = box;
         if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) {
             is_gathering_ = false;
-            take_histograms(survey_.gathered.release(false, false).position);
+            count_cells(survey_.gathered.release(false, false).position);
         }
-        if (!is_gathering_) take_histograms(chunk.position);
+        if (!is_gathering_) count_cells(chunk.position);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
@@ -101,21 +101,18 @@ private:
         return box;
     }
 
-    void take_histograms(const std::vector<Vec3d>& positions) {
+    void count_cells(const std::vector<Vec3d>& positions) {
         if (first_box_.empty()) return;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            auto& histogram = survey_.histograms[axis];
-            if (!histogram) histogram.emplace(first_box_.lo[axis], first_box_.hi[axis]);
-            for (const Vec3d& p : positions)
-                if (is_finite(p)) histogram->add(p[axis]);
-        }
+        if (!survey_.cells) survey_.cells.emplace(first_box_);
+        for (const Vec3d& p : positions)
+            if (is_finite(p)) survey_.cells->add(p);
     }
 
     CloudSurvey& survey_;
     const std::vector<std::string>& paths_;
     bool strict_;
     bool is_gathering_;
-    Bbox first_box_;  // of the first chunk with finite points: histograms start from it
+    Bbox first_box_;  // of the first chunk with finite points: cells start from it
     std::uint32_t end_scan_ = 0;
 };
 

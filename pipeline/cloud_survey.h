@@ -5,9 +5,8 @@
 #include "pipeline/plan_file.h"
 #include "slim/base/bbox.h"
 #include "slim/base/reporter.h"
-#include "slim/slicing/axis_histogram.h"
+#include "slim/slicing/cell_counts.h"
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -48,13 +47,13 @@ struct CloudSurvey {
     Bbox bounds;                ///< world frame, finite points
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
-    std::array<std::optional<AxisHistogram>, 3> histograms;  ///< world frame; of points not gathered
+    std::optional<CellCounts> cells;  ///< world frame; of points not gathered
     GatheredPoints gathered{0};  ///< all, or none if they are too many
     bool is_float32 = false;
     double coordinate_quantum = 0;
 };
 
-/// Reads all clouds once. Up to most_gathered points are kept; histograms are made of more. strict: a point without finite coordinates is a DataError naming it.
+/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a point without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,

@@ -10,6 +10,7 @@
 #include "slim/cover/level_cover.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
@@ -118,8 +119,8 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     const PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
     CoverRules coarse = rules;
     // A gap that waits till the first fine level may ask for a leaf wider than the slices can see.
-    coarse.last_level = division.first_fine;
-    coarse.provisional = division.halo;
+    coarse.last_level = division.last_coarse;
+    if (division.last_coarse == division.first_fine) coarse.provisional = division.halo;
     coarse.share = division.share;
     nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
     result["sample"] = sample.size();
@@ -129,12 +130,10 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
 /// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and its halo.
 FitFile read_coarse_near(const FitConfig& config, const SlicePlan& plan, std::size_t slice,
                          double halo) {
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1] - halo;
-    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice] + halo;
+    const Bbox region = plan.slices[slice].region;
     return read_fit(coarse_fit_path(config.work).string(), [=](const FittedSurfel& s) {
-        const double x = s.surfel.center[axis], rho = s.surfel.support_radius;
-        return (s.flags & kLeaf) != 0 && x + rho >= lo && x - rho <= hi;
+        return (s.flags & kLeaf) != 0 &&
+               is_near(region, s.surfel.center, halo + s.surfel.support_radius);
     });
 }
 
@@ -144,7 +143,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     const bool sliced = plan.slices.size() > 1;
     Stamp stamp(context, manifest_path(output));
     stamp.input(plan_path(config.work));
-    for (std::size_t i = slice > 0 ? slice - 1 : 0; i < std::min(slice + 2, plan.slices.size()); ++i)
+    for (const std::size_t i : slices_near(plan, slice, division.halo))
         stamp.input(oriented_points_path(config.work, i));
     if (sliced) stamp.input(coarse_fit_path(config.work));
     stamp.depends(shared_values(rules));
@@ -153,10 +152,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     if (sliced) {
         coarse = read_coarse_near(config, plan, slice, division.halo);
         rules.rungs_above = kHaloRungs;
-        const auto axis = static_cast<std::size_t>(plan.axis);
-        const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
-        const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
-        rules.owns = [=](const Vec3d& p) { return p[axis] >= lo && p[axis] < hi; };
+        rules.owns = [region = plan.slices[slice].region](const Vec3d& p) { return is_in(region, p); };
     }
     rules.first_level = division.first_fine;
     rules.done = source_of(coarse.surfels);
@@ -280,12 +276,14 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     if (plan.slices.size() > 1) {
+        return_freed_memory();
         const auto coarse = fit_coarse(config, plan, rules, division, context);
         add_counts(coarse, sum);
         up_to_date &= coarse.contains("up_to_date");
     }
     const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config.slice, plan);
     for (const std::size_t slice : todo) {
+        if (plan.slices.size() > 1) return_freed_memory();
         const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

@@ -12,6 +12,7 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
 #include "slim/normals/repair.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
@@ -75,25 +76,38 @@ double rim_width(const SlicePlan& plan) {
     return plan.diagonal * std::min(kWidestRim, kRimSpacings / std::sqrt(double(plan.n_points)));
 }
 
-/// The slice before's part of the rim carries signs where all are estimated.
-/// throws IncompleteError if that slice has no normals yet
-std::filesystem::path rim_before(const NormalsConfig& config, const SlicePlan& plan,
-                                 std::size_t slice) {
-    if (!signs_carry_over(config, plan)) return slice_points_path(config.work, slice - 1);
-    const auto path = oriented_points_path(config.work, slice - 1);
+/// Another slice's part of the rim: one before carries signs where all are estimated.
+/// throws IncompleteError if it has no normals yet
+std::filesystem::path rim_of(const NormalsConfig& config, const SlicePlan& plan, std::size_t other,
+                             std::size_t slice) {
+    if (!signs_carry_over(config, plan) || other > slice)
+        return slice_points_path(config.work, other);
+    const auto path = oriented_points_path(config.work, other);
     if (!std::filesystem::exists(manifest_path(path)))
         throw IncompleteError(fmt::format(
             "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
             "normals {}` for all slices",
-            config.work, slice, slice - 1, config.work));
+            config.work, slice, other, config.work));
     return path;
+}
+
+/// The parts of the rim: of the slices near this one; where signs carry over, of the one before in any
+/// case, so that all before have theirs.
+std::vector<std::size_t> rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
+    std::vector<std::size_t> near;
+    for (const std::size_t i : slices_near(plan, slice, rim_width(plan)))
+        if (i != slice) near.push_back(i);
+    if (signs_carry_over(config, plan) && slice > 0 &&
+        std::find(near.begin(), near.end(), slice - 1) == near.end())
+        near.push_back(slice - 1);
+    return near;
 }
 
 /// Whether the slice before took the cloud for an airborne scan.
 /// throws FormatError if its manifest does not say
 bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
     if (slice == 0 || !signs_carry_over(config, plan)) return false;
-    const auto path = manifest_path(rim_before(config, plan, slice));
+    const auto path = manifest_path(rim_of(config, plan, slice - 1, slice));
     std::ifstream file(path);
     const auto manifest = nlohmann::json::parse(file, nullptr, false);
     const auto said = nlohmann::json::json_pointer("/result/from_above");
@@ -103,38 +117,41 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
     return manifest.at(said).get<bool>();
 }
 
-/// A slice's points (`handed`, if given) and those of its neighbours near the cuts, whose normals are zero where all are
-/// estimated but for those of the slice before.
+/// Appends the points of another slice near this one's region. Strictly outside it, as drop_rims tells them apart:
+/// a coordinate of the slice may round to the cut.
+void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
+                PointBlock& points) {
+    const Bbox& region = plan.slices[slice].region;
+    const double width = rim_width(plan);
+    append_slice_part(path.string(), [&](const Vec3d& p) {
+        return is_near(region, p, width) && !is_near(region, p, 0);
+    }, points);
+}
+
+/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where all are estimated but
+/// for those of slices before.
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
                           std::optional<PointBlock> handed) {
     PointBlock points = handed ? std::move(*handed)
                                : read_slice(slice_points_path(config.work, slice).string());
-    const double width = rim_width(plan);
-    // Strictly outside the cuts, as drop_rims tells them apart: a coordinate of the slice may round to the cut.
-    if (slice + 1 < plan.slices.size()) {
-        const double cut = plan.cuts[slice];
-        append_slice_part(slice_points_path(config.work, slice + 1).string(), plan.axis,
-                          std::nextafter(cut, INFINITY), cut + width, points);
-    }
+    const auto near = rims(config, plan, slice);
+    const auto append = [&](bool before) {
+        for (const std::size_t i : near)
+            if ((i < slice) == before) append_rim(rim_of(config, plan, i, slice), plan, slice, points);
+    };
+    append(false);
     if (signs_carry_over(config, plan)) points.normal.assign(points.size(), Vec3f{});
-    if (slice > 0) {
-        const double cut = plan.cuts[slice - 1];
-        append_slice_part(rim_before(config, plan, slice).string(), plan.axis, cut - width,
-                          std::nextafter(cut, -INFINITY), points);
-    }
+    append(true);
     if (!points.has_normals()) points.normal.assign(points.size(), Vec3f{});  // --normals keep
     return points;
 }
 
 /// Which of the points are the slice's own.
 std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points) {
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1];
-    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice];
-    if (plan.cuts.empty()) return std::vector<bool>(points.size(), true);
+    if (plan.slices.size() == 1) return std::vector<bool>(points.size(), true);
     std::vector<bool> own(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
-        own[i] = points.position[i][axis] >= lo && points.position[i][axis] <= hi;
+        own[i] = is_near(plan.slices[slice].region, points.position[i], 0);
     return own;
 }
 
@@ -293,8 +310,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     stamp.input(plan_path(config.work));
     if (!config.sensors.empty()) stamp.input(config.sensors);
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
-    if (slice > 0) stamp.input(rim_before(config, plan, slice));
-    if (slice + 1 < plan.slices.size()) stamp.input(slice_points_path(config.work, slice + 1));
+    for (const std::size_t i : rims(config, plan, slice)) stamp.input(rim_of(config, plan, i, slice));
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
     if (auto done = stamp.up_to_date()) return *done;
@@ -304,7 +320,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
     const std::vector<bool> own = own_points(plan, slice, points);
-    // A slab's own centroid says little of its outside; the centre of the whole does.
+    // A slice's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report =
@@ -374,6 +390,7 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     bool up_to_date = true;
     const auto todo = slices_to_do(config.slice, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
+        if (plan.slices.size() > 1) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

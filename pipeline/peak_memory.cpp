@@ -42,6 +42,8 @@ void keep_freed_memory(bool keep) {
     if (!keep) malloc_trim(0);
 }
 
+void return_freed_memory() { malloc_trim(0); }
+
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {
     if (!outermost_) sampler_ = std::thread([this] { sample(); });
 }

@@ -39,4 +39,8 @@ private:
 /// the processor time of a build (happy_stand_raw: 1.93 to 1.79 s at 170 to 190 MiB).
 void keep_freed_memory(bool keep);
 
+/// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps
+/// included: between slices and stages. Cost: a few ms.
+void return_freed_memory();
+
 }  // namespace slim

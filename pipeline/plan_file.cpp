@@ -1,11 +1,13 @@
 #include "pipeline/plan_file.h"
 
 #include "formats/atomic_file.h"
+#include "pipeline/fit_division.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <fstream>
 
 namespace slim {
@@ -13,7 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kVersion = 1;
+/// Version 2 has blocks where version 1 had slabs: older plans are not read, the slices are made anew.
+constexpr int kVersion = 2;
 
 json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d vec_from(const json& j) {
@@ -21,6 +24,17 @@ Vec3d vec_from(const json& j) {
 }
 json to_json(const Bbox& b) { return {{"lo", to_json(b.lo)}, {"hi", to_json(b.hi)}}; }
 Bbox box_from(const json& j) { return {vec_from(j.at("lo")), vec_from(j.at("hi"))}; }
+
+/// Infinite sides are null.
+Bbox region_from(const json& j) {
+    Bbox region;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const json &lo = j.at("lo").at(axis), &hi = j.at("hi").at(axis);
+        region.lo[axis] = lo.is_null() ? -INFINITY : lo.get<double>();
+        region.hi[axis] = hi.is_null() ? INFINITY : hi.get<double>();
+    }
+    return region;
+}
 
 json to_json(const PlanInput& in) {
     return {{"path", in.path},
@@ -57,7 +71,9 @@ json to_json(const SlicePlan& plan) {
     for (const PlanInput& in : plan.inputs) inputs.push_back(to_json(in));
     json slices = json::array();
     for (const PlanSlice& s : plan.slices)
-        slices.push_back({{"points", s.n_points}, {"bounds", to_json(s.bounds)}});
+        slices.push_back({{"points", s.n_points},
+                          {"bounds", to_json(s.bounds)},
+                          {"region", to_json(s.region)}});
     return {{"version", kVersion},
             {"inputs", inputs},
             {"origin", to_json(plan.origin)},
@@ -65,9 +81,11 @@ json to_json(const SlicePlan& plan) {
             {"diagonal", plan.diagonal},
             {"points", plan.n_points},
             {"dropped", plan.n_dropped},
-            {"axis", plan.axis},
-            {"cuts", plan.cuts},
+            {"spacing", plan.spacing},
             {"slices", slices},
+            {"slices_given", plan.slices_given},
+            {"most_within", plan.most_within},
+            {"all_within", plan.all_within},
             {"has_normals", plan.has_normals},
             {"has_scans", plan.has_scans},
             {"float32", plan.is_float32},
@@ -82,17 +100,21 @@ SlicePlan plan_from(const json& j) {
     j.at("diagonal").get_to(plan.diagonal);
     j.at("points").get_to(plan.n_points);
     j.at("dropped").get_to(plan.n_dropped);
-    j.at("axis").get_to(plan.axis);
-    j.at("cuts").get_to(plan.cuts);
+    j.at("spacing").get_to(plan.spacing);
+    j.at("slices_given").get_to(plan.slices_given);
+    j.at("most_within").get_to(plan.most_within);
+    j.at("all_within").get_to(plan.all_within);
     for (const json& s : j.at("slices"))
-        plan.slices.push_back({s.at("points").get<std::uint64_t>(), box_from(s.at("bounds"))});
+        plan.slices.push_back({s.at("points").get<std::uint64_t>(), box_from(s.at("bounds")),
+                               region_from(s.at("region"))});
     j.at("has_normals").get_to(plan.has_normals);
     j.at("has_scans").get_to(plan.has_scans);
     j.at("float32").get_to(plan.is_float32);
     j.at("coordinate_quantum").get_to(plan.coordinate_quantum);
-    if (plan.axis < 0 || plan.axis > 2) throw FormatError("axis is not 0, 1 or 2");
-    if (plan.slices.empty() || plan.cuts.size() + 1 != plan.slices.size())
-        throw FormatError("the number of cuts and slices do not fit");
+    if (plan.slices.empty()) throw FormatError("there are no slices");
+    const std::size_t n_halos = plan.slices.size() > 1 ? possible_halos(plan.diagonal).size() : 0;
+    if (plan.most_within.size() != n_halos || plan.all_within.size() != n_halos)
+        throw FormatError("the numbers of points within the halos are missing");
     return plan;
 }
 
@@ -110,6 +132,20 @@ std::filesystem::path slice_points_path(const std::filesystem::path& work, std::
     return slice_folder(work, slice) / "points.slice";
 }
 
+std::vector<std::size_t> slices_near(const SlicePlan& plan, std::size_t slice, double distance) {
+    const Bbox& region = plan.slices[slice].region;
+    std::vector<std::size_t> near;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        const Bbox& other = plan.slices[i].bounds;
+        bool meets = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            meets &= other.lo[axis] <= region.hi[axis] + distance &&
+                     other.hi[axis] >= region.lo[axis] - distance;
+        if (meets || i == slice) near.push_back(i);
+    }
+    return near;
+}
+
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
     write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n",
                           Outlasts::process);
@@ -123,6 +159,9 @@ SlicePlan read_plan(const std::filesystem::path& work) {
         const json j = json::parse(in);
         if (version_of(j) > kVersion)
             throw FormatError(fmt::format("written by a newer slim: version {}, this one reads up to {}",
+                                          version_of(j), kVersion));
+        if (version_of(j) < kVersion)
+            throw FormatError(fmt::format("of an older slim: version {}, this one reads {}: run `slim slice` again",
                                           version_of(j), kVersion));
         return plan_from(j);
     } catch (const json::exception& error) {

@@ -27,7 +27,8 @@ struct PlanInput {
 
 struct PlanSlice {
     std::uint64_t n_points = 0;
-    Bbox bounds;  ///< local frame
+    Bbox bounds;  ///< of its points, local frame
+    Bbox region;  ///< what it owns, local frame: half open, infinite outwards
 };
 
 /// What the slice stage decided for a whole job: plan.json in the work folder. Lengths in model units;
@@ -39,9 +40,11 @@ struct SlicePlan {
     double diagonal = 0;        ///< L
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
-    int axis = 0;               ///< slabs lie along x, y or z
-    std::vector<double> cuts;   ///< local frame, increasing; slice i is [cuts[i-1], cuts[i])
+    double spacing = 0;         ///< square root of the area of one point
     std::vector<PlanSlice> slices;
+    bool slices_given = false;  ///< their number was asked for: the memory did not decide
+    std::vector<std::uint64_t> most_within;  ///< points of the fullest slice with each of possible_halos()
+    std::vector<std::uint64_t> all_within;   ///< and of all slices, each with its halo, added up
     bool has_normals = false;   ///< slices carry them; zero where an input had none
     bool has_scans = false;
     bool is_float32 = false;    ///< some input stores its coordinates as floats
@@ -52,6 +55,9 @@ struct SlicePlan {
 std::filesystem::path plan_path(const std::filesystem::path& work);
 std::filesystem::path slice_folder(const std::filesystem::path& work, std::size_t slice);
 std::filesystem::path slice_points_path(const std::filesystem::path& work, std::size_t slice);
+
+/// The slices that have points near to a slice's region, by number, itself included.
+std::vector<std::size_t> slices_near(const SlicePlan& plan, std::size_t slice, double distance);
 
 /// Writes WORK/plan.json atomically. Throws as AtomicFile.
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan);

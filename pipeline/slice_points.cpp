@@ -2,42 +2,39 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/normals_stage.h"
-#include "slim/cover/level_cover.h"
 #include "slim/neighbors/point_pyramid.h"
-#include "slim/slicing/slab_plan.h"
-
-#include <algorithm>
-#include <cmath>
+#include "slim/slicing/block_plan.h"
 
 namespace slim {
 namespace {
 
-constexpr int kFinestLevel = 40;
+/// Of the fullest slice with its halo.
+std::uint64_t most_points(const SlicePlan& plan, double halo) {
+    const std::vector<double> halos = possible_halos(plan.diagonal);
+    for (std::size_t h = halos.size(); h-- > 0;)
+        if (halos[h] >= halo) return plan.most_within.at(h);
+    return plan.n_points;
+}
+
+/// Room that is not used takes none of the memory.
+void reserve(std::uint64_t n, const SlicePlan& plan, PointBlock& block) {
+    block.position.reserve(n);
+    block.id.reserve(n);
+    block.normal.reserve(n);  // oriented points have one
+    if (plan.has_scans) block.scan.reserve(n);
+}
 
 }  // namespace
-
-FitDivision divide_fit(const SlicePlan& plan, std::uint64_t memory_bytes) {
-    FitDivision out;
-    if (plan.slices.size() < 2) return out;
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    const double widest =
-        kHaloShare * thinnest_slab(plan.cuts, plan.bounds.lo[axis], plan.bounds.hi[axis]);
-    const auto halo_of = [&](int level) { return level_radius(plan.diagonal, level - kHaloRungs); };
-    while (out.first_fine < kFinestLevel && halo_of(out.first_fine) > widest) ++out.first_fine;
-    out.halo = halo_of(out.first_fine);
-    out.share = std::min(1.0, static_cast<double>(points_in_memory(memory_bytes)) /
-                                  static_cast<double>(std::max<std::uint64_t>(plan.n_points, 1)));
-    return out;
-}
 
 PointBlock read_with_halo(const std::string& work, const SlicePlan& plan, std::size_t slice,
                           double halo) {
     PointBlock block;
-    const double lo = slice == 0 ? -INFINITY : plan.cuts[slice - 1] - halo;
-    const double hi = slice == plan.cuts.size() ? INFINITY : plan.cuts[slice] + halo;
-    const std::size_t first = slice > 0 ? slice - 1 : 0;
-    for (std::size_t i = first; i < std::min(slice + 2, plan.slices.size()); ++i)
-        append_slice_part(oriented_points_path(work, i).string(), plan.axis, lo, hi, block);
+    if (plan.slices.size() == 1) return read_slice(oriented_points_path(work, 0).string());
+    const Bbox& region = plan.slices[slice].region;
+    reserve(most_points(plan, halo), plan, block);
+    for (const std::size_t i : slices_near(plan, slice, halo))
+        append_slice_part(oriented_points_path(work, i).string(),
+                          [&](const Vec3d& p) { return is_near(region, p, halo); }, block);
     return block;
 }
 

@@ -2,17 +2,20 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/cloud_survey.h"
+#include "pipeline/fit_division.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
-#include "slim/slicing/slab_plan.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -24,6 +27,9 @@ constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of the diagonal
 // that is a usual fit's error.
 constexpr double kCoarseQuantum = 2.5e-5;
+// Blocks, over as many as the points alone would fill: with more, every point is read by so many slices.
+constexpr std::uint64_t kMostDearBlocks = 8;
+constexpr double kClearlyDearer = 1.1;  // than fewer blocks: still more will not be cheaper
 
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
@@ -47,27 +53,61 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
 
 Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }
 
-/// Cuts across the axis that gives the thickest slabs, as a halo must be thinner: the longest one, unless
-/// points crowd there, as on a flat base.
-SlabPlan choose_axis(const CloudSurvey& survey, std::uint64_t wanted, int& axis) {
-    axis = survey.bounds.longest_axis();
-    SlabPlan best = plan_slabs(*survey.histograms[static_cast<std::size_t>(axis)], wanted);
-    const auto thinnest = [&](const SlabPlan& slabs, std::size_t a) {
-        return thinnest_slab(slabs.cuts, survey.bounds.lo[a], survey.bounds.hi[a]);
-    };
-    for (std::size_t other = 0; other < 3 && best.n_slabs() > 1; ++other) {
-        SlabPlan slabs = plan_slabs(*survey.histograms[other], wanted);
-        if (slabs.n_slabs() < best.n_slabs() ||
-            !(thinnest(slabs, other) > thinnest(best, static_cast<std::size_t>(axis))))
-            continue;
-        axis = static_cast<int>(other);
-        best = std::move(slabs);
+/// Takes the blocks, their counts and what they hold with a halo into the plan.
+void set_blocks(const BlockPlan& blocks, const std::vector<Cell>& cells, double width,
+                SlicePlan& plan) {
+    plan.slices.clear();
+    for (std::size_t i = 0; i < blocks.n_blocks(); ++i)
+        plan.slices.push_back({blocks.n_points[i], {}, shifted(blocks.regions[i], plan.origin)});
+    HaloCounts within;
+    if (blocks.n_blocks() > 1)
+        within = count_within(blocks, cells, width, possible_halos(plan.diagonal));
+    plan.most_within = std::move(within.most);
+    plan.all_within = std::move(within.all);
+}
+
+/// As many blocks as leave room for the halo that the fit wants and have it read the fewest points, or if no
+/// reasonable number does, as many as leave room for the widest.
+BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double cell_width, std::uint64_t memory,
+                            SlicePlan& plan) {
+    const std::uint64_t least = (plan.n_points - 1) / points_in_memory(memory) + 1;
+    const std::uint64_t most = least < 2 ? 1 : std::min(kMostDearBlocks * least, kMostBlocks);
+    BlockPlan best;
+    double best_cost = INFINITY;
+    std::pair<double, double> widest{-INFINITY, 0};  // what of the memory is exceeded, then the halo
+    for (std::uint64_t n = std::min(least, most); n <= most; n += 1 + n / 8) {
+        BlockPlan blocks = plan_blocks(cells, cell_width, n);
+        set_blocks(blocks, cells, cell_width, plan);
+        if (plan.slices.size() < 2) return blocks;
+        const FitDivision division = divide_fit(plan, memory);
+        const bool suffices = halo_suffices(plan, division) &&
+                              points_held(plan, division) <= points_in_memory(memory);
+        const double cost = suffices ? static_cast<double>(points_read(plan, division)) : INFINITY;
+        if (cost > kClearlyDearer * best_cost) break;
+        const double excess = std::max(0.0, static_cast<double>(points_held(plan, division)) -
+                                                static_cast<double>(points_in_memory(memory)));
+        const std::pair width_here{-excess, division.halo};
+        if (cost >= best_cost && (suffices || best_cost < INFINITY || width_here <= widest)) continue;
+        best = std::move(blocks);
+        best_cost = cost;
+        widest = width_here;
     }
+    set_blocks(best, cells, cell_width, plan);
     return best;
 }
 
+/// Where the slices are too few or the memory too small for a halo that a fit can do with.
+void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& reporter) {
+    if (plan.slices.size() < 2) return;
+    const std::uint64_t n = points_held(plan, divide_fit(plan, memory));
+    if (n <= points_in_memory(memory)) return;
+    reporter.warn(fmt::format("{} slices, each with its surroundings, take up to {} MiB, more than --memory",
+                              plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
+}
+
+/// The plan and the blocks, in the world's frame; none of points that were gathered.
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
-                           std::vector<double>& world_cuts) {
+                           BlockPlan& blocks) {
     SlicePlan plan;
     plan.inputs = survey.inputs;
     plan.origin = choose_origin(survey.bounds);
@@ -81,24 +121,29 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
         plan.has_normals |= input.has_normals;
         plan.has_scans |= input.has_scan;
     }
-    const std::uint64_t wanted =
-        config.slices > 0 ? static_cast<std::uint64_t>(config.slices)
-                          : slabs_for_memory(plan.n_points, parse_memory_size(config.memory));
-    plan.axis = survey.bounds.longest_axis();
-    const SlabPlan slabs = survey.gathered.points().empty() ? choose_axis(survey, wanted, plan.axis)
-                                                            : SlabPlan{{}, {survey.n_points}};
-    const auto axis = static_cast<std::size_t>(plan.axis);
-    world_cuts = slabs.cuts;
-    for (const double cut : slabs.cuts) plan.cuts.push_back(cut - plan.origin[axis]);
-    for (const std::uint64_t n : slabs.n_points) plan.slices.push_back({n, {}});
+    plan.slices_given = config.slices > 0;
+    if (!survey.gathered.points().empty()) {
+        const Vec3d far{INFINITY, INFINITY, INFINITY};
+        plan.slices.push_back({survey.n_points, {}, {far * -1.0, far}});
+        return plan;
+    }
+    const std::vector<Cell> cells = survey.cells->cells();
+    const double width = survey.cells->width();
+    plan.spacing = surface_spacing(cells, width);
+    if (plan.slices_given) {
+        blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
+        set_blocks(blocks, cells, width, plan);
+    } else {
+        blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
+    }
     return plan;
 }
 
-/// Deals points out to the files of their slices.
+/// Deals points out to the files of their slices. Holds one slice's points of one chunk at a time.
 class Dealer {
 public:
-    Dealer(const fs::path& work, SlicePlan& plan, const std::vector<double>& world_cuts)
-        : plan_(plan), world_cuts_(world_cuts), pending_(plan.slices.size()) {
+    Dealer(const fs::path& work, SlicePlan& plan, const BlockPlan& blocks)
+        : plan_(plan), blocks_(blocks) {
         for (std::size_t i = 0; i < plan.slices.size(); ++i) {
             fs::create_directories(slice_folder(work, i));
             writers_.emplace_back(slice_points_path(work, i).string(), plan.origin,
@@ -107,13 +152,17 @@ public:
     }
 
     void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input) {
-        const auto axis = static_cast<std::size_t>(plan_.axis);
-        for (std::size_t i = 0; i < chunk.size(); ++i) {
-            const Vec3d& p = chunk.position[i];
-            if (!is_finite(p)) continue;
-            put(chunk, i, first_id, input, slab_of(p[axis], world_cuts_));
+        sort_by_slice(chunk);
+        for (std::size_t s = 0; s < writers_.size(); ++s) {
+            if (begin_[s] == begin_[s + 1]) continue;
+            block_.position.clear();
+            block_.id.clear();
+            block_.normal.clear();
+            block_.scan.clear();
+            for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k)
+                put(chunk, order_[k], first_id, input, s);
+            writers_[s].append(block_);
         }
-        for (std::size_t s = 0; s < pending_.size(); ++s) flush(s);
     }
 
     void commit() {
@@ -121,37 +170,43 @@ public:
     }
 
 private:
+    /// Fills order_ with the chunk's finite points, those of slice s from begin_[s] on, in their order.
+    void sort_by_slice(const PointChunk& chunk) {
+        slice_of_.assign(chunk.size(), 0);
+        begin_.assign(writers_.size() + 1, 0);
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            if (!is_finite(chunk.position[i])) continue;
+            slice_of_[i] = blocks_.block_of(chunk.position[i]);
+            ++begin_[slice_of_[i] + 1];
+        }
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        order_.resize(begin_.back());
+        std::vector<std::size_t> at(begin_.begin(), begin_.end() - 1);
+        for (std::size_t i = 0; i < chunk.size(); ++i)
+            if (is_finite(chunk.position[i])) order_[at[slice_of_[i]]++] = i;
+    }
+
     void put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id, std::size_t input,
              std::size_t slice) {
-        PointBlock& block = pending_[slice];
         const Vec3d local = chunk.position[i] - plan_.origin;
         plan_.slices[slice].bounds.extend(local);
-        block.position.push_back(local);
-        block.id.push_back(first_id + i);
+        block_.position.push_back(local);
+        block_.id.push_back(first_id + i);
         if (plan_.has_normals) {
             const bool good = !chunk.normal.empty() && is_finite(chunk.normal[i]);
-            block.normal.push_back(good ? chunk.normal[i] : Vec3f{});
+            block_.normal.push_back(good ? chunk.normal[i] : Vec3f{});
         }
         if (plan_.has_scans) {
             const std::uint32_t own = chunk.scan.empty() ? 0u : chunk.scan[i];
-            block.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
+            block_.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
         }
     }
 
-    void flush(std::size_t slice) {
-        PointBlock& block = pending_[slice];
-        if (block.empty()) return;
-        writers_[slice].append(block);
-        block.position.clear();
-        block.id.clear();
-        block.normal.clear();
-        block.scan.clear();
-    }
-
     SlicePlan& plan_;
-    const std::vector<double>& world_cuts_;
-    std::vector<PointBlock> pending_;
+    const BlockPlan& blocks_;
     std::vector<SliceWriter> writers_;
+    std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
+    PointBlock block_;
 };
 
 /// Writes the one slice of a job whose points were gathered.
@@ -211,7 +266,6 @@ nlohmann::json summary(const SlicePlan& plan) {
             {"slices", plan.slices.size()},
             {"diagonal", plan.diagonal},
             {"origin", {plan.origin.x, plan.origin.y, plan.origin.z}},
-            {"axis", plan.axis},
             {"has_normals", plan.has_normals},
             {"has_scans", plan.has_scans}};
 }
@@ -244,9 +298,10 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
-    std::vector<double> world_cuts;
-    SlicePlan plan = plan_from_survey(config, survey, world_cuts);
+    BlockPlan blocks;
+    SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);
+    warn_of_memory(plan, parse_memory_size(config.memory), context.reporter);
 
     // From here the folder is no finished job until the new plan stands in it.
     fs::remove(plan_path(work));
@@ -258,7 +313,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
                 context.handed->put(slice_points_path(work, 0).string(), std::move(points));
             return;
         }
-        Dealer dealer(work, plan, world_cuts);
+        Dealer dealer(work, plan, blocks);
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
                            const CloudInfo&) { dealer.take(chunk, first_id, input); });

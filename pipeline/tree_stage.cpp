@@ -8,7 +8,7 @@
 #include "pipeline/peak_memory.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
-#include "slim/slicing/slab_plan.h"
+#include "slim/slicing/block_plan.h"
 #include "slim/tree/loose_leaves.h"
 #include "slim/tree/tree_builder.h"
 
@@ -138,6 +138,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     for (const auto& path : paths) stamp.input(path);
     if (auto done = stamp.up_to_date()) return *done;
 
+    if (plan.slices.size() > 1) return_freed_memory();
     const Fits fits = open_fits(paths);
     warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;

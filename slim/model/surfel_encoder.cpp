@@ -84,10 +84,16 @@ SurfelEncoder::SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData&
         }
         out.page_origins.push_back(box.center());
     }
-    out.sheets.assign(n_sheets * static_cast<std::size_t>(floats_per_sheet(out.header.degree)), 0.0f);
+    n_sheet_floats_ = n_sheets * static_cast<std::size_t>(floats_per_sheet(out.header.degree));
 }
 
-/// Makes room for the records, by the surfels' own degrees if that takes clearly fewer bytes, index included.
+/// Not before the first surfel: whoever announced the shapes may have no more use for them by then.
+void SurfelEncoder::make_room() {
+    out_.records.assign(n_record_floats_, 0.0f);
+    out_.sheets.assign(n_sheet_floats_, 0.0f);
+}
+
+/// Says where the records will stand, by the surfels' own degrees if that takes clearly fewer bytes, index included.
 void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
     out_.page_start.clear();
     out_.in_page.clear();
@@ -98,7 +104,8 @@ void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
     const std::size_t index = 2 * n + 8 * n_pages;
     const bool is_packed = static_cast<double>(sizeof(float) * packed + index) <
                            kWorthAnIndex * static_cast<double>(sizeof(float) * equal);
-    out_.records.assign(is_packed ? packed : equal, 0.0f);
+    n_record_floats_ = is_packed ? packed : equal;
+    out_.records.clear();
     if (!is_packed) return;
     out_.page_start.reserve(n_pages);
     out_.in_page.reserve(n);
@@ -111,6 +118,7 @@ void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
 }
 
 PackedRim SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
+    if (out_.records.empty()) make_room();
     const bool packed = !out_.in_page.empty();
     const int degree = packed ? surfel.degree : out_.header.degree;
     const Surfel s = degree <= 1 ? level_linear(surfel) : surfel;

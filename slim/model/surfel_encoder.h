@@ -30,8 +30,8 @@ inline SurfelShape shape_of(const Surfel& s) {
 /// A surfel's frame must be the one its rounded normal gives (round_normal), or its surface turns.
 class SurfelEncoder {
 public:
-    /// Makes room in `out`, whose header's degree is set; shape(i) for i in [0, n), node order, the root
-    /// first. Keeps a reference to `out`, not to `shape`.
+    /// Lays out `out`, whose header's degree is set; shape(i) for i in [0, n), node order, the root first. Keeps
+    /// a reference to `out`, not to `shape`; the first put() makes the room.
     using Shapes = std::function<SurfelShape(std::size_t node)>;
     SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData& out);
 
@@ -41,9 +41,11 @@ public:
 
 private:
     void lay_out_records(std::size_t n, const Shapes& shape);
+    void make_room();
     void put_further_sheets(std::size_t node, const SharpSheets& more);
 
     SurfelTreeData& out_;
+    std::size_t n_record_floats_ = 0, n_sheet_floats_ = 0;
 };
 
 /// All surfels of a model at once, node order.

@@ -30,9 +30,9 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// centroid is outwards; where the flux says nothing (a terrain, a wall), upwards (+z); where
 /// moreover four of five normals are less than 60 degrees steep (airborne scans), each of those by
 /// itself. `center`, if given, stands for the centroids: that of the whole object where the points
-/// are a slab of it.
+/// are a slice of it.
 /// counted: the report is of those points; empty: of all.
-/// seen_from_above: these rules, which found the known signs in the slab before, saw an airborne scan there: it
+/// seen_from_above: these rules, which found the known signs in a slice before, saw an airborne scan there: it
 /// is one here too, where slopes might look like an outside.
 /// hints: normals that are wrong here and there; where they agree on a component's side by more
 /// than chance, it is theirs. Own code, not CGAL's mst_orient_normals: linear memory, no re-search

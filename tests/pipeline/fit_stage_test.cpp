@@ -3,6 +3,7 @@
 #include "formats/fit_file.h"
 #include "pipeline/manifest.h"
 #include "slim/model/surfel_tree.h"
+#include "slim/slicing/block_plan.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
@@ -59,20 +60,18 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     EXPECT_GT(flat.noise_variance, 0);
 }
 
-TEST_F(FitStage, SlicesOwnTheCentresOfTheirSlabAndCoarseLevelsAreShared) {
+TEST_F(FitStage, SlicesOwnTheCentresOfTheirRegionAndCoarseLevelsAreShared) {
     slice(write(sampled("bumpy", 20000), "c.ply"), 3);
     normals();
     FitConfig config;
     config.t_mdl = 0.003;
     fit(config);
     const SlicePlan plan = read_plan(file("work"));
-    ASSERT_EQ(plan.cuts.size(), 2u);
+    ASSERT_EQ(plan.slices.size(), 3u);
     int first_fine = 48;
     for (std::size_t i = 0; i < 3; ++i)
         for (const FittedSurfel& s : read_fit(fit_path(file("work"), i).string()).surfels) {
-            const double x = s.surfel.center[static_cast<std::size_t>(plan.axis)];
-            EXPECT_GE(x, i > 0 ? plan.cuts[i - 1] : -INFINITY);
-            EXPECT_LT(x, i < 2 ? plan.cuts[i] : INFINITY);
+            EXPECT_TRUE(is_in(plan.slices[i].region, s.surfel.center));
             first_fine = std::min<int>(first_fine, s.level);
         }
     for (const FittedSurfel& s : read_fit(coarse_fit_path(file("work")).string()).surfels)
@@ -132,6 +131,24 @@ TEST_F(FitStage, ASampleOfTheMemorysSizeNeverCostsAccuracy) {
     // What it does not resolve is covered by more leaves, no wider than the halo, not by fewer.
     EXPECT_GT(r["leaves"].get<double>(), 0.99 * all["leaves"].get<double>());
     EXPECT_LT(r["leaves"].get<double>(), 1.7 * all["leaves"].get<double>());
+}
+
+TEST_F(FitStage, LittleMemoryLosesNoPointsAndMakesNoInternalSurfelsForNobody) {
+    // Half of the sculpture's points lie on a flat base: slabs across one axis were thinner than a few spacings,
+    // so was their halo, and what the sample does not resolve became internal surfels.
+    const std::string cloud = write(sampled("sculpture", 60000), "c.ply");
+    slice(cloud, 1);
+    normals();
+    const auto whole = fit();
+    slice(cloud, 0, "19MiB");
+    ASSERT_GE(read_plan(file("work")).slices.size(), 6u);
+    normals();
+    FitConfig config;
+    config.memory = "19MiB";
+    const auto r = fit(config);
+    EXPECT_LT(r["dropped_isolated"].get<double>(), whole["dropped_isolated"].get<double>() + 20);
+    EXPECT_NEAR(r["leaves"].get<double>() / whole["leaves"].get<double>(), 1, 0.03);
+    EXPECT_LT(r["internals"].get<double>(), 2 * whole["internals"].get<double>());
 }
 
 TEST_F(FitStage, CoarseLevelsMayBeFittedAlone) {

@@ -66,8 +66,9 @@ protected:
         c.cloud = cloud;
         return run_as("measure", c, run_measure, listener_);
     }
-    void slice(const std::string& cloud, int slices) {
+    void slice(const std::string& cloud, int slices, const std::string& memory = "1GiB") {
         SliceConfig c;
+        c.memory = memory;
         c.inputs = {cloud};
         c.work = file("work");
         c.slices = slices;

@@ -8,7 +8,7 @@
 #include "formats/slice_file.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
-#include "slim/slicing/slab_plan.h"
+#include "slim/slicing/block_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,13 +62,12 @@ std::string slicing_error(const SliceConfig& config) {
     }
 }
 
-TEST(SliceStage, EveryPointStandsInTheSliceOfItsSlabOnceInOrder) {
+TEST(SliceStage, EveryPointStandsInTheSliceOfItsRegionOnceInOrder) {
     const TempFolder folder;
     const std::vector<Vec3d> points = random_points(1, 20000, {-1, 0, 0});
     const SlicePlan plan =
         slice({{write_cloud(folder, "a.ply", points)}, folder.file("work"), "1GiB", 4, false});
     ASSERT_EQ(plan.slices.size(), 4u);
-    EXPECT_EQ(plan.axis, 0);
     EXPECT_EQ(plan.origin, (Vec3d{0, 0, 0}));
     std::vector<int> seen(points.size());
     for (std::size_t s = 0; s < 4; ++s) {
@@ -81,7 +80,8 @@ TEST(SliceStage, EveryPointStandsInTheSliceOfItsSlabOnceInOrder) {
             ++seen[block.id[i]];
             box.extend(block.position[i]);
             ASSERT_EQ(block.position[i], points[block.id[i]]);
-            ASSERT_EQ(slab_of(block.position[i].x, plan.cuts), s);
+            for (std::size_t other = 0; other < 4; ++other)
+                ASSERT_EQ(is_in(plan.slices[other].region, block.position[i]), other == s);
         }
         EXPECT_EQ(box.lo, plan.slices[s].bounds.lo);
         EXPECT_EQ(box.hi, plan.slices[s].bounds.hi);
@@ -93,8 +93,11 @@ TEST(SliceStage, MemoryDecidesTheNumberOfSlicesAndFewerSlicesLeaveNoOldOnes) {
     const TempFolder folder;
     SliceConfig config{{write_cloud(folder, "a.ply", random_points(2, 5000, {}))},
                        folder.file("work"), "16856KiB", 0, false};
-    EXPECT_EQ(slice(config).slices.size(), 4u);
-    EXPECT_TRUE(fs::exists(slice_folder(config.work, 3)));
+    // Half of the points fit; blocks of them leave room for a halo.
+    const std::size_t n = slice(config).slices.size();
+    EXPECT_GT(n, 2u);
+    EXPECT_LE(n, 16u);
+    EXPECT_TRUE(fs::exists(slice_folder(config.work, n - 1)));
     config.memory = "1GiB";
     EXPECT_EQ(slice(config).slices.size(), 1u);
     EXPECT_FALSE(fs::exists(slice_folder(config.work, 1)));
