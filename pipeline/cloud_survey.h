@@ -53,7 +53,8 @@ struct CloudSurvey {
     double coordinate_quantum = 0;
 };
 
-/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a point without finite coordinates is a DataError naming it.
+/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a point
+/// without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,

@@ -15,7 +15,7 @@ struct TreeCounts {
     std::uint64_t childless = 0;  ///< internal surfels without a child: left out
 };
 
-/// What a tree takes at its peak for one surfel of a source: measured 80 of quadrics (notes/0002).
+/// What a tree takes at its peak for one surfel of a source: measured 80 of quadrics (notes/0003).
 inline constexpr std::uint64_t kTreeBytesPerSurfel = 100;
 
 /// Links surfels to a ball tree (Ohtake 2005 sec. 2): the parent of a surfel of level k + 1 is the internal
