@@ -34,7 +34,7 @@ namespace {
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
-constexpr double kWidestRim = 0.05, kRimSpacings = 12;  // of L, and of L / sqrt(n)
+constexpr double kWidestRim = 0.05, kRimSpacings = 24;  // of L, and of L / sqrt(n)
 constexpr std::size_t kGrain = 16384;        // points a task
 constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
 

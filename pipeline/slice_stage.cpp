@@ -105,6 +105,20 @@ void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& repor
                               plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
 }
 
+/// The blocks, in the world's frame, and the slices that they make.
+void plan_slices(const SliceConfig& config, const CloudSurvey& survey, BlockPlan& blocks,
+                 SlicePlan& plan) {
+    const std::vector<Cell> cells = survey.cells->cells();
+    const double width = survey.cells->width();
+    plan.spacing = surface_spacing(cells, width);
+    if (plan.slices_given) {
+        blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
+        set_blocks(blocks, cells, width, plan);
+    } else {
+        blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
+    }
+}
+
 /// The plan and the blocks, in the world's frame; none of points that were gathered.
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
                            BlockPlan& blocks) {
@@ -122,20 +136,12 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
         plan.has_scans |= input.has_scan;
     }
     plan.slices_given = config.slices > 0;
-    if (!survey.gathered.points().empty()) {
-        const Vec3d far{INFINITY, INFINITY, INFINITY};
-        plan.slices.push_back({survey.n_points, {}, {far * -1.0, far}});
-        return plan;
-    }
-    const std::vector<Cell> cells = survey.cells->cells();
-    const double width = survey.cells->width();
-    plan.spacing = surface_spacing(cells, width);
-    if (plan.slices_given) {
-        blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
-        set_blocks(blocks, cells, width, plan);
-    } else {
-        blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
-    }
+    if (survey.gathered.points().empty()) plan_slices(config, survey, blocks, plan);
+    if (plan.slices.size() > 1) return plan;
+    // The same plan, whether the cells of its one slice were counted or not.
+    const Vec3d far{INFINITY, INFINITY, INFINITY};
+    plan.slices = {{survey.n_points, {}, {far * -1.0, far}}};
+    plan.spacing = 0;
     return plan;
 }
 
