@@ -121,7 +121,6 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
         plan.has_normals |= input.has_normals;
         plan.has_scans |= input.has_scan;
     }
-    plan.slices_given = config.slices > 0;
     if (!survey.gathered.points().empty()) {
         const Vec3d far{INFINITY, INFINITY, INFINITY};
         plan.slices.push_back({survey.n_points, {}, {far * -1.0, far}});
@@ -129,6 +128,7 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     }
     const std::vector<Cell> cells = survey.cells->cells();
     const double width = survey.cells->width();
+    plan.slices_given = config.slices > 0;
     plan.spacing = surface_spacing(cells, width);
     if (plan.slices_given) {
         blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
@@ -136,6 +136,9 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     } else {
         blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
     }
+    if (plan.slices.size() > 1) return plan;
+    plan.spacing = 0;  // nobody asks for what divides a fit: the plan is that of gathered points
+    plan.slices_given = false;
     return plan;
 }
 
