@@ -33,6 +33,9 @@ struct RecordDepths {
           center(static_cast<float>(r.z_center - t.z_ref)) {}
 };
 
+// The four functions that work on a group are flattened: g++ 12 leaves out some of their calls as they grow, and a
+// frame took twice as long.
+
 /// A surfel's rim in floats.
 struct RimLanes {
     float u, v, reach;
@@ -61,7 +64,7 @@ inline void keep_nearer(TileBuffers& t, std::size_t i, float entry, const FloatV
 
 /// Stage 1 for one surfel and one group: first root inside the shrunken ball, kept if nearer.
 template <int Degree>
-inline void first_hits(const DrawRecord& r, const RimLanes& rim, float entry,
+[[gnu::flatten]] inline void first_hits(const DrawRecord& r, const RimLanes& rim, float entry,
                        const RecordDepths& depth, int tile_y, int group, TileBuffers& t) {
     constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const std::size_t i = group_index(tile_y, group);
@@ -87,7 +90,7 @@ inline void first_hits(const DrawRecord& r, const RimLanes& rim, float entry,
 
 /// The same for a sharp surfel: the first root of its joined function.
 template <int Degree>
-inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDepths& depth,
+[[gnu::flatten]] inline void first_sharp_hits(const SharpRecord& s, float entry, const RecordDepths& depth,
                              int tile_y, int group, TileBuffers& t) {
     constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const DrawRecord& r = s.sheet[0];
@@ -164,7 +167,7 @@ inline GuessInBall guess_in_ball(const DrawRecord& r, const RecordDepths& depth,
 /// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter
 /// (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel>
-inline void blend(const DrawRecord& r, const RimLanes& rim, const RecordDepths& depth, int tile_y,
+[[gnu::flatten]] inline void blend(const DrawRecord& r, const RimLanes& rim, const RecordDepths& depth, int tile_y,
                   int group, TileBuffers& t) {
     const std::size_t i = group_index(tile_y, group);
     const auto [rays, ball, guess, s, inside] = guess_in_ball(r, depth, tile_y, group, t);
@@ -189,7 +192,7 @@ inline void blend(const DrawRecord& r, const RimLanes& rim, const RecordDepths& 
 
 /// The same for a sharp surfel: the root of its joined function nearest q^.
 template <int Degree, bool kWantHessian>
-inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int tile_y, int group,
+[[gnu::flatten]] inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int tile_y, int group,
                         TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = group_index(tile_y, group);
