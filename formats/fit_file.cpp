@@ -122,7 +122,8 @@ bool all_finite(std::span<const double> values) {
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
            all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
-           r.fit_error >= 0 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets;
+           r.fit_error >= 0 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets &&
+           ((r.sharp & 3) == 0 || r.rim() == 0);
 }
 
 bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }

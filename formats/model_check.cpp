@@ -83,6 +83,8 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
         return fault("degree ", int{node.degree}, " is above the model's ", tree.header().degree);
     if (!std::isfinite(node.fit_error) || node.fit_error < 0)
         return fault("fit error ", node.fit_error);
+    if (node.rim != 0 && (!node.is_leaf() || (node.flags & kSharp)))
+        return fault("rim ", int{node.rim}, " of a surfel that has none");
     if (node.n_children == 0) return {};
     if (node.first_child <= i) return fault("child ", node.first_child, " does not follow its parent");
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;

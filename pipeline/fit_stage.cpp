@@ -231,7 +231,7 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
 
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     std::string missing;
-    double noisy = 0, points = 0, estimated = 0;
+    double noisy = 0, points = 0, not_own = 0;
     std::vector<NoiseVariance> noise;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
@@ -244,7 +244,8 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
         add_noise(r.at("noise"), noise);
         noisy += r.at("noisy").get<double>();
         points += r.at("points").get<double>();
-        estimated += r.at("estimated").get<double>();
+        // Missing and turned ones are no more the cloud's own than estimated ones.
+        not_own += r.at("points").get<double>() - r.at("kept").get<double>();
     }
     if (!missing.empty())
         throw IncompleteError(fmt::format(
@@ -259,7 +260,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     const double floor = 16 * quantum * quantum;
     out.noise_variance = config.lambda > 0 ? config.lambda : std::max(measured, floor);
     out.floored = config.lambda <= 0 && measured < floor;
-    out.normals_inform = estimated <= kFewEstimated * points &&
+    out.normals_inform = not_own <= kFewEstimated * points &&
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);
     out.contrary_share = points > 0 ? noisy / points : 0;

@@ -27,7 +27,7 @@ constexpr std::size_t kGrain = 2048;
 /// Sums over points; those of a block are added in order, so threads do not matter.
 struct Sums {
     std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0;
-    double sq_distance = 0, max = 0, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
+    double sq_distance = 0, max = -1 /* none yet */, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
     std::uint64_t n_angles = 0;
     Vec3d max_at;  // world; the first point of the greatest distance
 

@@ -115,6 +115,12 @@ SlicePlan plan_from(const json& j) {
     const std::size_t n_halos = plan.slices.size() > 1 ? possible_halos(plan.diagonal).size() : 0;
     if (plan.most_within.size() != n_halos || plan.all_within.size() != n_halos)
         throw FormatError("the numbers of points within the halos are missing");
+    std::uint64_t n = 0;
+    for (const PlanSlice& s : plan.slices) n += s.n_points;
+    if (n != plan.n_points) throw FormatError("the points of the slices do not add up");
+    if (!(plan.spacing >= 0) || !(plan.diagonal >= 0)) throw FormatError("a length is negative");
+    for (const std::uint64_t most : plan.most_within)
+        if (most > n) throw FormatError("a slice holds more points than there are");
     return plan;
 }
 

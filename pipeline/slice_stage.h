@@ -32,11 +32,13 @@ struct SliceConfig {
 /// rounded to a multiple of a power of two near L, so that subtracting it loses no bit of a float.
 Vec3d choose_origin(const Bbox& world_bounds);
 
-/// Reads all inputs twice: bounds and counts first, then deals the points out to
+/// Reads all inputs once if they fit into one slice, which is kept meanwhile; else twice: bounds and counts
+/// first, then deals the points out to
 /// WORK/slice_NNNN/points.slice, ordered by id (the number of the point among all of all inputs, those
 /// dropped included); writes WORK/plan.json last. Returns what the plan says, in short.
 /// throws DataError without a finite point or with a diagonal beyond 1e-12 to 1e12; what the readers throw
-/// cost   memory: a chunk or two of points, and one open file a slice
+/// cost   memory: 46 bytes a point of what one slice may hold; beyond, two chunks, 4 MiB of cells and one open
+///        file a slice
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context);
 
 }  // namespace slim

@@ -129,10 +129,12 @@ void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
         fit.sq_error = points.radius * points.radius * sq_height;
         const int next = fit.degree + 1;
         if (MomentDegree < next || both.rank_degree() < next || alone.rank_degree() < next) return;
+        const NestedCholesky slopes_too = system.solve(shrink * shrink);
+        if (slopes_too.rank_degree() < next) return;
         const auto found = both.gain_in(alone, next);
         const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
         fit.sq_missed = points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
-        const auto fully = both.gain_in(system.solve(shrink * shrink), next);
+        const auto fully = both.gain_in(slopes_too, next);
         fit.sq_missed_slope = points.radius * points.radius * fully.sq_gain / m.weight() -
                               noise * fully.n_errors - fit.sq_missed;
         fit.sq_missed_error = noise * fully.n_errors * std::sqrt(2.0 / (next + 1));

@@ -13,7 +13,7 @@ namespace slim {
 namespace {
 
 constexpr double kRounding = 1e-14;
-constexpr double kMostIndependent = 1000;
+constexpr double kMostIndependent = 1;  // as exact normals are; slices are averaged, and none may outvote the others
 constexpr std::size_t kSamples = 600, kFewSamples = 150, kVisits = 200000, kMostNeighbors = 1280, kLargestShare = 50;
 
 /// Sums of squares and products about the mean, from sums.

@@ -37,7 +37,6 @@ void reserve_part(BallPoints<T>& part, std::size_t n) {
     if (part.x.size() >= size) return;
     for (auto* a : {&part.x, &part.y, &part.z, &part.sq}) a->resize(2 * size);
     for (auto* a : {&part.nx, &part.ny, &part.nz}) a->resize(2 * size);
-    part.index.resize(2 * size);
 }
 
 /// The points of sheet k as a ball of their own.

@@ -31,15 +31,16 @@ struct BandResult {
 };
 
 /// Thins the bands of a pass that only makes up for what the one before fell short of, evenly: some thousand
-/// points of 100 million once took as long as all the rest.
-void keep_some_bands(std::uint64_t n_points, ScanPass& pass) {
+/// points of 100 million once took as long as all the rest. Others in every pass, by its number.
+void keep_some_bands(std::uint64_t n_points, std::uint64_t number, ScanPass& pass) {
     constexpr double kEnough = 4;         // times the points
     constexpr std::size_t kLeastBands = 64;  // not all of them beside the shape
     const auto wanted = static_cast<std::size_t>(pass.expected / (kEnough * static_cast<double>(n_points)));
     const std::size_t stride = std::min(wanted, pass.bands.size() / kLeastBands);
     if (stride < 2) return;
     std::vector<Band> some;
-    for (std::size_t i = stride / 2; i < pass.bands.size(); i += stride) some.push_back(pass.bands[i]);
+    for (std::size_t i = (stride / 2 + number) % stride; i < pass.bands.size(); i += stride)
+        some.push_back(pass.bands[i]);
     pass.bands = std::move(some);
     pass.expected = 0;
     for (const Band& b : pass.bands) pass.expected += b.expected;
@@ -96,7 +97,7 @@ ScanSummary Scanner::run() {
     for (std::uint64_t pass = 0; needed_ > 0; ++pass) {
         const std::uint64_t needed_before = needed_;
         ScanPass planned = plan_pass(estimate, stations, pitch, pass, summary_.rays);
-        if (pass > 0) keep_some_bands(needed_, planned);
+        if (pass > 0) keep_some_bands(needed_, pass, planned);
         run_pass(planned);
         idle_passes = needed_ == needed_before ? idle_passes + 1 : 0;
         if (idle_passes > kMostIdlePasses)

@@ -20,7 +20,7 @@ struct LooseCounts {
 /// their points still have a support; pictures leave them out. An internal node is loose if all below it are.
 ///
 /// Pieces are sets of leaves that agree where they overlap. A piece of few, sparse points is loose
-/// - beside a piece of ten times its area, if it has less than 0.6 of the points to the area that the leaves
+/// - beside a piece of ten times its area, if it has less than half of the points to the area that the leaves
 ///   there have: fewer points than 40 over that share;
 /// - anywhere, with all that touches it, with less than an eighth of the model's mean points to the area: fewer
 ///   than 3 over the share.
