@@ -10,12 +10,13 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4 rims; a file
-/// without any is still version 1.
+/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4 rims,
+/// version 5 second rims; a file without any is still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
 constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
 constexpr ChunkFileKind kDroppedFitKind{"SLIMFITS", "SLIM fit", 3};
-constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 4};
+constexpr ChunkFileKind kRimsFitKind{"SLIMFITS", "SLIM fit", 4};
+constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 5};
 
 constexpr std::size_t kWrittenAtOnce = 4096;  // records: 1 MiB
 
@@ -67,11 +68,11 @@ Record pack(const FittedSurfel& f) {
     r.fit_error = f.fit_error;
     r.point_id = f.point_id;
     r.n_points = f.n_points;
-    r.degree = static_cast<std::uint8_t>(f.surfel.degree | (f.surfel.rim >> 3) << 2);
+    r.degree = static_cast<std::uint8_t>(f.surfel.degree | (f.surfel.rims.first >> 3) << 2);
     r.level = f.level;
     r.flags = f.flags;
     if (f.surfel.sharp) r.sharp = pack_joins(*f.surfel.sharp);
-    r.sharp = static_cast<std::uint8_t>(r.sharp | (f.surfel.rim & 7) << 4);
+    r.sharp = static_cast<std::uint8_t>(r.sharp | (f.surfel.rims.first & 7) << 4);
     return r;
 }
 
@@ -105,7 +106,7 @@ FittedSurfel unpack(const Record& r) {
                     take_frame(r.axes),
                     {},
                     r.degree_bits()}};
-    f.surfel.rim = r.rim();
+    f.surfel.rims.first = r.rim();
     std::copy(r.coefficients, r.coefficients + kMaxCoefficients, f.surfel.polynomial.a.begin());
     f.fit_error = r.fit_error;
     f.n_points = r.n_points;
@@ -128,6 +129,17 @@ bool is_sound(const Record& r) {
 
 bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }
 
+/// One for each surfel, checked.
+std::span<const PackedRim> second_rims_of(const ChunkFile& file) {
+    file.verify("second_rims");
+    const auto rims = file.array<PackedRim>("second_rims");
+    const std::size_t n = file.array<Record>("surfels").size();
+    if (rims.size() != n)
+        throw FormatError(message(file.path(), ": byte ", file.offset("second_rims"), ": expected ", n,
+                                  " second rims, found ", rims.size()));
+    return rims;
+}
+
 }  // namespace
 
 struct FitWriter::State {
@@ -135,7 +147,8 @@ struct FitWriter::State {
     std::size_t chunk;
     std::vector<Record> waiting;      // a call of the system for many
     std::vector<SheetRecord> sheets;  // of sharp surfels, which are few
-    bool has_rims = false;
+    std::vector<PackedRim> second_rims;  // of all surfels
+    bool has_rims = false, has_second_rims = false;
 
     explicit State(const std::string& path)
         : file(path, kFitKind), chunk(file.open("surfels", sizeof(Record))) {
@@ -152,7 +165,9 @@ FitWriter::~FitWriter() = default;
 
 void FitWriter::add(const FittedSurfel& surfel) {
     state_->waiting.push_back(pack(surfel));
-    state_->has_rims |= surfel.surfel.rim != 0;
+    state_->second_rims.push_back(surfel.surfel.rims.second);
+    state_->has_rims |= surfel.surfel.rims.any();
+    state_->has_second_rims |= surfel.surfel.rims.second != 0;
     if (surfel.surfel.sharp) pack_sheets(*surfel.surfel.sharp, state_->sheets);
     if (state_->waiting.size() == kWrittenAtOnce) state_->flush();
 }
@@ -161,13 +176,16 @@ void FitWriter::commit(const std::string& header_json, std::span<const std::uint
     ChunkWriter& file = state_->file;
     const std::span<const SheetRecord> sheets = state_->sheets;
     state_->flush();
-    file.set_version((state_->has_rims   ? kFitKind
+    file.set_version((state_->has_second_rims ? kFitKind
+                      : state_->has_rims ? kRimsFitKind
                       : !dropped.empty() ? kDroppedFitKind
                       : !sheets.empty()  ? kSharpFitKind
                                          : kSmoothFitKind)
                          .version);
     file.add("header_json", std::span<const char>(header_json));
     if (!sheets.empty()) file.add("sheets", sheets);
+    if (state_->has_second_rims)
+        file.add("second_rims", std::span<const PackedRim>(state_->second_rims));
     if (!dropped.empty()) file.add("dropped", dropped);
     file.commit(Outlasts::process);
 }
@@ -199,6 +217,8 @@ std::size_t FitReader::n_surfels() const { return file_.array<Record>("surfels")
 void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const {
     std::span<const SheetRecord> sheets;
     if (file_.has("sheets")) sheets = file_.array<SheetRecord>("sheets");
+    std::span<const PackedRim> second_rims;
+    if (file_.has("second_rims")) second_rims = second_rims_of(file_);
     const auto take_record = [&](std::size_t i, const Record& r) {
         if (!is_sound(r))
             throw FormatError(message(file_.path(), ": byte ",
@@ -206,6 +226,10 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
                                       " has no finite ball, shape or error, or degree ", int{r.degree},
                                       " or sheets ", int{r.sharp}));
         FittedSurfel surfel = unpack(r);
+        if (!second_rims.empty()) surfel.surfel.rims.second = second_rims[i];
+        if (surfel.surfel.rims.second != 0 && (!surfel.surfel.rims.any() || (r.sharp & 3) != 0))
+            throw FormatError(message(file_.path(), ": byte ", file_.offset("second_rims") + i, ": surfel ", i,
+                                      " has a second rim and no first"));
         const std::size_t extra = r.sharp & 3u;
         if (extra > sheets.size())
             throw FormatError(message(file_.path(), ": surfel ", i, " needs ", extra,

@@ -9,7 +9,6 @@ namespace slim {
 namespace {
 
 /// The radius ladder shrinks by the golden ratio: 64 rungs are a factor of 1e13.
-constexpr int kMostLevels = 64;
 constexpr double kRounding = 1e-6;  // of bounds kept as floats
 
 ModelFault check_header(const SurfelTree& tree) {
@@ -78,13 +77,15 @@ ModelFault check_record(const SurfelTree& tree, std::size_t i) {
 ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& has_parent) {
     const TreeNode& node = tree.node(i);
     const auto fault = [&](auto... parts) { return ModelFault{"nodes", i, message(parts...)}; };
-    if (node.level > kMostLevels) return fault("level ", int{node.level}, " is beyond ", kMostLevels);
     if (node.degree > tree.header().degree)
         return fault("degree ", int{node.degree}, " is above the model's ", tree.header().degree);
     if (!std::isfinite(node.fit_error) || node.fit_error < 0)
         return fault("fit error ", node.fit_error);
-    if (node.rim != 0 && (!node.is_leaf() || (node.flags & kSharp)))
-        return fault("rim ", int{node.rim}, " of a surfel that has none");
+    const PackedRims rims = node.rims();
+    if (rims.any() && (!node.is_leaf() || (node.flags & kSharp)))
+        return fault("rim ", int{rims.first}, " of a surfel that has none");
+    if (rims.second != 0 && !rims.any())
+        return fault("second rim ", int{rims.second}, " of a surfel without a first");
     if (node.n_children == 0) return {};
     if (node.first_child <= i) return fault("child ", node.first_child, " does not follow its parent");
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;

@@ -4,16 +4,18 @@
 #include "formats/model_check.h"
 #include "slim/base/error.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size; a model
-/// is of the lowest version that holds it.
+/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size, version 4 leaves
+/// of two rims; a model is of the lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
 constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
-constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 3};
+constexpr ChunkFileKind kMixedModelKind{"SLIMTREE", "SLIM model", 3};
+constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 4};
 
 /// ModelHeader as it stands in the file: no gaps, sizes fixed.
 struct HeaderRecord {
@@ -62,9 +64,12 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json) {
     const HeaderRecord header = pack(data.header);
-    ChunkWriter writer(path, !data.in_page.empty() ? kModelKind
-                             : !data.sharp.empty() ? kSharpModelKind
-                                                   : kSmoothModelKind);
+    const bool two_rims = std::any_of(data.nodes.begin(), data.nodes.end(),
+                                      [](const TreeNode& n) { return n.rims().second != 0; });
+    ChunkWriter writer(path, two_rims               ? kModelKind
+                             : !data.in_page.empty() ? kMixedModelKind
+                             : !data.sharp.empty()   ? kSharpModelKind
+                                                     : kSmoothModelKind);
     writer.add("header", std::span<const HeaderRecord>(&header, 1));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", std::span<const Vec3d>(data.page_origins));

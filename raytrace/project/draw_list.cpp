@@ -173,7 +173,7 @@ DrawList draw_list(const PixelView& view, const PixelWindow& window, const Surfe
             const std::uint32_t node = cut[order[i]];
             list.records[i] = draw_record(view, tree, node);
             list.full[i] = rects[order[i]];
-            list.rims[i] = tree.node(node).rim;
+            list.rims[i] = tree.node(node).rims();
             list.trimmed[i] = screen_rect(view, window, view.camera_from_local(tree.center(node)),
                                           kHitTrim * tree.support_radius(node));
         }

@@ -36,7 +36,7 @@ struct DrawList {
     std::vector<DrawRecord> records;
     std::vector<ScreenRect> full;     ///< of the support ball
     std::vector<ScreenRect> trimmed;  ///< of the ball shrunken by kHitTrim
-    std::vector<PackedRim> rims;
+    std::vector<PackedRims> rims;
     std::vector<SharpRecord> sharp;       ///< the sharp ones, in the same order
     /// Of each record its entry in `sharp` or kSmooth; empty in smooth models.
     std::vector<std::uint32_t> sharp_of;

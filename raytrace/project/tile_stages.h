@@ -36,19 +36,26 @@ struct RecordDepths {
 // The four functions that work on a group are flattened: g++ 12 leaves out some of their calls as they grow, and a
 // frame took twice as long.
 
-/// A surfel's rim in floats.
+/// A surfel's rims in floats.
 struct RimLanes {
-    float u, v, reach;
-    explicit RimLanes(PackedRim packed) {
-        const Rim rim = unpack_rim(packed);
-        u = static_cast<float>(rim.u), v = static_cast<float>(rim.v);
-        // Whole discs: beyond all that lies in a ball, and finite in the sums below.
-        reach = rim.is_whole() ? 1e3f : static_cast<float>(rim.reach);
-    }
+    struct Line {
+        float u, v, reach;
+        explicit Line(PackedRim packed) {
+            const Rim rim = unpack_rim(packed);
+            u = static_cast<float>(rim.u), v = static_cast<float>(rim.v);
+            // Whole discs: beyond all that lies in a ball, and finite in the sums below.
+            reach = rim.is_whole() ? 1e3f : static_cast<float>(rim.reach);
+        }
+        FloatV inside(const FloatV& x, const FloatV& y) const { return reach - u * x - v * y; }
+    };
+    Line first, second;
+
+    explicit RimLanes(PackedRims packed) : first(packed.first), second(packed.second) {}
     /// rim_share at some places.
     FloatV share(const FloatV& x, const FloatV& y) const {
         constexpr float kPerRamp = static_cast<float>(1 / kRimRamp);
-        return stdx::clamp((reach - u * x - v * y) * kPerRamp, FloatV(0.0f), FloatV(1.0f));
+        const FloatV inside = stdx::min(first.inside(x, y), second.inside(x, y));
+        return stdx::clamp(inside * kPerRamp, FloatV(0.0f), FloatV(1.0f));
     }
 };
 

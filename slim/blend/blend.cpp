@@ -83,9 +83,9 @@ Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supp
 void add_beyond_rims(const Ray& ray, const Gate& gate, std::span<const Surfel* const> supporters,
                      bool want_curvature, BlendSums& sums) {
     for (const Surfel* s : supporters) {
-        if (s->rim == 0) continue;
+        if (!s->rims.any()) continue;
         Surfel whole = *s;
-        whole.rim = 0;
+        whole.rims = {};
         add_supporter(ray, 0.0, gate, whole, want_curvature, sums);
     }
 }
@@ -98,7 +98,7 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
     if (!root || !belongs(*root, t_guess, surfel)) return false;
     const Vec3d gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
     if (!gate.admits(gradient)) return false;
-    const double share = rim_share(unpack_rim(surfel.rim), root->local.x, root->local.y);
+    const double share = rim_share(surfel.rims, root->local.x, root->local.y);
     if (!(share > 0)) return false;
     const double weight = share * weight_kernel(sq_length(root->local));
     sums.weight += weight;
@@ -117,7 +117,7 @@ std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_m
     const auto root = surfel.sharp ? best_joined_root(ray, surfel, trim, t_lo,
                                                       [](double t) { return t; })
                                    : first_smooth_root(local, surfel, t_lo, trim);
-    if (!root || !(rim_share(unpack_rim(surfel.rim), root->local.x, root->local.y) > 0))
+    if (!root || !(rim_share(surfel.rims, root->local.x, root->local.y) > 0))
         return std::nullopt;
     gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
     return local.t_base + surfel.support_radius * root->t;

@@ -2,10 +2,12 @@
 
 #include "slim/base/simd.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -13,6 +15,10 @@ namespace {
 /// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
 /// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
 constexpr double kMargin = 1.2;
+constexpr double kOfEdge = 0.1;   // over rho: so far covered points may lie beyond an edge
+constexpr double kNoRim = 1;      // over rho: where the ball ends
+constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
+constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
 constexpr std::size_t kGroups = kRimDirections / FloatV::size();
 using PerDirection = std::array<FloatV, kGroups>;
 
@@ -47,21 +53,74 @@ PerDirection reaches_of(const CoveringSurfel& leaf, std::span<const Vec3d> posit
     return reach;
 }
 
-}  // namespace
+double reach_in(const PerDirection& reach, std::size_t k) {
+    return static_cast<double>(reach[k / FloatV::size()][k % FloatV::size()]);
+}
 
-PackedRim rim_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
-    if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return 0;
+/// How far the leaf may reach in each direction, over rho.
+struct Bounds {
+    std::array<double, kRimDirections> reach;
+
+    int nearest() const {
+        return static_cast<int>(std::min_element(reach.begin(), reach.end()) - reach.begin());
+    }
+    void leave_out(int k, int width) {
+        for (int d = -width; d <= width; ++d) reach[direction(k + d)] = kNoRim;
+    }
+    static std::size_t direction(int k) {
+        return static_cast<std::size_t>((k + kRimDirections) % kRimDirections);
+    }
+};
+
+/// Sums of the signs of edges by direction; those that would cut off covered points say nothing.
+struct EdgeVotes {
+    std::array<int, kRimDirections> n{};
+    std::array<double, kRimDirections> reach{};
+
+    EdgeVotes(const std::vector<EdgeSign>& edges, const PerDirection& covered) {
+        for (const EdgeSign& e : edges) {
+            const double angle = std::atan2(e.v, e.u) / (2 * std::numbers::pi) * kRimDirections;
+            const std::size_t k = Bounds::direction(static_cast<int>(std::lround(angle)));
+            if (reach_in(covered, k) > static_cast<double>(e.reach) + kOfEdge) continue;
+            ++n[k], reach[k] += static_cast<double>(e.reach);
+        }
+    }
+    /// Mean reach of the signs about a direction that has the most of them; kNoRim elsewhere.
+    double mean(int k) const {
+        int count = 0;
+        double sum = 0;
+        for (int d = -kTogether; d <= kTogether; ++d) {
+            const std::size_t i = Bounds::direction(k + d);
+            if (n[i] > n[Bounds::direction(k)]) return kNoRim;
+            count += n[i], sum += reach[i];
+        }
+        return count > 0 ? sum / count : kNoRim;
+    }
+};
+
+Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     const double margin =
         kMargin * std::sqrt(std::numbers::pi / static_cast<double>(leaf.covered.size()));
-    const PerDirection reach = reaches_of(leaf, position);
-    const auto reach_in = [&](int k) {
-        const auto i = static_cast<std::size_t>(k);
-        return static_cast<double>(reach[i / FloatV::size()][i % FloatV::size()]);
-    };
-    int least = 0;
-    for (int k = 1; k < kRimDirections; ++k)
-        if (reach_in(k) < reach_in(least)) least = k;
-    return pack_rim(least, reach_in(least) + margin);
+    const EdgeVotes votes(leaf.edges, covered);
+    Bounds out;
+    for (int k = 0; k < kRimDirections; ++k) {
+        const double last = reach_in(covered, Bounds::direction(k));
+        out.reach[Bounds::direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
+    }
+    return out;
+}
+
+}  // namespace
+
+PackedRims rims_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+    if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};
+    Bounds bounds = bounds_of(leaf, reaches_of(leaf, position));
+    const int first = bounds.nearest();
+    const PackedRim rim = pack_rim(first, bounds.reach[Bounds::direction(first)]);
+    if (rim == 0) return {};
+    bounds.leave_out(first, kApart);
+    const int second = bounds.nearest();
+    return {rim, pack_rim(second, bounds.reach[Bounds::direction(second)])};
 }
 
 }  // namespace slim

@@ -7,10 +7,10 @@
 
 namespace slim {
 
-/// The rim of a leaf: in the direction in which the points that it covers reach least far, a little more than one
-/// spacing of theirs beyond the last of them. 0 where that is more than 0.56 rho, as on most surfaces, and for
-/// sharp leaves (notes/0007).
+/// The rims of a leaf, up to two: where the points that it covers end on one side, a little more than one spacing of
+/// theirs beyond the last of them (notes/0007), or at the edge that the ball's other points show (notes/0008). None
+/// where those are farther than 0.56 rho, as on most surfaces, and for sharp leaves.
 /// position: of the points that `covered` names. Cost: 32 products a point, by lanes.
-PackedRim rim_of(const CoveringSurfel& leaf, std::span<const Vec3d> position);
+PackedRims rims_of(const CoveringSurfel& leaf, std::span<const Vec3d> position);
 
 }  // namespace slim

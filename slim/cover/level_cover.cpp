@@ -243,7 +243,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
     if (c.few_in_noise && (state_[c.point] & kBeside)) return;
     if (c.leaf) leaves_.make(c, lower, work);
-    if (c.leaf) c.surfel.fitted.surfel.rim = rim_of(c.surfel, block_.position);
+    if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel, block_.position);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 

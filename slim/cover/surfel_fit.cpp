@@ -15,6 +15,7 @@ constexpr float kAtCenter = 0.9999999f;
 constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that needs no higher degree
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 constexpr double kBeside = 9;     // up to this many sqrt(lambda): beside it; rims scatter so far
+constexpr double kEdgeSlope = 0.5;  // sine of the angle between the normals at an edge, 30 degrees
 constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -70,6 +71,20 @@ private:
     Lanes off_ = 0;
 };
 
+/// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too much alike.
+/// n . (x - p) = 0 for x on the surfel, which is taken as its tangent plane over the point.
+std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& normal) {
+    const Vec3d x = s.frame.local_from_world(p), n = s.frame.local_from_world(normal);
+    const double fu = s.polynomial.d_u(x.x, x.y), fv = s.polynomial.d_v(x.x, x.y);
+    const double du = n.x + n.z * fu, dv = n.y + n.z * fv;
+    const double slope = std::hypot(du, dv);
+    if (!(slope > kEdgeSlope)) return {};
+    const double above = s.polynomial.value(x.x, x.y) - x.z;
+    const double reach = (du * x.x + dv * x.y - n.z * above) / slope;
+    return EdgeSign{static_cast<float>(du / slope), static_cast<float>(dv / slope),
+                    static_cast<float>(reach)};
+}
+
 /// Lists the ball's points that the surfel explains and those beside it.
 void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
                   CoveringSurfel& out) {
@@ -83,6 +98,12 @@ void list_covered(const PointTree& tree, const BallPoints<double>& ball, double 
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
         const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
         const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
+        const std::uint64_t inside = s.sharp ? 0 : lane_bits(lanes_at(ball.sq, first) < 1.0);
+        for (std::uint64_t bits = inside & ~near; bits != 0; bits &= bits - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+            const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, {ball.nx[i], ball.ny[i], ball.nz[i]});
+            if (sign) out.edges.push_back(*sign);
+        }
         for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
             const std::size_t i = first + lane;

@@ -20,6 +20,13 @@ struct Covered {
     bool in_core;         ///< |p - c| < alpha rho
 };
 
+/// Where the surface of a point that a surfel does not explain cuts the surfel's own: a line u x + v y = reach in
+/// its tangent plane, coordinates over rho, beyond which the surfel would stand out of that surface.
+struct EdgeSign {
+    float u, v;  ///< unit
+    float reach;
+};
+
 /// A surfel and the points it covers: those it explains, |residual| <= min(4 max(eps, sqrt lambda), 0.3 rho),
 /// that do not face away (DESIGN 4, lesson 4; notes/0001).
 struct CoveringSurfel {
@@ -27,6 +34,7 @@ struct CoveringSurfel {
     std::vector<Covered> covered;
     /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
     std::vector<std::uint32_t> beside;
+    std::vector<EdgeSign> edges;  ///< of points that it does not explain (notes/0008)
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line

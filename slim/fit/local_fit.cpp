@@ -16,7 +16,9 @@ namespace {
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
 constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
-constexpr double kSteepest = 3;          // sum |a_k|, degree >= 1: beyond it the patch leaves its ball
+/// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its ball. A parabola
+/// over a right-angled edge has 2.4 (notes/0008).
+constexpr double kSteepest = 4;
 
 /// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
 template <class T>
@@ -214,9 +216,12 @@ SpreadFit fit_degree_with_spread(const BallPoints<T>& points, double shrink,
 }  // namespace
 
 bool too_steep(const Polynomial<double>& p) {
-    double sum = 0;
-    for (std::size_t k = 1; k < p.a.size(); ++k) sum += std::abs(p.a[k]);
-    return !(sum <= kSteepest);
+    const auto& a = p.a;
+    const double first = std::hypot(a[1], a[2]);
+    const double second = std::abs(a[3] + a[5]) / 2 + std::hypot(a[3] - a[5], a[4]) / 2;
+    const double third = std::hypot(3 * a[6] + a[8], a[7] + 3 * a[9]) / 4 +
+                         std::hypot(a[6] - a[8], a[7] - a[9]) / 4;
+    return !(first + second + third <= kSteepest);
 }
 
 const char* fallback_name(Fallback fallback) {

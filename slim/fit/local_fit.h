@@ -101,7 +101,9 @@ template <class T>
 SpreadFit fit_ball_with_spread(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
                                int degree);
 
-/// Whether a patch leaves its ball, sum |a_k| > 3 over degree >= 1 (NUMERICS 2.4, rule 3).
+/// Whether a patch leaves its ball: |grad P(0)| + max |P_2| + max |P_3| > 4, maxima of the homogeneous parts over
+/// the unit circle (of P_3 a bound). Departs from NUMERICS 2.4, rule 3, sum |a_k| > 3, which depends on the axes: the same
+/// edge passed when it ran along one and became a plane across it when it ran between them (notes/0008).
 bool too_steep(const Polynomial<double>& polynomial);
 
 }  // namespace slim

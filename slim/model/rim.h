@@ -54,9 +54,22 @@ inline Rim unpack_rim(PackedRim packed) {
     return {u, v, kRimStep * (packed & 7)};
 }
 
+/// A surfel's rims: none, one, or two, as at a corner or along a ridge. `second` is 0 where `first` is.
+struct PackedRims {
+    PackedRim first = 0, second = 0;
+
+    bool any() const { return first != 0; }
+    bool operator==(const PackedRims&) const = default;
+};
+
 /// What the rim leaves of a surfel's weight at local (u, v): 1 inside, 0 from the rim on.
 inline double rim_share(const Rim& rim, double u, double v) {
     return std::clamp((rim.reach - (rim.u * u + rim.v * v)) / kRimRamp, 0.0, 1.0);
+}
+
+/// The same for all of a surfel's rims.
+inline double rim_share(PackedRims rims, double u, double v) {
+    return std::min(rim_share(unpack_rim(rims.first), u, v), rim_share(unpack_rim(rims.second), u, v));
 }
 
 }  // namespace slim

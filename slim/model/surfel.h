@@ -23,7 +23,7 @@ struct Surfel {
     int degree = 2;         ///< what it was fitted with, after fallbacks: 0..3
     std::shared_ptr<const SharpSheets> sharp = nullptr;  ///< further sheets; null: smooth, as nearly all are
 
-    PackedRim rim = 0;  ///< of smooth surfels, in the axes of `frame`
+    PackedRims rims = {};  ///< of smooth surfels, in the axes of `frame`
 
     std::size_t n_sheets() const { return sharp ? sharp->n_sheets() : 1; }
     const Frame<double>& sheet_frame(std::size_t i) const {

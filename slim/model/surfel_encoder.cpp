@@ -41,13 +41,20 @@ PackedRim turn_rim(PackedRim packed, const Frame<double>& from, const Frame<doub
     return pack_rim(static_cast<int>((k + kRimDirections) % kRimDirections), rim.reach + 0.5 * kRimStep);
 }
 
+/// What is left of them if one reaches too far now comes first.
+PackedRims turn_rims(PackedRims rims, const Frame<double>& from, const Frame<double>& to) {
+    const PackedRim first = turn_rim(rims.first, from, to), second = turn_rim(rims.second, from, to);
+    if (first == 0) return {second, 0};
+    return {first, second};
+}
+
 }  // namespace
 
 Surfel level_linear(const Surfel& s) {
     if (s.degree > 1) return s;
     const Sheet own = level_plane({s.frame, s.polynomial});
     Surfel out = s;
-    out.rim = turn_rim(s.rim, s.frame, own.frame);
+    out.rims = turn_rims(s.rims, s.frame, own.frame);
     out.frame = own.frame;
     out.polynomial = own.polynomial;
     if (!s.sharp) return out;
@@ -117,7 +124,7 @@ void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
     }
 }
 
-PackedRim SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
+PackedRims SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
     if (out_.records.empty()) make_room();
     const bool packed = !out_.in_page.empty();
     const int degree = packed ? surfel.degree : out_.header.degree;
@@ -132,7 +139,7 @@ PackedRim SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
     r[3] = static_cast<float>(s.support_radius);
     put_sheet({s.frame, s.polynomial}, {r + 4, size - 4});
     if (s.sharp) put_further_sheets(node, *s.sharp);
-    return s.rim;
+    return s.rims;
 }
 
 void SurfelEncoder::put_further_sheets(std::size_t node, const SharpSheets& more) {

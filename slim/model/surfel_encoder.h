@@ -35,9 +35,9 @@ public:
     using Shapes = std::function<SurfelShape(std::size_t node)>;
     SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData& out);
 
-    /// Each node once, with a surfel of the shape that was announced. Returns its rim in the axes that it is
+    /// Each node once, with a surfel of the shape that was announced. Returns its rims in the axes that it is
     /// stored with.
-    PackedRim put(std::size_t node, const Surfel& surfel);
+    PackedRims put(std::size_t node, const Surfel& surfel);
 
 private:
     void lay_out_records(std::size_t n, const Shapes& shape);

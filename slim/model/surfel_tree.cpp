@@ -31,7 +31,7 @@ Surfel SurfelTree::surfel(std::size_t i) const {
     const float* r = record(i);
     const Sheet own = sheet(r + 4, record_degree(i));
     Surfel s{center(i), r[3], own.frame, own.polynomial, nodes_[i].degree};
-    s.rim = nodes_[i].rim;
+    s.rims = nodes_[i].rims();
     if (nodes_[i].flags & kSharp) s.sharp = sharp_sheets(i);
     return s;
 }

@@ -56,11 +56,23 @@ struct TreeNode {
     float bound_radius = 0;     ///< ball about the surfel's centre that holds its ball and all below
     float fit_error = 0;        ///< eps, RMS residual, model units
     std::uint32_t n_points = 0; ///< points in the ball at the fit
-    std::uint8_t level = 0;     ///< 1 is the coarsest
-    std::uint8_t degree = 0;    ///< 0..3, after fallbacks
-    std::uint8_t flags = 0;     ///< NodeFlags
-    PackedRim rim = 0;          ///< where its data end on one side; programs that do not know it see whole discs
+    std::uint8_t level : 6 = 0;    ///< 1 is the coarsest
+    std::uint8_t second_rim_high : 2 = 0;
+    std::uint8_t degree : 2 = 0;   ///< 0..3, after fallbacks
+    std::uint8_t second_rim_low : 6 = 0;
+    std::uint8_t flags = 0;        ///< NodeFlags
+    PackedRim rim = 0;             ///< first of rims(); the second fills the gaps above, zero in older files
 
+    /// Where its data end on one side or two.
+    PackedRims rims() const {
+        return {rim, static_cast<PackedRim>(second_rim_high << 6 | second_rim_low)};
+    }
+    void set_rims(PackedRims rims) {
+        rim = rims.first;
+        second_rim_low = rims.second & 63u;
+        const unsigned high = rims.second >> 6;
+        second_rim_high = high & 3u;
+    }
     bool is_leaf() const { return (flags & kLeaf) != 0; }
     bool is_loose() const { return (flags & kLoose) != 0; }
 };

@@ -211,8 +211,9 @@ std::vector<std::uint32_t> inverse(const std::vector<std::uint32_t>& surfel_of, 
 void describe(const FittedSurfel& s, TreeNode& node) {
     node.fit_error = static_cast<float>(s.fit_error);
     node.n_points = s.n_points;
-    node.level = s.level;
-    node.degree = static_cast<std::uint8_t>(s.surfel.degree);
+    SLIM_CHECK(s.level, <, 64);
+    node.level = s.level & 63u;
+    node.degree = static_cast<unsigned>(s.surfel.degree) & 3u;
     node.flags = static_cast<std::uint8_t>(s.flags | (s.surfel.sharp ? kSharp : 0));
 }
 
@@ -224,7 +225,7 @@ void put_surfels(const SurfelSource& source, const std::vector<std::uint32_t>& n
         const std::uint32_t node = node_of.at(next++);
         if (node == kNoNode) return;
         describe(s, out.nodes[node]);
-        out.nodes[node].rim = encoder.put(node, s.surfel);
+        out.nodes[node].set_rims(encoder.put(node, s.surfel));
     });
     SLIM_CHECK(next, ==, node_of.size());
 }

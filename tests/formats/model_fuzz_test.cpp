@@ -46,7 +46,7 @@ SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
         }
         next += count;
         tree.nodes[i].bound_radius = 100 * static_cast<float>(n - i);
-        tree.nodes[i].degree = static_cast<std::uint8_t>(degree_of(i));
+        tree.nodes[i].degree = static_cast<unsigned>(degree_of(i)) & 3u;
     }
     return tree;
 }

@@ -133,7 +133,8 @@ TEST_P(BruteTest, AgreesWithTheFastRendererOnRims) {
     GBuffer whole, cut;
     render_forward(model.view(), request, whole);
     for (std::size_t i = 1; i < model.nodes.size(); ++i)
-        model.nodes[i].rim = static_cast<PackedRim>(keyed_hash(3, i));
+        model.nodes[i].set_rims({static_cast<PackedRim>(keyed_hash(3, i)),
+                                 static_cast<PackedRim>(keyed_hash(5, i))});
     render_forward(model.view(), request, cut);
     EXPECT_NE(whole.position[2], cut.position[2]);
     for (const bool orthographic : {false, true})

@@ -74,12 +74,17 @@ inline SurfelTreeData flat_tree(std::vector<Surfel> leaves, int degree) {
     const auto n = static_cast<std::uint32_t>(leaves.size());
     leaves.insert(leaves.begin(), Surfel{box.center(), bound, frame_from_normal(Vec3d{0, 0, 1}), {}, 0});
     encode_surfels(leaves, data);
-    data.nodes.push_back({1, n, static_cast<float>(bound * 1.0001), 0, 0, 0, 0, 0, 0});
-    for (std::uint32_t i = 0; i < n; ++i)
-        data.nodes.push_back({kNoNode, 0, static_cast<float>(leaves[i + 1].support_radius),
-                              0.001f * static_cast<float>(i + 1), 30, 3,
-                              static_cast<std::uint8_t>(leaves[i + 1].degree),
-                              static_cast<std::uint8_t>(leaves[i + 1].sharp ? kLeaf | kSharp : kLeaf), 0});
+    data.nodes.push_back({1, n, static_cast<float>(bound * 1.0001)});
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Surfel& leaf = leaves[i + 1];
+        TreeNode& node = data.nodes.emplace_back();
+        node.bound_radius = static_cast<float>(leaf.support_radius);
+        node.fit_error = 0.001f * static_cast<float>(i + 1);
+        node.n_points = 30;
+        node.level = 3;
+        node.degree = static_cast<unsigned>(leaf.degree) & 3u;
+        node.flags = static_cast<std::uint8_t>(leaf.sharp ? kLeaf | kSharp : kLeaf);
+    }
     return data;
 }
 

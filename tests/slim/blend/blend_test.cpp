@@ -53,7 +53,7 @@ TEST(RaySurfel, PolynomialIsTheFunctionAlongTheRay) {
 
 TEST(RaySurfel, NothingIsHitOrBlendedBeyondTheRim) {
     Surfel s{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
-    const Rim rim = unpack_rim(s.rim = pack_rim(0, 0.24));
+    const Rim rim = unpack_rim(s.rims.first = pack_rim(0, 0.24));
     const Vec3d out = s.frame.u_axis * rim.u + s.frame.v_axis * rim.v;
     const auto at = [&](double reach) { return Ray{out * reach + Vec3d{0, 0, 2}, {0, 0, -1}}; };
     const auto weight_at = [&](double reach) {
@@ -72,7 +72,7 @@ TEST(RaySurfel, NothingIsHitOrBlendedBeyondTheRim) {
 
 TEST(ProjectAlong, APointBeyondTheRimsOfAllItsSupportersKeepsThem) {
     Surfel s{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
-    const Rim rim = unpack_rim(s.rim = pack_rim(0, 0.24));
+    const Rim rim = unpack_rim(s.rims.first = pack_rim(0, 0.24));
     const Vec3d out = s.frame.u_axis * rim.u + s.frame.v_axis * rim.v;
     const Surfel* supporters[] = {&s};
     const auto hit = project_along(out * 0.5 + Vec3d{0, 0, 0.1}, {0, 0, 1}, supporters);

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 namespace slim::test {
 namespace {
@@ -30,7 +33,7 @@ double flat(double, double) { return 0; }
 TEST(LeafRim, ASurfaceAllAroundHasNone) {
     PointBlock block;
     const auto leaf = leaf_at({0, 0, 0}, block, [](const Vec3d&) { return true; }, flat);
-    EXPECT_EQ(rim_of(leaf, block.position), 0);
+    EXPECT_EQ(rims_of(leaf, block.position), PackedRims{});
 }
 
 TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
@@ -41,7 +44,7 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
         const auto leaf =
             leaf_at({0, 0, 0}, block, [&](const Vec3d& p) { return dot(p, out) <= 0.06; }, flat);
         const Surfel& s = leaf.fitted.surfel;
-        const Rim rim = unpack_rim(rim_of(leaf, block.position));
+        const Rim rim = unpack_rim(rims_of(leaf, block.position).first);
         ASSERT_FALSE(rim.is_whole());
         EXPECT_GT(dot(s.frame.u_axis * rim.u + s.frame.v_axis * rim.v, out), std::cos(0.12));
         EXPECT_GE(rim.reach, 0.06 / 0.3);  // the border, over rho
@@ -59,7 +62,89 @@ TEST(LeafRim, FewPointsAreNoRim) {
     std::size_t n = 0;
     const auto leaf = leaf_at({0, 0, 0}, block,
                               [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 6; }, flat);
-    EXPECT_EQ(rim_of(leaf, block.position), 0);
+    EXPECT_EQ(rims_of(leaf, block.position), PackedRims{});
+}
+
+/// A leaf on the upper face z = 0 of a solid whose other faces have the outer normals `walls`, all through the line or the
+/// point that lies 0.05 from its centre. The walls have a quarter of its points, so that its normal is its own.
+CoveringSurfel leaf_at_edge(const std::vector<Vec3d>& walls, PointBlock& block) {
+    block = {};
+    const auto add = [&](const Vec3d& p, const Vec3d& n) {
+        block.position.push_back(p);
+        block.normal.push_back(to_float(n));
+        block.id.push_back(block.id.size());
+    };
+    add({0, 0, 0}, {0, 0, 1});
+    const auto behind_all = [&](const Vec3d& p, const Vec3d* but) {
+        return std::all_of(walls.begin(), walls.end(), [&](const Vec3d& w) {
+            return &w == but || dot(w, p) <= 0.05 * std::hypot(w.x, w.y) + 1e-12;
+        });
+    };
+    const auto random = [](std::uint64_t i) { return 0.3 * random_at(7, i); };
+    for (std::uint64_t i = 0; i < 240; ++i) {
+        const Vec3d p{random(2 * i), random(2 * i + 1), 0};
+        if (behind_all(p, nullptr)) add(p, {0, 0, 1});
+    }
+    for (const Vec3d& w : walls) {
+        const Vec3d out = normalized(Vec3d{w.x, w.y, 0}), along{-out.y, out.x, 0};
+        const Vec3d down = normalized(Vec3d{0, 0, -1} + w * w.z);
+        for (std::uint64_t i = 0; i < 60; ++i) {
+            const Vec3d p = out * 0.05 + along * random(1000 + 2 * i) +
+                            down * (0.02 + 0.3 + random(1001 + 2 * i));
+            if (behind_all(p, &w)) add(p, w);
+        }
+    }
+    BallPoints<double> work;
+    return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work);
+}
+
+double reach_towards(const CoveringSurfel& leaf, const Rim& rim, const Vec3d& out) {
+    const Frame<double>& f = leaf.fitted.surfel.frame;
+    return rim.reach / dot(f.u_axis * rim.u + f.v_axis * rim.v, out);
+}
+
+TEST(LeafRim, EndsAtTheEdgeThatOtherPointsShow) {
+    for (const double angle : {85.0, 95.0, 105.0}) {  // between the normals
+        SCOPED_TRACE(angle);
+        const double a = angle * std::numbers::pi / 180;
+        PointBlock block;
+        const auto leaf = leaf_at_edge({{std::sin(a), 0, std::cos(a)}}, block);
+        const PackedRims rims = rims_of(leaf, block.position);
+        ASSERT_TRUE(rims.any());
+        const double reach = reach_towards(leaf, unpack_rim(rims.first), {1, 0, 0});
+        EXPECT_GE(reach, 0.05 / 0.3 - 1e-6);
+        EXPECT_LE(reach, 0.05 / 0.3 + 1.5 * kRimStep);  // 1.2 spacings would be 0.2 further
+    }
+}
+
+TEST(LeafRim, ACornerHasTwo) {
+    PointBlock block;
+    const auto leaf = leaf_at_edge({{1, 0, 0}, {0, 1, 0}}, block);
+    const PackedRims rims = rims_of(leaf, block.position);
+    ASSERT_TRUE(rims.any());
+    ASSERT_NE(rims.second, 0);
+    for (const PackedRim rim : {rims.first, rims.second}) {
+        const Rim r = unpack_rim(rim);
+        const Vec3d out = leaf.fitted.surfel.frame.u_axis * r.u + leaf.fitted.surfel.frame.v_axis * r.v;
+        EXPECT_GT(std::max(out.x, out.y), 0.98);
+        EXPECT_LE(r.reach, 0.05 / 0.3 + 1.5 * kRimStep);
+    }
+}
+
+TEST(LeafRim, AWallThatRisesIsNoEdge) {
+    // A concave edge: the leaf ends behind the wall, where nothing sees it; the wall's points say nothing.
+    PointBlock block;
+    auto leaf = leaf_at_edge({{1, 0, 0}}, block);
+    const std::size_t n_signs = leaf.edges.size();
+    ASSERT_GT(n_signs, 10u);
+    leaf.edges.clear();
+    const PackedRims by_border = rims_of(leaf, block.position);
+    for (std::size_t i = 0; i < block.size(); ++i)
+        if (block.normal[i].x > 0.5f) block.normal[i].x = -1, block.position[i].z *= -1;
+    BallPoints<double> work;
+    const auto concave = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work);
+    ASSERT_GT(concave.edges.size(), 10u);
+    EXPECT_EQ(rims_of(concave, block.position), by_border);
 }
 
 }  // namespace

@@ -290,6 +290,18 @@ TEST(LocalFit, SteepFieldsFallBackUntilTheyStayInTheirBall) {
     for (std::size_t k = 1; k < kMaxCoefficients; ++k) EXPECT_EQ(plane.polynomial.a[k], 0);
 }
 
+TEST(LocalFit, ARightAngledEdgeIsAParabolaWhereverItRuns) {
+    for (double angle = 0; angle < 3; angle += 0.19) {
+        SCOPED_TRACE(angle);
+        const auto edge = ball_of<double>(
+            400, 1, 4, [&](double u, double v) { return -std::abs(u * std::cos(angle) + v * std::sin(angle)); },
+            0.7);
+        const LocalFit fit = fit_ball(edge, 1, kUpright, 2);
+        EXPECT_EQ(fit.degree, 2);
+        EXPECT_LT(std::sqrt(fit.sq_error), 0.08);  // a plane has 0.15
+    }
+}
+
 TEST(LocalFit, CoincidingPointsMakeADisc) {
     for (const double off : {0.0, 0.3})
         for (int degree = 1; degree <= 3; ++degree) {

@@ -80,7 +80,7 @@ TEST(Surfel, ComesBackFromTheRecordsAsItWasEncoded) {
         SurfelTreeData data;
         data.header.degree = degree;
         data.nodes.resize(surfels.size());
-        for (TreeNode& n : data.nodes) n.degree = static_cast<std::uint8_t>(degree);
+        for (TreeNode& n : data.nodes) n.degree = static_cast<unsigned>(degree) & 3u;
         encode_surfels(surfels, data);
         ASSERT_EQ(data.page_origins.size(), 3u);
         const SurfelTree tree = data.view();
@@ -111,7 +111,7 @@ TEST(Surfel, RecordsOfMixedDegreesTakeTheirOwnBytesAndComeBack) {
                            frame_from_normal(round_normal(random_direction(10, i))),
                            random_polynomial(i, degree), degree});
         data.nodes.emplace_back();
-        data.nodes.back().degree = static_cast<std::uint8_t>(degree);
+        data.nodes.back().degree = static_cast<unsigned>(degree) & 3u;
         floats += static_cast<std::size_t>(floats_per_surfel(degree));
     }
     encode_surfels(surfels, data);
