@@ -19,7 +19,8 @@ struct ChildResult {
 std::filesystem::path program_folder();
 
 /// Runs a program to its end, its stdout captured, its stderr and stdin ours. It gets our SIGINT and
-/// SIGTERM. IoError if it cannot be started.
+/// SIGTERM, and SIGKILL at our end if that comes first: call in the main thread. IoError if it cannot be
+/// started.
 ChildResult run_child(const std::vector<std::string>& arguments);
 
 }  // namespace slim
