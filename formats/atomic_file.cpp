@@ -74,7 +74,9 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const char* doing) const {
-    throw IoError(message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(errno)),
+    const int error = errno;
+    const char* const hint = error == EFBIG ? " (see `ulimit -f`)" : "";
+    throw IoError(message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(error), hint),
                   ExitCode::resource);
 }
 

@@ -167,14 +167,19 @@ TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {
     const rlimit small{1000, before.rlim_max};
     setrlimit(RLIMIT_FSIZE, &small);
     ExitCode code = ExitCode::ok;
+    std::string said;
     try {
         write_file_atomically(folder.file("big"), std::string(5000, 'x'));
     } catch (const IoError& error) {
         code = error.code();
+        said = error.what();
     }
     setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, old_handler);
     EXPECT_EQ(code, ExitCode::resource);
+    EXPECT_NE(said.find("byte 1000: cannot be written: File too large (see `ulimit -f`)"),
+              std::string::npos)
+        << said;
     EXPECT_EQ(folder.n_files(), 0u);
     try {
         write_file_atomically(folder.file("no/such/folder"), "x");
