@@ -138,8 +138,10 @@ std::string field_help(const Field& field) {
         std::string value = fmt::format("{}", fmt::join(field.items(), ","));
         text += fmt::format(" (default: {})", field.is_flag() ? (value == "true" ? "on" : "off") : value);
     }
-    if (field.is_flag() && !field.empty() && field.items()[0] == "true")
+    if (field.is_flag() && field.items()[0] == "true") {
         name = "--no-" + field.option().substr(2);
+        text = "turns off what is on by default: " + field.help;
+    }
     return fmt::format("  {:<22} {}\n", name, text);
 }
 
