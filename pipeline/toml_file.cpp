@@ -130,8 +130,9 @@ TomlTable read_toml(const fs::path& file) {
     std::stringstream text;
     if (in) text << in.rdbuf();
     if (!in || fs::is_directory(file))
-        throw IoError(fmt::format("{}: cannot read: {}", file.string(),
-                                  fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
+        throw ConfigError(
+            fmt::format("{}: cannot read: {}", file.string(),
+                        fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
     try {
         return read_table("", toml::parse(text.view(), file.string()), file);
     } catch (const toml::parse_error& error) {

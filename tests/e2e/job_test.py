@@ -163,6 +163,10 @@ def wrong_jobs():
     job.write_text("[input]\nfiles = ['nowhere.ply']\n")
     result = run("slim", "run", "wrong.toml", "--json")
     check(result.code == 3 and "nowhere.ply" in result.json()["error"]["message"], result.err)
+    for verb in ("run", "plan"):
+        result = run("slim", verb, "nowhere.toml", "--json")
+        check(result.code == 2 and "nowhere.toml" in result.json()["error"]["message"],
+              f"{verb} without its job file: {result.code} {result.err}")
 
 
 whole_job()

@@ -208,8 +208,8 @@ TEST(TomlFile, RefusesWrongTypes) {
 
 TEST(TomlFile, MissingFileIsAnInputError) {
     SampleConfig config;
-    EXPECT_THROW(apply_config_file("/no/such.toml", fields_of(config)), IoError);
-    EXPECT_THROW(apply_config_file(testing::TempDir(), fields_of(config)), IoError);
+    EXPECT_THROW(apply_config_file("/no/such.toml", fields_of(config)), ConfigError);
+    EXPECT_THROW(apply_config_file(testing::TempDir(), fields_of(config)), ConfigError);
 }
 
 TEST(TomlFile, KeepsTheOrderOfTablesInTheFile) {
