@@ -17,13 +17,15 @@ namespace slim {
 ///     -o x.png, one AOV     x.png
 ///     -o x.png, several     x.<aov>.png
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
+///     -o x.PNG, x.EXR       the same, their extension as given
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
     std::vector<std::string> drawn;           ///< those AOVs
-    std::filesystem::path stem;               ///< without extension: manifest and legends
+    std::filesystem::path stem;               ///< without extension: legends
+    std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
 };
 

@@ -265,7 +265,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
 
     require_model(config.model);
 
-    Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
+    Stamp stamp(context, manifest_path(plan.named.string()));
     stamp.input(config.model);
     stamp.depends("drawn as " + plan.stem.filename().string());
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);

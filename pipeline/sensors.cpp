@@ -1,5 +1,6 @@
 #include "pipeline/sensors.h"
 
+#include "formats/extension.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
 
 std::string scans_json_path(const std::string& cloud_path) {
     std::filesystem::path path(cloud_path);
-    if (path.extension() == ".gz") path.replace_extension();
+    if (lower_extension(cloud_path) == ".gz") path.replace_extension();
     return path.replace_extension(".scans.json").string();
 }
 
