@@ -78,7 +78,8 @@ ModelFault check_record(const SurfelTree& tree, std::size_t i) {
 ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& has_parent) {
     const TreeNode& node = tree.node(i);
     const auto fault = [&](auto... parts) { return ModelFault{"nodes", i, message(parts...)}; };
-    if (node.level > kMostLevels) return fault("level ", int{node.level}, " is beyond ", kMostLevels);
+    if (node.level > kMostLevels)
+        return fault("level ", int{node.level}, " is beyond ", kMostLevels);
     if (node.degree > tree.header().degree)
         return fault("degree ", int{node.degree}, " is above the model's ", tree.header().degree);
     if (!std::isfinite(node.fit_error) || node.fit_error < 0)
@@ -86,7 +87,8 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
     if (node.rim != 0 && (!node.is_leaf() || (node.flags & kSharp)))
         return fault("rim ", int{node.rim}, " of a surfel that has none");
     if (node.n_children == 0) return {};
-    if (node.first_child <= i) return fault("child ", node.first_child, " does not follow its parent");
+    if (node.first_child <= i)
+        return fault("child ", node.first_child, " does not follow its parent");
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
     if (end > tree.n_nodes())
         return fault("children up to ", end, ", but there are ", tree.n_nodes(), " nodes");

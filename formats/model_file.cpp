@@ -9,8 +9,8 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size; a model
-/// is of the lowest version that holds it.
+/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size; a
+/// model is of the lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
 constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
 constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 3};

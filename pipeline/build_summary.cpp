@@ -81,9 +81,10 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
         memory_size_text(count(result, "bytes")), result.value("leaf_error_rms", 0.0), noise);
     text += costs(result.at("stages")) + remarks(result);
     const std::string picture = std::filesystem::path(model).replace_extension(".png").string();
-    return text + fmt::format("next: slim render {0} -o {1}\n      slim measure {0} {2}   (l2: RMS distance "
-                              "of the points to the leaves as they blend)\n",
-                              model, picture, clouds.at(0));
+    text += fmt::format("next: slim render {} -o {}\n", model, picture);
+    return text + fmt::format("      slim measure {} {}   (l2: RMS distance of the points to the "
+                              "leaves as they blend)\n",
+                              model, clouds.at(0));
 }
 
 }  // namespace slim

@@ -43,12 +43,14 @@ struct Pipe {
     int ends[2];
 };
 
-/// The child after fork: other threads may have held locks, so system calls only. Stdout to `out`, the
-/// signals that watch_signals blocked and ignored as they were; why it could not start goes to `said`.
+/// The child after fork: other threads may have held locks, so system calls only. Stdout to `out`,
+/// the signals that watch_signals blocked and ignored as they were; why it could not start goes to
+/// `said`.
 [[noreturn]] void become(char* const* argv, int out, int said, pid_t parent) {
-    // The child works for its parent alone: were that killed, it would go on and hold the folder's lock.
+    // The child works for its parent alone: were that killed, it would go on and hold the folder's
+    // lock.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(static_cast<int>(ExitCode::internal));  // killed before that call
+    if (getppid() != parent) _exit(static_cast<int>(ExitCode::internal));  // it ended before
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -59,7 +61,8 @@ struct Pipe {
     _exit(static_cast<int>(ExitCode::internal));
 }
 
-/// Call in the main thread: the kernel takes the end of the thread that forked for the parent's end.
+/// Call in the main thread: the kernel takes the end of the thread that forked for the parent's
+/// end.
 pid_t spawn(const std::vector<std::string>& arguments, int out) {
     std::vector<char*> argv;
     for (const std::string& word : arguments) argv.push_back(const_cast<char*>(word.c_str()));

@@ -37,12 +37,12 @@ void make_folder(const OutputPlan& plan);
 
 /// The EXR's channels for these AOVs, names as in CONVENTIONS 1.1. `planes` keeps what had to be
 /// rearranged and must outlive the result.
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
-                                     const Picture& shaded,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
+                                     const RenderedFrame& frame, const Picture& shaded,
                                      std::vector<std::vector<float>>& planes);
 
-/// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths stay
-/// out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
+/// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths
+/// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
 ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
                             const std::string& model_hash, const ModelHeader& model,
                             const Camera& camera);

@@ -25,7 +25,8 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
         const auto scans = nlohmann::json::parse(file);  // named: it must outlive the loop
         for (const auto& scan : scans.at("scans")) {
             const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
-            // A scanner that is far away, or known by its view only, is a direction: object to scanner.
+            // A scanner that is far away, or known by its view only, is a direction: object to
+            // scanner.
             const bool far = scan.contains("direction");
             const auto p = scan.at(far ? "direction" : "position").get<std::vector<double>>();
             if (p.size() != 3 || id > 65535)

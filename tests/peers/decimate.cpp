@@ -1,10 +1,12 @@
-// A mesh decimated by Garland and Heckbert's quadrics (CGAL), and how far the original vertices lie from it.
+// A mesh decimated by Garland and Heckbert's quadrics (CGAL), and how far the original vertices lie
+// from it.
 //
 //   peer_decimate MESH_OR_CLOUD.ply FACES...
 //
-// A cloud without faces is meshed first, through its own points (advancing front). Prints one line of JSON for every
-// number of faces: faces, vertices, and over the diagonal of the vertices' bounding box the RMS and the
-// largest distance to the mesh, and the RMS distance to the mesh with its coordinates rounded to 16 bits.
+// A cloud without faces is meshed first, through its own points (advancing front). Prints one line
+// of JSON for every number of faces: faces, vertices, and over the diagonal of the vertices'
+// bounding box the RMS and the largest distance to the mesh, and the RMS distance to the mesh with
+// its coordinates rounded to 16 bits.
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -93,7 +95,8 @@ void round_to_16_bits(Mesh& mesh, const CGAL::Bbox_3& box) {
     }
 }
 
-// "Stop" is asked before every collapse: the sweep takes its pictures of the mesh there, in one run.
+// "Stop" is asked before every collapse: the sweep takes its pictures of the mesh there, in one
+// run.
 struct Sweep {
     std::vector<std::size_t>* targets;  // rising; the last is due next
     const std::function<void(Mesh)>* take;

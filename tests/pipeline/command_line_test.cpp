@@ -130,7 +130,8 @@ TEST(CommandLine, HelpOfASwitchSaysWhatTheSwitchDoes) {
     EXPECT_NE(text.find("  --no-legend            turns off what is on by default: legend\n"),
               std::string::npos)
         << text;
-    EXPECT_NE(text.find("  --strict               strict (default: off)\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("  --strict               strict (default: off)\n"), std::string::npos)
+        << text;
 }
 
 TEST(CommandLine, HelpIsAnsweredWhateverElseIsThere) {
