@@ -40,7 +40,8 @@ struct RenderJob {
 };
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
 }
 
 double median(std::vector<double> values) {
@@ -225,8 +226,8 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
     return {{"files", files},
             {"width", job.size.width},
             {"height", job.size.height},
-            {"rendered_pixels", static_cast<std::int64_t>(job.size.width) * job.size.height * factor *
-                                    factor},
+            {"rendered_pixels",
+             static_cast<std::int64_t>(job.size.width) * job.size.height * factor * factor},
             {"covered_pixels", s.covered_pixels},
             {"surfels_drawn", s.surfels_drawn},
             {"loose_hidden", s.loose_hidden},
@@ -265,7 +266,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
 
     require_model(config.model);
 
-    Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
+    Stamp stamp(context, manifest_path(plan.named.string()));
     stamp.input(config.model);
     stamp.depends("drawn as " + plan.stem.filename().string());
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);

@@ -72,9 +72,11 @@ inline void compress_to(const LanesOfDouble<T>& v, std::uint64_t bits, T* out) {
 /// The same for as many floats as one instruction works on.
 inline void compress_to(const FloatV& v, std::uint64_t bits, float* out) {
 #ifdef __AVX512VL__
-    _mm512_storeu_ps(out, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), static_cast<__m512>(v)));
+    _mm512_storeu_ps(
+        out, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), static_cast<__m512>(v)));
 #else
-    for (; bits != 0; bits &= bits - 1) *out++ = v[static_cast<std::size_t>(std::countr_zero(bits))];
+    for (; bits != 0; bits &= bits - 1)
+        *out++ = v[static_cast<std::size_t>(std::countr_zero(bits))];
 #endif
 }
 
