@@ -30,7 +30,7 @@ double flat(double, double) { return 0; }
 TEST(LeafRim, ASurfaceAllAroundHasNone) {
     PointBlock block;
     const auto leaf = leaf_at({0, 0, 0}, block, [](const Vec3d&) { return true; }, flat);
-    EXPECT_EQ(rim_of(leaf, block.position), 0);
+    EXPECT_EQ(rim_of(leaf), 0);
 }
 
 TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
@@ -41,7 +41,7 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
         const auto leaf =
             leaf_at({0, 0, 0}, block, [&](const Vec3d& p) { return dot(p, out) <= 0.06; }, flat);
         const Surfel& s = leaf.fitted.surfel;
-        const Rim rim = unpack_rim(rim_of(leaf, block.position));
+        const Rim rim = unpack_rim(rim_of(leaf));
         ASSERT_FALSE(rim.is_whole());
         EXPECT_GT(dot(s.frame.u_axis * rim.u + s.frame.v_axis * rim.v, out), std::cos(0.12));
         EXPECT_GE(rim.reach, 0.06 / 0.3);  // the border, over rho
@@ -59,7 +59,7 @@ TEST(LeafRim, FewPointsAreNoRim) {
     std::size_t n = 0;
     const auto leaf = leaf_at({0, 0, 0}, block,
                               [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 6; }, flat);
-    EXPECT_EQ(rim_of(leaf, block.position), 0);
+    EXPECT_EQ(rim_of(leaf), 0);
 }
 
 }  // namespace
