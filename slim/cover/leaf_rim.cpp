@@ -38,18 +38,13 @@ struct Directions {
 };
 
 /// How far the covered points reach in each direction, over rho; at least 0, where the centre is.
-PerDirection reaches_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+[[gnu::flatten]] PerDirection reaches_of(const CoveringSurfel& leaf) {
     static const Directions directions;
-    const Surfel& s = leaf.fitted.surfel;
     PerDirection reach;
     reach.fill(FloatV(0.0f));
-    for (const Covered& c : leaf.covered) {
-        const Vec3d x = (position[c.point] - s.center) / s.support_radius;
-        const auto u = static_cast<float>(dot(s.frame.u_axis, x));
-        const auto v = static_cast<float>(dot(s.frame.v_axis, x));
+    for (const Covered& c : leaf.covered)
         for (std::size_t g = 0; g < kGroups; ++g)
-            reach[g] = stdx::max(reach[g], directions.u[g] * u + directions.v[g] * v);
-    }
+            reach[g] = stdx::max(reach[g], directions.u[g] * c.u + directions.v[g] * c.v);
     return reach;
 }
 
@@ -112,9 +107,9 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
 
 }  // namespace
 
-PackedRims rims_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+PackedRims rims_of(const CoveringSurfel& leaf) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};
-    Bounds bounds = bounds_of(leaf, reaches_of(leaf, position));
+    Bounds bounds = bounds_of(leaf, reaches_of(leaf));
     const int first = bounds.nearest();
     const PackedRim rim = pack_rim(first, bounds.reach[Bounds::direction(first)]);
     if (rim == 0) return {};
