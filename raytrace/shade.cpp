@@ -160,19 +160,25 @@ struct PixelLanes {
     Vec3V normal, toward_eye;
 };
 
+/// The first n of some floats or bytes; zeros then.
+template <class T>
+FloatV load_some(const T* from, int n) {
+    alignas(64) std::array<float, kLanes> in;
+    if (n == kLanes)
+        for (std::size_t k = 0; k < kLanes; ++k) in[k] = from[k];
+    else
+        for (int k = 0; k < kLanes; ++k) in[static_cast<std::size_t>(k)] = k < n ? from[k] : 0;
+    return FloatV(in.data(), stdx::vector_aligned);
+}
+
 PixelLanes load_lanes(const Surface& surface, int x, int y) {
     const std::size_t i = surface.index(x, y);
     PixelLanes p{x, y, std::min(kLanes, surface.width - x), FloatV(0.0f), {}, {}};
-    alignas(64) std::array<std::array<float, kLanes>, 4> in{};
-    if (p.n == kLanes && std::none_of(&surface.hit[i], &surface.hit[i] + kLanes, [](auto h) { return h != 0; }))
-        return p;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(p.n); ++k) {
-        in[0][k] = surface.normals.x[i + k], in[1][k] = surface.normals.y[i + k];
-        in[2][k] = surface.normals.z[i + k], in[3][k] = surface.hit[i + k];
-    }
-    const auto lanes = [&](std::size_t k) { return FloatV(in[k].data(), stdx::vector_aligned); };
-    p.hit = lanes(3);
-    p.normal = unit_lanes(surface.frame.from_world(Vec3V{lanes(0), lanes(1), lanes(2)}));
+    p.hit = load_some(&surface.hit[i], p.n);
+    if (stdx::none_of(p.hit > 0.0f)) return p;
+    const NormalPlanes& n = surface.normals;
+    p.normal = unit_lanes(surface.frame.from_world(
+        Vec3V{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}));
     p.toward_eye = surface.frame.toward_eye(screen_coordinate(x, surface.width),
                                             2 / static_cast<float>(surface.width),
                                             -screen_coordinate(y, surface.height));
@@ -216,8 +222,13 @@ void store_lanes(const Vec3V& color, const FloatV& alpha, int n, float* rgba) {
     color.y.copy_to(out[1].data(), stdx::vector_aligned);
     color.z.copy_to(out[2].data(), stdx::vector_aligned);
     alpha.copy_to(out[3].data(), stdx::vector_aligned);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k)
-        for (std::size_t c = 0; c < 4; ++c) rgba[4 * k + c] = out[c][k];
+    const auto put = [&](std::size_t k) {
+        rgba[4 * k] = out[0][k], rgba[4 * k + 1] = out[1][k], rgba[4 * k + 2] = out[2][k], rgba[4 * k + 3] = out[3][k];
+    };
+    if (n == kLanes)
+        for (std::size_t k = 0; k < kLanes; ++k) put(k);
+    else
+        for (int k = 0; k < n; ++k) put(static_cast<std::size_t>(k));
 }
 
 [[gnu::flatten]] void shade_lanes(const Surface& surface, const Lighting& lighting, int x, int y, float* rgba) {

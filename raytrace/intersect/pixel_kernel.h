@@ -2,6 +2,7 @@
 
 #include "raytrace/intersect/cubic_in_ball.h"
 #include "raytrace/intersect/pixel_record.h"
+#include "raytrace/intersect/ray_kernel.h"
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
 
@@ -65,9 +66,26 @@ struct PlaneLanes {
 template <int Degree, class V>
 [[gnu::always_inline]] inline PlaneLanes<V> plane_lanes(const PixelRecord<Degree>& r, const RowOf<Degree>& row,
                                                         const V& s, const V& tau) {
-    const V kappa = V(r.kappa_0) + tau * V(r.kappa_1);
-    return {V(r.u_0) + tau * V(r.u_1) + kappa * (s * V(r.u_axis[0]) + V(row.u_t)),
-            V(r.v_0) + tau * V(r.v_1) + kappa * (s * V(r.v_axis[0]) + V(row.v_t))};
+    const V share = 1.0f + tau * V(r.kappa);
+    return {tau * V(r.u_tau) + share * (s * V(r.u_axis[0]) + V(row.u_t)),
+            tau * V(r.v_tau) + share * (s * V(r.v_axis[0]) + V(row.v_t))};
+}
+
+/// Gradient of f times rho at tau, camera axes. For degree 2 it is affine in tau and (1 + kappa tau) (s, t).
+template <int Degree, class V>
+[[gnu::always_inline]] inline GradientLanes<V> pixel_gradient(const PixelRecord<Degree>& r, const RowOf<Degree>& row,
+                                                              const V& s, const V& tau) {
+    if constexpr (Degree == 2) {
+        constexpr std::size_t k = PixelRecord<2>::kGradient;
+        const V share_s = s * (1.0f + tau * V(r.kappa));
+        const auto at = [&](std::size_t axis) __attribute__((always_inline)) {
+            return V(row.c[k + axis]) + tau * V(row.c[k + 3 + axis]) + share_s * V(r.gradient_s[axis]);
+        };
+        return {at(0), at(1), at(2)};
+    } else {
+        const auto [u, v] = plane_lanes<Degree, V>(r, row, s, tau);
+        return gradient_at<Degree, V>(r, u, v);
+    }
 }
 
 /// The smaller root in size of k0 + 2 h t + k2 t^2 is -k0 / q, the other one -q / k2, q = h + sign(h) sqrt(h^2 - k0 k2)
@@ -77,13 +95,15 @@ template <class V>
     // Exact products by fma (Kahan): the discriminant near a tangent.
     const V w = k0 * k2;
     const V discriminant = lanes_fma(h, h, -w) - lanes_fma(k0, k2, -w);
-    return h + lanes_copysign(discriminant * inverse_sqrt(discriminant), h);
+    const V inverse = inverse_sqrt(discriminant), root = discriminant * inverse;
+    // One more step, for the last bit.
+    return h + lanes_copysign(root + (0.5f * inverse) * lanes_fma(-root, root, discriminant), h);
 }
 
 /// The first root in a ball of squared radius `sq_radius` at tau >= lo.
 template <int Degree, class V>
 [[gnu::always_inline]] inline RootLanes<V> first_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                         float sq_radius, float lo, float reach) {
+                                                         float sq_radius, float lo) {
     const auto inside = [&](const V& tau) __attribute__((always_inline)) {
         return ball.sq_distance(tau) < V(sq_radius) && tau >= V(lo);
     };
@@ -92,9 +112,10 @@ template <int Degree, class V>
         return masked_root<V>(tau, inside(tau));
     } else if constexpr (Degree == 2) {
         const V q = quadratic_q<V>(k[0], 0.5f * k[1], k[2]);
-        const V small = -k[0] * reciprocal(q);
-        // The other root is seldom anywhere near.
-        if (stdx::none_of(stdx::abs(q) <= V(reach) * stdx::abs(k[2]))) return masked_root<V>(small, inside(small));
+        const V inverse = reciprocal(q), first = -k[0] * inverse;
+        const V small = first - inverse * lanes_fma(first, q, k[0]);
+        // The other root is seldom anywhere near: |tau| is at most the radius in the ball, which is as deep as it is wide.
+        if (stdx::none_of(q * q <= V(sq_radius) * (k[2] * k[2]))) return masked_root<V>(small, inside(small));
         const V large = -q / k[2];
         const V near = stdx::min(small, large), far = stdx::max(small, large);
         const auto near_in = inside(near);
@@ -118,7 +139,8 @@ template <int Degree, class V>
         return masked_root<V>(tau, active && ball.l * (tau * tau) <= window * window && inside(tau));
     } else if constexpr (Degree == 2) {
         const V q = quadratic_q<V>(k[0], 0.5f * k[1], k[2]);
-        const V small = -k[0] * reciprocal(q);
+        const V inverse = reciprocal(q), first = -k[0] * inverse;
+        const V small = first - inverse * lanes_fma(first, q, k[0]);
         const auto small_in = active && inside(small);
         // The other root is seldom within the window.
         const auto other = active && !small_in && q * q * ball.l <= (window * window) * (k[2] * k[2]);

@@ -83,6 +83,13 @@ DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t shee
     return r;
 }
 
+/// Near the eye or beyond 64 degrees off the axis, where what a PixelRecord adds up is no longer of the order of 1.
+bool is_extreme(const PixelView& view, const Vec3d& c, double radius) {
+    constexpr double kSqSlope = 4;
+    if (view.orthographic) return false;
+    return c.z <= 4 * radius || c.x * c.x + c.y * c.y > kSqSlope * c.z * c.z;
+}
+
 /// A sharp surfel reaches anywhere in its ball.
 void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
                 DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
@@ -115,20 +122,22 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
     DrawItem& item = list.items[i];
     item.z_center = c.z, item.z_base = grid_of(view, c.z, s.support_radius).z_base;
     item.node = node, item.rim = s.rim;
-    if (s.sharp) return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
+    if (s.sharp || is_extreme(view, c, s.support_radius)) {
+        item.general = 0;
+        return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
+    }
     bound_patch(view, window, s, c, item, list.full[i], list.trimmed[i]);
     if (!list.full[i].empty()) fill_pixel_record(view, s, list.records[i]);
 }
 
-/// Further sheets of what is drawn; nothing at all for smooth models.
+/// What the general kernels draw, in order.
 template <int Degree>
-void add_sharp(const PixelView& view, const SurfelTree& tree, DrawList<Degree>& list) {
-    if (tree.sharp().empty()) return;
+void add_general(const PixelView& view, const SurfelTree& tree, DrawList<Degree>& list) {
     for (const std::uint32_t i : list.order) {
         DrawItem& item = list.items[i];
-        if (!(tree.node(item.node).flags & kSharp)) continue;
-        item.sharp = static_cast<std::uint32_t>(list.sharp.size());
-        list.sharp.push_back(sharp_record(view, tree.surfel(item.node), item.node));
+        if (item.general == kFast) continue;
+        item.general = static_cast<std::uint32_t>(list.general.size());
+        list.general.push_back(sharp_record(view, tree.surfel(item.node), item.node));
     }
 }
 
@@ -137,8 +146,7 @@ void add_sharp(const PixelView& view, const SurfelTree& tree, DrawList<Degree>& 
 SharpRecord sharp_record(const PixelView& view, const Surfel& s, std::uint32_t node) {
     SharpRecord out;
     out.n_sheets = s.n_sheets();
-    out.outer = s.sharp->outer;
-    out.inner = s.sharp->inner;
+    if (s.sharp) out.outer = s.sharp->outer, out.inner = s.sharp->inner;
     for (std::size_t i = 0; i < out.n_sheets; ++i) out.sheet[i] = sheet_record(view, s, i, node);
     return out;
 }
@@ -162,7 +170,7 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
     });
     list.order = sorted_order(keys);
     std::erase_if(list.order, [&](std::uint32_t i) { return list.full[i].empty(); });
-    add_sharp(view, tree, list);
+    add_general(view, tree, list);
     return list;
 }
 

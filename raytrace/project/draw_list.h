@@ -15,10 +15,10 @@
 
 namespace slim {
 
-/// A sharp surfel in the form of the kernels, sheet by sheet; doubles inside, floats out.
+/// A surfel in the form of the general kernels, sheet by sheet; doubles inside, floats out.
 SharpRecord sharp_record(const PixelView& view, const Surfel& surfel, std::uint32_t node);
 
-inline constexpr std::uint32_t kSmooth = 0xffffffffu;
+inline constexpr std::uint32_t kFast = 0xffffffffu;
 
 /// What is known of a surfel of the cut besides its polynomials.
 struct DrawItem {
@@ -27,7 +27,7 @@ struct DrawItem {
     double near_hit;            ///< no first hit has a smaller camera z
     double near_blend, far_blend;  ///< where a q^ that it takes part in lies
     std::uint32_t node;
-    std::uint32_t sharp = kSmooth;  ///< entry in DrawList::sharp
+    std::uint32_t general = kFast;  ///< entry in DrawList::general
     PackedRim rim;
 };
 
@@ -37,8 +37,9 @@ struct DrawList {
     std::vector<DrawItem> items;
     std::vector<ScreenRect> full;     ///< of the surface in the support ball
     std::vector<ScreenRect> trimmed;  ///< of the surface in the ball shrunken by kHitTrim
-    std::unique_ptr<PixelRecord<Degree>[]> records;  ///< filled where `full` is not empty
-    std::vector<SharpRecord> sharp;
+    std::unique_ptr<PixelRecord<Degree>[]> records;  ///< of what is on the screen and not general
+    /// Sharp surfels, and those near the eye or far off the axis.
+    std::vector<SharpRecord> general;
     std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit, ties in the cut's order
 };
 

@@ -34,7 +34,7 @@ struct Scene {
     const DrawList<Degree>& list;
     const TileBins& bins;
     TileSums sums;
-    bool with_directions;  ///< of the rays: sharp surfels and positions need them
+    bool with_directions;  ///< of the rays: the general kernels and positions need them
 
     int first_x(std::size_t tile) const {
         return grid.x + static_cast<int>(tile) % bins.columns * kTileSize;
@@ -50,7 +50,7 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     t.start(scene.view, scene.window, scene.first_x(tile), scene.first_y(tile),
             scene.list.items[entries.front()].near_hit, scene.sums);
     if (scene.with_directions) t.fill_directions(scene.view);
-    run_stage_1<Degree, kSharpModel>(scene.list, entries, scene.sums, t);
+    run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel>(scene.list, entries, scene.sums, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list.items, entries, scene.sums, t, out);
 }
@@ -103,7 +103,7 @@ void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& 
     const TileBins bins = tile_bins(grid, list.full, list.order);
     stats.tile_entries = bins.entries.size();
     stats.bin_ms = clock.lap_ms();
-    const bool with_directions = !tree.sharp().empty() || out.has(kPositionChannel);
+    const bool with_directions = !list.general.empty() || out.has(kPositionChannel);
     put_counts(draw_tiles<Degree>({tree, view, window, grid, list, bins, TileSums(out.channels), with_directions},
                                   out),
                stats);

@@ -16,23 +16,20 @@ Tau times(const Tau& a, const Tau& b) {
     return {a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + a[1] * b[1], a[1] * b[2]};
 }
 
-/// q = mu(tau) + kappa(tau) (s, t, 0) in camera axes.
+/// q = tau mu + (1 + kappa tau) (s, t, 0) in camera axes.
 struct RayForm {
-    Vec3d mu_0, mu_1;
-    double kappa_0, kappa_1;
+    Vec3d mu;
+    double kappa;
     double origin_x, origin_y;  ///< pixel coordinates where s = t = 0
     double step;                ///< of s and t a pixel
 };
 
 RayForm ray_form(const PixelView& view, const Vec3d& c, double radius) {
     if (view.orthographic)
-        return {{}, {0, 0, 1}, 1, 0, view.center_x + c.x * view.px_per_unit, view.center_y + c.y * view.px_per_unit,
+        return {{0, 0, 1}, 0, view.center_x + c.x * view.px_per_unit, view.center_y + c.y * view.px_per_unit,
                 1 / (view.px_per_unit * radius)};
-    // Near the eye the depth of the centre is no safe place for q0; the eye itself then is.
-    if (c.z <= 4 * radius)
-        return {c * (-1 / radius), {0, 0, 1}, 0, 1, view.center_x, view.center_y, 1 / view.focal_px};
     const double x = c.x / c.z, y = c.y / c.z;
-    return {{}, {x, y, 1}, 1, radius / c.z, view.center_x + x * view.focal_px, view.center_y + y * view.focal_px,
+    return {{x, y, 1}, radius / c.z, view.center_x + x * view.focal_px, view.center_y + y * view.focal_px,
             c.z / (view.focal_px * radius)};
 }
 
@@ -49,19 +46,15 @@ void put_grid(const RayForm& form, Record& r) {
     r.base_x = static_cast<float>((px + 0.5 - form.origin_x) * form.step);
     r.base_y = static_cast<float>((py + 0.5 - form.origin_y) * form.step);
     r.step = static_cast<float>(form.step);
-    r.kappa_0 = static_cast<float>(form.kappa_0), r.kappa_1 = static_cast<float>(form.kappa_1);
+    r.kappa = static_cast<float>(form.kappa);
 }
 
-/// |q|^2 = |mu|^2 + 2 kappa mu . (s, t) + kappa^2 (s^2 + t^2).
+/// |q|^2 = tau^2 |mu|^2 + 2 tau (1 + kappa tau) mu . (s, t) + (1 + kappa tau)^2 (s^2 + t^2).
 template <int Degree>
 void put_ball(const RayForm& f, PixelRecord<Degree>& r) {
-    const std::array<double, 3> square{sq_length(f.mu_0), 2 * dot(f.mu_0, f.mu_1), sq_length(f.mu_1)};
-    const std::array<double, 3> kappa{f.kappa_0 * f.kappa_0, 2 * f.kappa_0 * f.kappa_1, f.kappa_1 * f.kappa_1};
-    const auto cross = [&](double mu_0, double mu_1) {
-        return std::array<double, 3>{2 * f.kappa_0 * mu_0, 2 * (f.kappa_0 * mu_1 + f.kappa_1 * mu_0),
-                                     2 * f.kappa_1 * mu_1};
-    };
-    const auto in_s = cross(f.mu_0.x, f.mu_1.x), in_t = cross(f.mu_0.y, f.mu_1.y);
+    const std::array<double, 3> square{0, 0, sq_length(f.mu)}, kappa{1, 2 * f.kappa, f.kappa * f.kappa};
+    const std::array<double, 3> in_s{0, 2 * f.mu.x, 2 * f.kappa * f.mu.x};
+    const std::array<double, 3> in_t{0, 2 * f.mu.y, 2 * f.kappa * f.mu.y};
     for (std::size_t k = 0; k < 3; ++k) {
         r.ball_s[k] = static_cast<float>(in_s[k]);
         r.ball_ss[k] = static_cast<float>(kappa[k]);
@@ -143,6 +136,24 @@ void put_polynomial(const LocalForm& p, PixelRecord<Degree>& r) {
     }
 }
 
+/// n - e_u P_u - e_v P_v at u = u_tau tau + (1 + kappa tau) e_u . (s, t, 0), ...
+void put_gradient(const LocalForm& p, PixelRecord<2>& r) {
+    const auto& a = p.a;
+    const auto turned = [&](double p_u, double p_v) { return p.e_u * -p_u + p.e_v * -p_v; };
+    const auto change = [&](double u, double v) {
+        return turned(2 * a[3] * u + a[4] * v, a[4] * u + 2 * a[5] * v);
+    };
+    const Vec3d constant = p.e_w + turned(a[1], a[2]), in_tau = change(p.u[1], p.v[1]);
+    const Vec3d in_s = change(p.e_u.x, p.e_v.x), in_t = change(p.e_u.y, p.e_v.y);
+    r.gradient_s = floats(in_s);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        r.row[0][r.kGradient + axis] = static_cast<float>(constant[axis]);
+        r.row[1][r.kGradient + axis] = static_cast<float>(in_t[axis]);
+        r.row[0][r.kGradient + 3 + axis] = static_cast<float>(in_tau[axis]);
+        r.row[1][r.kGradient + 3 + axis] = static_cast<float>(p.kappa[1] * in_t[axis]);
+    }
+}
+
 }  // namespace
 
 template <int Degree>
@@ -154,18 +165,16 @@ void fill_pixel_record(const PixelView& view, const Surfel& s, PixelRecord<Degre
     put_ball(form, r);
     r.radius = static_cast<float>(s.support_radius);
     r.inv_radius = static_cast<float>(1 / s.support_radius);
-    // tau runs with the depth, from the centre or from the eye.
-    r.reach = static_cast<float>(1.001 * kHitTrim + std::abs(form.mu_0.z));
     const Vec3d e_u = view.rotate_to_camera(s.frame.u_axis), e_v = view.rotate_to_camera(s.frame.v_axis),
                 e_w = view.rotate_to_camera(s.frame.normal);
     r.u_axis = floats(e_u), r.v_axis = floats(e_v), r.normal = floats(e_w);
     for (std::size_t k = 0; k < r.a.size(); ++k) r.a[k] = static_cast<float>(s.polynomial.a[k]);
-    const auto along = [&](const Vec3d& axis) { return Tau{dot(axis, form.mu_0), dot(axis, form.mu_1)}; };
-    const LocalForm local{e_u, e_v, e_w, along(e_u), along(e_v), along(e_w), {form.kappa_0, form.kappa_1},
+    const auto along = [&](const Vec3d& axis) { return Tau{0, dot(axis, form.mu)}; };
+    const LocalForm local{e_u, e_v, e_w, along(e_u), along(e_v), along(e_w), {1, form.kappa},
                           s.polynomial.a};
-    r.u_0 = static_cast<float>(local.u[0]), r.u_1 = static_cast<float>(local.u[1]);
-    r.v_0 = static_cast<float>(local.v[0]), r.v_1 = static_cast<float>(local.v[1]);
+    r.u_tau = static_cast<float>(local.u[1]), r.v_tau = static_cast<float>(local.v[1]);
     put_polynomial(local, r);
+    if constexpr (Degree == 2) put_gradient(local, r);
 }
 
 template void fill_pixel_record<1>(const PixelView&, const Surfel&, PixelRecord<1>&);

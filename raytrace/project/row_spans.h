@@ -19,20 +19,15 @@ struct RowSpans {
     }
 };
 
-/// The outline of a ball |q|^2 = n + m tau + l tau^2 < R^2 is m^2 = 4 l (n - R^2), a conic in (s, t) (far from the eye):
-/// in front of the eye n = N, m = 2 (a + k N), l = L + 2 k a + k^2 N with N = s^2 + t^2, a = X s + Y t,
+/// The outline of a ball |q|^2 = n + m tau + l tau^2 < R^2 is m^2 = 4 l (n - R^2), a conic in (s, t):
+/// n = N, m = 2 (a + k N), l = L + 2 k a + k^2 N with N = s^2 + t^2, a = X s + Y t,
 /// L = 1 + X^2 + Y^2, so that (L - R^2 k^2) N < a^2 + 2 k R^2 a + R^2 L inside; along a row a quadratic in s.
 /// The columns are those within [first, last) in it, with half a pixel to spare.
 template <int Degree>
 [[gnu::always_inline]] inline RowSpans row_spans(const PixelRecord<Degree>& r, float sq_radius, const TileBuffers& t,
                                                  int first, int last) {
     RowSpans spans;
-    // Near the eye the form is another one, and seldom worth the work.
-    if (r.kappa_0 == 0) {
-        spans.all(first, last);
-        return spans;
-    }
-    const float k = r.kappa_1, big_x = 0.5f * r.ball_s[1], big_y = 0.5f * r.row[1][r.kBall + 1];
+    const float k = r.kappa, big_x = 0.5f * r.ball_s[1], big_y = 0.5f * r.row[1][r.kBall + 1];
     const float big_l = r.row[0][r.kBall + 2], inner_l = big_l - sq_radius * k * k;
     const float a2 = inner_l - big_x * big_x;
     const FloatV lane([](auto i) { return static_cast<float>(i); });

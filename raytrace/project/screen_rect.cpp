@@ -89,6 +89,7 @@ ScreenRect screen_rect(const PatchView& from, const PixelWindow& w, const PatchB
     const double x = view.center_x + (view.orthographic ? c.x * scale : from.slope_x * view.focal_px);
     const double y = view.center_y + (view.orthographic ? c.y * scale : from.slope_y * view.focal_px);
     ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
+    if (c.z < 16 * p.radius) rect = screen_rect(view, w, c, p.radius);  // the bound is loose near the eye
     pixel_range(x - p.support(from.x, false) * scale, x + p.support(from.x, true) * scale, rect.x0, rect.x1,
                 rect.x0, rect.x1);
     pixel_range(y - p.support(from.y, false) * scale, y + p.support(from.y, true) * scale, rect.y0, rect.y1,

@@ -2,8 +2,8 @@
 
 #include "raytrace/intersect/pixel_kernel.h"
 #include "raytrace/project/draw_list.h"
+#include "raytrace/project/general_stages.h"
 #include "raytrace/project/row_spans.h"
-#include "raytrace/project/sharp_stages.h"
 #include "raytrace/project/tile_buffers.h"
 #include "raytrace/project/tile_lanes.h"
 #include "slim/model/surfel.h"
@@ -43,13 +43,15 @@ template <int Degree>
     const auto ball = ball_lanes<Degree, FloatV>(r, at.row, s);
     const auto k = pixel_polynomial<Degree, FloatV>(r, at.row, s);
     const float nearest = (t.near_z - at.base) * r.inv_radius;
-    const auto root = first_in_ball<Degree, FloatV>(k, ball, kSqTrim, nearest, r.reach);
+    const auto root = first_in_ball<Degree, FloatV>(k, ball, kSqTrim, nearest);
     const FloatV z = at.depth_of(root.t);
     auto nearer = root.hit && z < t.z.load(i);
     if (stdx::none_of(nearer)) return false;
-    const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, root.t);
-    if (!rim.is_whole) nearer = nearer && rim.share(u, v) > 0.0f;
-    keep_nearer(t, i, entry, nearer, z, gradient_at<Degree, FloatV>(r, u, v), sums);
+    if (!rim.is_whole) {
+        const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, root.t);
+        nearer = nearer && rim.share(u, v) > 0.0f;
+    }
+    keep_nearer(t, i, entry, nearer, z, pixel_gradient<Degree, FloatV>(r, at.row, s, root.t), sums);
     return true;
 }
 
@@ -68,12 +70,13 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
     t.counts.root_tests += kLanes;
     const auto k = about(pixel_polynomial<Degree, FloatV>(r, at.row, s), guess);
     const auto root = nearest_in_ball<Degree, FloatV>(k, around, kFarthest * 1.001f, inside);
-    const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, guess + root.t);
-    const auto g = gradient_at<Degree, FloatV>(r, u, v);
+    const FloatV tau = guess + root.t;
+    const auto g = pixel_gradient<Degree, FloatV>(r, at.row, s, tau);
     auto taken = root.hit && root.t * root.t * around.l <= kFarthest * kFarthest &&
                  admitted<kSharpModel>(g, i, t);
     FloatV share(1.0f);
     if (!rim.is_whole) {
+        const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, tau);
         share = rim.share(u, v);
         taken = taken && share > 0.0f;
     }
@@ -81,6 +84,7 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
     add_to_sums(t, i, taken, share, around.sq_distance(root.t), r.radius * root.t, g, sums,
                 [&](const FloatV& w) __attribute__((always_inline)) {
                     if constexpr (!kWantHessian) return;
+                    const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, tau);
                     const auto h = hessian_at<Degree, FloatV>(r, u, v);
                     for (std::size_t n = 0; n < 6; ++n) t.hessian[n].add(i, w * h[n]);
                 });
@@ -156,18 +160,15 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
 }
 
 /// Stage 1 of a tile: its surfels, nearest first.
-template <int Degree, bool kSharpModel>
+template <int Degree>
 void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
                  const TileSums& sums, TileBuffers& t) {
     for (std::size_t e = 0; e < entries.size(); ++e) {
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
-        if constexpr (kSharpModel)
-            if (item.sharp != kSmooth) {
-                draw_first_sharp<Degree>(list.sharp[item.sharp], list.trimmed[i], static_cast<float>(e), sums, t);
-                continue;
-            }
-        draw_first<Degree>(list.records[i], item, list.trimmed[i], static_cast<float>(e), sums, t);
+        const auto entry = static_cast<float>(e);
+        if (item.general == kFast) draw_first<Degree>(list.records[i], item, list.trimmed[i], entry, sums, t);
+        else draw_first_general<Degree>(list.general[item.general], item.rim, list.trimmed[i], entry, sums, t);
     }
 }
 
@@ -178,12 +179,11 @@ void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> en
     if (!t.bound_hits()) return;
     for (const std::uint32_t i : entries) {
         const DrawItem& item = list.items[i];
-        if constexpr (kSharpModel)
-            if (item.sharp != kSmooth) {
-                draw_blend_sharp<Degree, kWantHessian>(list.sharp[item.sharp], list.full[i], sums, t);
-                continue;
-            }
-        draw_blend<Degree, kWantHessian, kSharpModel>(list.records[i], item, list.full[i], sums, t);
+        if (item.general == kFast)
+            draw_blend<Degree, kWantHessian, kSharpModel>(list.records[i], item, list.full[i], sums, t);
+        else
+            draw_blend_general<Degree, kWantHessian, kSharpModel>(list.general[item.general], item.rim,
+                                                                  list.full[i], sums, t);
     }
 }
 

@@ -20,9 +20,17 @@ inline void for_each_group(const TileBuffers& t, const ScreenRect& r, Visit&& vi
         for (int group = group_0; group <= group_1; ++group) visit(y, group);
 }
 
-/// Stage 1 of a sharp surfel: the first root of its joined function.
+// The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or far off the axis.
+
+/// What the rim leaves at roots of a surfel of one sheet.
+inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, const FloatV& t) {
+    if (rim.is_whole) return FloatV(1.0f);
+    return rim.share(f.ray[0].bu + t * f.ray[0].du, f.ray[0].bv + t * f.ray[0].dv);
+}
+
+/// Stage 1: the first root of the joined function.
 template <int Degree>
-[[gnu::flatten]] inline void first_sharp_hits(const SharpRecord& s, float entry, float base, int tile_y, int group,
+[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int tile_y, int group,
                                               const TileSums& sums, TileBuffers& t) {
     constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const DrawRecord& r = s.sheet[0];
@@ -38,14 +46,14 @@ template <int Degree>
     const auto found = best_joined_root<Degree, FloatV>(
         s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
     const FloatV z_root = base + r.radius * (found.root.t - ball.along) * rays.dz;
-    const auto nearer = found.root.hit && z_root < t.z.load(i);
+    const auto nearer = found.root.hit && z_root < t.z.load(i) && rim_share_at(rim, f, found.root.t) > 0.0f;
     if (stdx::none_of(nearer)) return;
     keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found), sums);
 }
 
-/// Stage 2 of a sharp surfel: the root of its joined function nearest q^.
-template <int Degree, bool kWantHessian>
-[[gnu::flatten]] inline void blend_sharp(const SharpRecord& s, float base, int tile_y, int group,
+/// Stage 2: the root of the joined function nearest q^.
+template <int Degree, bool kWantHessian, bool kSharpModel>
+[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int tile_y, int group,
                                          const TileSums& sums, TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = group_index(tile_y, group);
@@ -63,10 +71,11 @@ template <int Degree, bool kWantHessian>
         s, f, -half, half, inside, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
     const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
     const FloatV& x = found.root.t;
+    const FloatV share = rim_share_at(rim, f, x);
     const auto taken = found.root.hit && stdx::abs(x - guess) <= static_cast<float>(kBelongs) &&
-                       admitted<true>(g, i, t);
+                       admitted<kSharpModel>(g, i, t) && share > 0.0f;
     if (stdx::none_of(taken)) return;
-    add_to_sums(t, i, taken, FloatV(1.0f), ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g, sums,
+    add_to_sums(t, i, taken, share, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g, sums,
                 [&](const FloatV& w) {
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
@@ -75,20 +84,23 @@ template <int Degree, bool kWantHessian>
 }
 
 template <int Degree>
-void draw_first_sharp(const SharpRecord& s, const ScreenRect& rect, float entry, const TileSums& sums,
-                      TileBuffers& t) {
+void draw_first_general(const SharpRecord& s, PackedRim packed, const ScreenRect& rect, float entry,
+                        const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const RimLanes rim(packed);
     for_each_group(t, rect, [&](int y, int group) {
-        first_sharp_hits<Degree>(s, entry, base, y, group, sums, t);
+        first_general_hits<Degree>(s, rim, entry, base, y, group, sums, t);
         t.update_strip(y / kStripRows, group * kLanes);
     });
 }
 
-template <int Degree, bool kWantHessian>
-void draw_blend_sharp(const SharpRecord& s, const ScreenRect& rect, const TileSums& sums, TileBuffers& t) {
+template <int Degree, bool kWantHessian, bool kSharpModel>
+void draw_blend_general(const SharpRecord& s, PackedRim packed, const ScreenRect& rect, const TileSums& sums,
+                        TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const RimLanes rim(packed);
     for_each_group(t, rect, [&](int y, int group) {
-        blend_sharp<Degree, kWantHessian>(s, base, y, group, sums, t);
+        blend_general<Degree, kWantHessian, kSharpModel>(s, rim, base, y, group, sums, t);
     });
 }
 
