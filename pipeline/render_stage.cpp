@@ -50,11 +50,18 @@ double median(std::vector<double> values) {
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-Picture shaded_picture(const RenderedFrame& frame, const PictureSize& size) {
+/// A frame drawn again keeps the memory of its picture.
+void shade_frame(const PictureSize& size, RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
-    return paint_in_bands(frame.size, size, [&](const RowRange& rows) {
-        return shade_rows(b.width, b.height, frame.view, {b.normal[0], b.normal[1], b.normal[2]},
-                          b.hit, rows);
+    const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
+    const auto rows_into = [&](const RowRange& rows, Picture& out) {
+        shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
+    };
+    if (frame.size.width == size.width) return rows_into({0, b.height}, frame.shaded);
+    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+        Picture band;
+        rows_into(rows, band);
+        return band;
     });
 }
 
@@ -69,7 +76,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
-    if (with_shading) frame.shaded = shaded_picture(frame, job.size);
+    if (with_shading) shade_frame(job.size, frame);
     return stats;
 }
 
