@@ -34,7 +34,7 @@ struct Scene {
     const TileBins& bins;
 };
 
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird = false>
 void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
     const auto entries = scene.bins.of(tile);
     const DrawRecord& nearest = scene.list.records[entries.front()];
@@ -42,9 +42,10 @@ void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& ou
     const int row = static_cast<int>(tile) / scene.bins.columns;
     t.start(scene.view, scene.window, scene.grid.x + column * kTileSize,
             scene.grid.y + row * kTileSize,
-            nearest.z_center - kHitTrim * static_cast<double>(nearest.radius), kWantHessian);
+            nearest.z_center - kHitTrim * static_cast<double>(nearest.radius), kWantHessian,
+            kWantThird);
     run_stage_1<Degree, kSharpModel>(scene.list, entries, t);
-    run_stage_2<Degree, kWantHessian, kSharpModel>(scene.list, entries, t);
+    run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list, entries, t, out);
 }
 
@@ -56,7 +57,11 @@ DrawTile choose_of(bool want_hessian, bool sharp) {
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
 
-DrawTile choose(int degree, bool want_hessian, bool sharp) {
+/// Third derivatives are those of cubic surfels; of others they are zero, and not summed.
+DrawTile choose(int degree, Channels wanted, bool sharp) {
+    const bool want_hessian = (wanted & kHessianChannels) != 0;
+    if (degree >= 3 && (wanted & kThirdOrderChannel) != 0)
+        return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
     if (degree <= 1) return choose_of<1>(want_hessian, sharp);
     return degree == 2 ? choose_of<2>(want_hessian, sharp) : choose_of<3>(want_hessian, sharp);
 }
@@ -101,8 +106,7 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     stats.bin_ms = clock.lap_ms();
     const TileCounts counts =
         draw_tiles({tree, view, window, grid, list, bins},
-                   choose(tree.header().degree, (request.wanted & kCurvatureChannel) != 0,
-                          !tree.sharp().empty()),
+                   choose(tree.header().degree, request.wanted, !tree.sharp().empty()),
                    out);
     stats.draw_ms = clock.lap_ms();
     stats.root_tests = counts.root_tests;

@@ -40,7 +40,7 @@ void fill_depth(TileBuffers& t) {
 }  // namespace
 
 void TileBuffers::start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
-                        double reference_depth, bool want_hessian) {
+                        double reference_depth, bool want_hessian, bool want_third) {
     x0 = first_x;
     y0 = first_y;
     clip = {std::max(x0, window.x), std::max(y0, window.y),
@@ -55,6 +55,8 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
         fill(*plane, 0.0f);
     if (want_hessian)
         for (TilePlane& plane : hessian) fill(plane, 0.0f);
+    if (want_third)
+        for (TilePlane& plane : third) fill(plane, 0.0f);
     counts = {};
 }
 

@@ -41,12 +41,13 @@ struct TileBuffers {
     TilePlane weight, offset, count;     ///< sum G, sum G (z_i - z), number of supporters
     TilePlane sum_x, sum_y, sum_z;       ///< sum G grad f
     TilePlane hessian[6];                ///< sum G Hess f, only if curvature is wanted
+    TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are wanted
     float group_near[kGroups], group_far[kGroups];  ///< range of q^ over the lanes of a group
     TileCounts counts;
 
     /// Rays, depths and sums of a tile before stage 1.
     void start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
-               double reference_depth, bool want_hessian);
+               double reference_depth, bool want_hessian, bool want_third = false);
 
     PixelRays<FloatV> rays(int tile_y, int group) const;
     /// Largest depth of the tile's pixels, +inf while one is uncovered.

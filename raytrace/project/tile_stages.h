@@ -173,7 +173,7 @@ inline GuessInBall guess_in_ball(const DrawRecord& r, const RecordDepths& depth,
 
 /// Stage 2 for one surfel and one group: eqs (6) and (7) around q^, with the gates of add_supporter
 /// (slim/blend).
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten]] inline void blend(const DrawRecord& r, const RimLanes& rim, const RecordDepths& depth, int tile_y,
                   int group, TileBuffers& t) {
     const std::size_t i = group_index(tile_y, group);
@@ -194,11 +194,14 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
         if constexpr (!kWantHessian) return;
         const auto h = hessian_at<Degree, FloatV>(r, u, v);
         for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+        if constexpr (!kWantThird) return;
+        const auto c = third_of(r);
+        for (std::size_t k = 0; k < 10; ++k) t.third[k].add(i, w * c[k]);
     });
 }
 
 /// The same for a sharp surfel: the root of its joined function nearest q^.
-template <int Degree, bool kWantHessian>
+template <int Degree, bool kWantHessian, bool kWantThird>
 [[gnu::flatten]] inline void blend_sharp(const SharpRecord& s, const RecordDepths& depth, int tile_y, int group,
                         TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
@@ -219,6 +222,9 @@ template <int Degree, bool kWantHessian>
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
                     for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+                    if constexpr (!kWantThird) return;
+                    const auto c = sharp_third<FloatV>(s, found);
+                    for (std::size_t k = 0; k < 10; ++k) t.third[k].add(i, w * c[k]);
                 });
 }
 
@@ -248,7 +254,7 @@ void run_stage_1(const DrawList& list, std::span<const std::uint32_t> entries, T
 }
 
 /// Stage 2 of a tile. A group is skipped if the ball cannot reach the depths of its q^.
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird = false>
 void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t) {
     if (!t.update_group_ranges()) return;
     for (const std::uint32_t entry : entries) {
@@ -263,8 +269,8 @@ void run_stage_2(const DrawList& list, std::span<const std::uint32_t> entries, T
                 return;
             if constexpr (kSharpModel)
                 if (const SharpRecord* s = list.sharp_at(entry))
-                    return blend_sharp<Degree, kWantHessian>(*s, depth, y, group, t);
-            blend<Degree, kWantHessian, kSharpModel>(r, rim, depth, y, group, t);
+                    return blend_sharp<Degree, kWantHessian, kWantThird>(*s, depth, y, group, t);
+            blend<Degree, kWantHessian, kSharpModel, kWantThird>(r, rim, depth, y, group, t);
         });
     }
 }
