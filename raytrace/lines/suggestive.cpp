@@ -1,8 +1,10 @@
 #include "raytrace/lines/crossings.h"
+#include "raytrace/lines/sheet_blur.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace slim {
 namespace {
@@ -115,7 +117,8 @@ float typical_curvature(const LineScene& scene) {
 }  // namespace
 
 CrossingField suggestive_crossings(const LineScene& s) {
-    const std::vector<float> kappa = radial_curvature(s);
+    std::vector<float> kappa = radial_curvature(s);
+    blur_on_sheets(s, std::span(&kappa, 1));  // seams between surfels make it jagged
     const SlopeByDifferences differences(s, kappa);
     const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
     const bool exact = s.degree >= 3;
