@@ -41,7 +41,7 @@ struct LineScene {
 };
 
 /// Whether the surface breaks off between two hits beside each other: each lies off the other's tangent
-/// plane by more than it can bend away in a pixel (2 footprints), or the depth jumps while N.v changes its sign.
+/// plane by more than it can bend away in a pixel: 2 footprints, or one where N.v changes its sign.
 ///
 /// Departs from NUMERICS 5.4, which takes any depth gap above 2 footprints: so every face steeper than
 /// 63 degrees would be a contour. On a sphere the last pixel before the limb lies at most one footprint
@@ -52,7 +52,7 @@ inline bool breaks_off(const LineScene& s, std::size_t a, std::size_t b) {
     const float width = s.footprint(a), sq_gap = sq_length(d);
     if (sq_gap <= kGap * kGap * width * width) return false;
     const float off = std::fmax(std::fabs(dot(d, s.normal(a))), std::fabs(dot(d, s.normal(b))));
-    return off > kGap * width || (s.facing(a) > 0) != (s.facing(b) > 0);
+    return off > kGap * width || (off > width && (s.facing(a) > 0) != (s.facing(b) > 0));
 }
 
 /// Whether two neighbours lie on one sheet without an edge between them (N_a . N_b > 0.5).

@@ -51,9 +51,9 @@ bool ends_near(const FeatureLine& a, const FeatureLine& b) {
 enum class Verdict : std::uint8_t { drop, weak, keep };
 
 Verdict judge(const FeatureLine& line, const LineRules& rules) {
-    if (line.length_px < rules.least_px || line.strength < rules.weak_strength) return Verdict::drop;
-    const bool clear = mean_evidence(line) >= rules.strong_evidence;
-    return clear && line.strength >= rules.strength ? Verdict::keep : Verdict::weak;
+    if (line.length_px < rules.weak_px || line.strength < rules.weak_strength) return Verdict::drop;
+    const bool strong = line.strength >= rules.strength && line.length_px >= rules.least_px;
+    return strong && mean_evidence(line) >= rules.strong_evidence ? Verdict::keep : Verdict::weak;
 }
 
 /// Weak lines that continue kept ones, and those that continue these, become kept.
@@ -78,7 +78,8 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
     const float scale = static_cast<float>(std::min(picture_width, picture_height)) / 1000;
     const auto px = [&](float at_1000) { return std::max(4.0f, at_1000 * scale); };
     switch (kind) {
-        case LineKind::contour: return {0, 0, 0, 0, px(8)};
+        // Junctions with other contours cut a limb into pieces, some of a few pixels.
+        case LineKind::contour: return {0, 0, 0, 0, px(8), 1};
         case LineKind::suggestive: return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
         case LineKind::ridge:
         case LineKind::valley: return {0, 0.3f, 1.2f, 0.45f, px(12)};

@@ -13,6 +13,7 @@ struct LineRules {
     float strength = 0;        ///< a line at least this strong is drawn
     float weak_strength = 0;   ///< and one this strong that continues a drawn one
     float least_px = 4;        ///< length in the picture
+    float weak_px = 4;         ///< the same of one that continues a drawn one
 };
 
 /// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000 pixels high

@@ -41,6 +41,13 @@ TEST(SelectLines, ShortOnesAreDroppedHoweverStrong) {
     EXPECT_EQ(select_lines({level_line(0, 5, 0, 9)}, kRules).size(), 1u);
 }
 
+TEST(SelectLines, ShortOnesStayWhereTheyContinueOthers) {
+    const LineRules rules{0, 0, 0, 0, 8, 2};
+    EXPECT_EQ(select_lines({level_line(0, 20, 0, 1), level_line(21, 24, 0, 1), level_line(25, 50, 0, 1)}, rules).size(),
+              3u);
+    EXPECT_EQ(select_lines({level_line(0, 20, 0, 1), level_line(41, 44, 0, 1)}, rules).size(), 1u);
+}
+
 TEST(SelectLines, UnclearOnesAreDroppedHoweverStrong) {
     EXPECT_TRUE(select_lines({level_line(0, 20, 0, 9, 0.3f)}, kRules).empty());
 }
