@@ -137,8 +137,11 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
     if (!outcome.result.contains("files")) return "";
     for (const json& file : outcome.result.at("files")) {
         const fs::path path = file.get<std::string>();
-        if (path.extension() != ".png") continue;
         const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
+        if (path.string().ends_with(".lines.svg"))
+            text += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
+                                url_of(relative.string()), escaped(path.filename().string()));
+        if (path.extension() != ".png") continue;
         const std::string caption = path.stem().string();
         text += fmt::format(
             "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"

@@ -290,6 +290,10 @@ private:
         step.output = job_.folder / (view.name + aov + ".png");
         add_output(step);
         step.products = pictures_of(view);
+        const bool lines = !render.lines.empty() ||
+                           std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
+        if (lines) step.products.push_back(job_.folder / (view.name + ".lines.svg"));
+        lines_ = lines_ || lines;
         job_.steps.push_back(std::move(step));
     }
 
@@ -353,10 +357,11 @@ private:
         const FieldList fields = fields_of(render);
         const bool curvature = asks({"mean", "gauss", "k1", "k2", "all"});
         if (!curvature) job_.left_out.push_back("curvature: no AOV asks for it");
+        if (!lines_) job_.left_out.push_back("feature lines: no view asks for them");
         std::vector<std::string> rest;
         if (const Field* aov = fields.find("aov"); !aovs_.contains("all"))
             for (const std::string& name : aov->choices)
-                if (name != "all" && !aovs_.contains(name)) rest.push_back(name);
+                if (name != "all" && name != "lines" && !aovs_.contains(name)) rest.push_back(name);
         if (!rest.empty())
             job_.left_out.push_back(fmt::format("pictures of {}: no view asks for them",
                                                 fmt::join(rest, ", ")));
@@ -388,6 +393,7 @@ private:
     RenderConfig render_;  // with what [render] says
     std::set<std::string> names_;
     std::set<std::string> aovs_;
+    bool lines_ = false;  // does any view show feature lines?
 };
 
 }  // namespace

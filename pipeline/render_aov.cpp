@@ -26,6 +26,7 @@ const std::map<std::string, Channels>& channel_table() {
         {"id", kSurfelIdChannel},        {"error", kFitErrorChannel},
         {"level", kLevelChannel},        {"coverage", kCoverageChannel},
         {"truth_distance", kPositionChannel},
+        {"lines", 0},  // what they need depends on their kinds: line_channels
     };
     return table;
 }
@@ -226,6 +227,7 @@ AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const Re
         return AovPicture{paint_in_bands(frame.size, size, paint_rows), {}, {}};
     };
     if (aov == "shaded") return {frame.shaded, {}, {}};
+    if (aov == "lines") return {Picture(size.width, size.height), {}, {}};
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
     if (aov == "position")
         return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });

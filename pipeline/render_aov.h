@@ -4,6 +4,7 @@
 #include "pipeline/render_view.h"
 #include "raytrace/frame.h"
 #include "raytrace/legend.h"
+#include "raytrace/lines/feature_line.h"
 #include "raytrace/picture.h"
 #include "slim/base/bbox.h"
 
@@ -31,6 +32,7 @@ struct RenderedFrame {
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
     Picture shaded;                     ///< at the picture's size; empty unless asked for
+    std::vector<FeatureLine> lines;     ///< those asked for, in the order of drawing
 };
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in

@@ -17,6 +17,8 @@ struct RenderConfig {
     std::string up = "y";
     double zoom = 1;
     std::vector<std::string> aov{"shaded"};
+    std::vector<std::string> lines;
+    std::string lines_ply, lines_obj;
     std::string mode = "forward";
     double lod = 4;
     bool loose = false;
@@ -56,7 +58,13 @@ struct RenderConfig {
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth", "position", "id",
-                      "error", "level", "coverage", "truth_distance", "all"});
+                      "error", "level", "coverage", "truth_distance", "lines", "all"});
+        field.choice("lines", lines,
+                     "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
+                     "x.lines.svg; crest needs a model of --degree 3",
+                     {"contour", "suggestive", "crest", "parabolic", "reflection"});
+        field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
+        field.path("lines_obj", lines_obj, "the lines in space as OBJ");
         field.choice("mode", mode, "forward: fast; brute: the slow reference in doubles",
                      {"forward", "brute"});
         field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never)", 0,

@@ -2,6 +2,7 @@
 
 #include "formats/extension.h"
 #include "pipeline/version.h"
+#include "raytrace/lines/stroke.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -69,6 +70,26 @@ void add_color(const Picture& shaded, std::vector<std::vector<float>>& planes,
     }
 }
 
+/// Strength planes of the kinds asked for; lines.crest is ridges and valleys together.
+void add_lines(const RenderedFrame& frame, std::span<const LineKind> kinds,
+               std::vector<std::vector<float>>& planes, std::vector<ExrChannel>& out) {
+    const auto add = [&](const char* name, std::vector<LineKind> of) {
+        planes.push_back(strength_plane(frame.lines, of, frame.size.width, frame.size.height));
+        out.push_back({name, ChannelType::float32, planes.back(), {}});
+    };
+    for (const LineKind kind : kinds) switch (kind) {
+            case LineKind::ridge:
+                add("lines.crest", {LineKind::ridge, LineKind::valley});
+                add("lines.ridge", {kind});
+                break;
+            case LineKind::valley: add("lines.valley", {kind}); break;
+            case LineKind::suggestive: add("lines.suggestive", {kind}); break;
+            case LineKind::contour: add("marks.contour", {kind}); break;
+            case LineKind::parabolic: add("marks.parabolic", {kind}); break;
+            case LineKind::reflection: add("marks.reflection", {kind}); break;
+        }
+}
+
 std::string source_date() {
     const char* text = std::getenv("SOURCE_DATE_EPOCH");
     if (!text || !*text) return "";
@@ -94,6 +115,11 @@ std::array<float, 16> rows(const double (&m)[4][4]) {
 fs::path OutputPlan::legend(const std::string& aov) const {
     const bool has_aov = stem.extension() == "." + aov;  // x.mean of x.mean.png
     return fs::path(stem.string() + (has_aov ? "" : "." + aov) + ".legend.svg");
+}
+
+fs::path OutputPlan::lines_svg() const {
+    const bool has_aov = drawn.size() == 1 && stem.extension() == "." + drawn[0];
+    return fs::path((has_aov ? fs::path(stem).replace_extension() : stem).string() + ".lines.svg");
 }
 
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {
@@ -127,11 +153,11 @@ void make_folder(const OutputPlan& plan) {
                       ExitCode::usage);
 }
 
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
-                                     const RenderedFrame& frame, const Picture& shaded,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
+                                     const Picture& shaded, std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
-    planes.reserve(4);  // the channels look at the planes' values, which moving a vector keeps
+    planes.reserve(4 + lines.size() + 1);  // the channels look at the planes' values, which moving a vector keeps
     for (const std::string& aov : aovs) {
         if (aov == "shaded") add_color(shaded, planes, out);
         if (aov == "id")
@@ -139,6 +165,7 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
         for (const NamedPlane& plane : float_planes(aov, frame))
             out.push_back({plane.name, ChannelType::float32, *plane.values, {}});
     }
+    add_lines(frame, lines, planes, out);
     return out;
 }
 

@@ -7,6 +7,7 @@
 #include "slim/model/surfel_tree.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace slim {
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
 ///     -o x.PNG, x.EXR       the same, their extension as given
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
+/// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
@@ -27,6 +29,7 @@ struct OutputPlan {
     std::filesystem::path stem;               ///< without extension: legends
     std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
+    std::filesystem::path lines_svg() const;
 };
 
 /// Throws ConfigError for an extension that is neither, or that contradicts --format.
@@ -35,10 +38,11 @@ OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::strin
 /// Makes the output's folder. Throws IoError naming it.
 void make_folder(const OutputPlan& plan);
 
-/// The EXR's channels for these AOVs, names as in CONVENTIONS 1.1. `planes` keeps what had to be
+/// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
+/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. `planes` keeps what had to be
 /// rearranged and must outlive the result.
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
-                                     const RenderedFrame& frame, const Picture& shaded,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
+                                     const Picture& shaded, std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes);
 
 /// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths

@@ -3,9 +3,10 @@
 int main(int argc, char** argv) {
     return slim::run_stage<slim::RenderConfig>(
         {"render",
-         "pictures of a model: shaded, curvature maps, data channels",
+         "pictures of a model: shaded, curvature maps, feature lines, data channels",
          {"slim render bunny.slim -o bunny.png",
           "slim render bunny.slim -o pictures/ --aov shaded,mean,k1 --camera iso --supersample 2",
-          "slim render bunny.slim -o bunny.exr --aov all"}},
+          "slim render bunny.slim -o bunny.exr --aov all",
+          "slim render bunny3.slim -o drawing.png --aov lines --lines contour,suggestive,crest"}},
         argc, argv, slim::run_render);
 }

@@ -8,9 +8,11 @@
 #include "pipeline/render_aov.h"
 #include "pipeline/render_bands.h"
 #include "pipeline/render_files.h"
+#include "pipeline/render_lines.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_view.h"
 #include "raytrace/brute/brute_renderer.h"
+#include "raytrace/lines/stroke.h"
 #include "raytrace/project/forward_renderer.h"
 #include "slim/base/error.h"
 
@@ -33,7 +35,10 @@ struct RenderJob {
     OutputPlan plan;
     PictureSize size;
     Camera camera;
+    std::vector<LineKind> lines;  ///< in the order of drawing
 
+    /// What the frame that lines are found in must hold for them.
+    Channels for_lines() const { return line_channels(lines, tree.header().degree); }
     bool wants(const char* aov) const {
         return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
     }
@@ -65,7 +70,7 @@ void shade_frame(const PictureSize& size, RenderedFrame& frame) {
     });
 }
 
-/// Projection and shading: what a frame time means.
+/// Projection, shading and lines: what a frame time means.
 RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
                        RenderedFrame& frame) {
     frame.size = {job.size.width * factor, job.size.height * factor};
@@ -77,6 +82,8 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
     if (with_shading) shade_frame(job.size, frame);
+    // Lines are found at the picture's own size: their strokes are smooth as they are.
+    if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
     return stats;
 }
 
@@ -144,15 +151,16 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
 Frames draw_frames(const RenderJob& job, StageContext& context) {
     const auto plain = plain_aovs(job), fine = fine_aovs(job);
     const bool lit = job.config.light_maps;
+    const Channels plain_channels = channels_of(plain, lit) | job.for_lines();
     Frames frames;
     frames.has_fine = !fine.empty();
     if (frames.has_fine) {
         frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit),
                                            context, frames.fine, frames.stats);
-        if (!plain.empty()) draw_frame(job, 1, channels_of(plain, lit), false, frames.plain);
+        if (!plain.empty() || !job.lines.empty())
+            draw_frame(job, 1, plain_channels, false, frames.plain);
     } else {
-        frames.median_ms = draw_repeatedly(job, 1, channels_of(plain, lit), context, frames.plain,
-                                           frames.stats);
+        frames.median_ms = draw_repeatedly(job, 1, plain_channels, context, frames.plain, frames.stats);
     }
     require_hits(job, frames.stats);
     if (job.wants("truth_distance"))
@@ -182,7 +190,9 @@ void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageM
     Picture& picture = drawn.picture;
     const LegendPlace place =
         drawn.legend ? best_legend_place(*drawn.legend, picture) : LegendPlace::right;
-    composite_over(parse_background(job.config.background, drawn.legend.has_value()), picture);
+    composite_over(
+        parse_background(job.config.background, drawn.legend.has_value() || aov == "lines"), picture);
+    draw_lines(frames.plain.lines, picture);
     if (drawn.legend) {
         const ValueRange& range = drawn.legend->range;
         written.ranges[aov] = range_json(range);
@@ -205,7 +215,7 @@ void write_data(const RenderJob& job, const Frames& frames, const ImageMetadata&
     // Colour may be averaged, data never: they come from the frame at the picture's own size.
     std::vector<std::vector<float>> planes;
     const std::vector<ExrChannel> channels =
-        exr_channels(job.aovs, frames.plain, frames.for_aov("shaded").shaded, planes);
+        exr_channels(job.aovs, frames.plain, frames.for_aov("shaded").shaded, job.lines, planes);
     write_exr(job.plan.exr.string(), job.size.width, job.size.height, channels, metadata,
               make_matrices(job.camera, job.size));
     written.files.push_back(job.plan.exr);
@@ -222,6 +232,10 @@ Written write_files(const RenderJob& job, const Frames& frames, StageContext& co
         write_aov(job, k, frames, metadata, context, written);
     }
     if (!job.plan.exr.empty()) write_data(job, frames, metadata, written);
+    if (!job.lines.empty())
+        for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.size,
+                                            job.tree.header().origin, frames.plain.lines, job.lines))
+            written.files.push_back(file);
     return written;
 }
 
@@ -230,7 +244,7 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
     for (const auto& file : written.files) files.push_back(file.string());
     const RenderStats& s = frames.stats;
     const int factor = frames.has_fine ? job.config.supersample : 1;
-    return {{"files", files},
+    Json result = {{"files", files},
             {"width", job.size.width},
             {"height", job.size.height},
             {"rendered_pixels",
@@ -244,6 +258,8 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
             {"unblended_pixels", s.unblended_pixels},
             {"frame_ms_median", frames.median_ms},
             {"ranges", written.ranges}};
+    if (!job.lines.empty()) result["lines"] = lines_json(frames.plain.lines, job.lines);
+    return result;
 }
 
 void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
@@ -269,6 +285,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const OutputPlan plan = plan_outputs(config, aovs);
     const PictureSize size = parse_size(config.size);
     check_ranges(config);
+    check_lines(config, aovs);
     parse_background(config.background, false);
 
     require_model(config.model);
@@ -276,6 +293,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     Stamp stamp(context, manifest_path(plan.named.string()));
     stamp.input(config.model);
     stamp.depends("drawn as " + plan.stem.filename().string());
+    for (const std::string& file : {config.lines_ply, config.lines_obj}) stamp.depends("lines to " + file);
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;
@@ -285,7 +303,8 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     require_surfels(config, tree);
     const double room = legend_room(config, plan.drawn, size);
     const RenderJob job{config, tree, aovs, plan, size,
-                        make_camera(config, tree.header(), size, room)};
+                        make_camera(config, tree.header(), size, room),
+                        wanted_lines(config, aovs, tree.header(), context.reporter)};
     warn_of_flat_surfels(job, context.reporter);
     const Frames frames = draw_frames(job, context);
     const Written written = write_files(job, frames, context);

@@ -22,9 +22,12 @@ enum Channel : std::uint32_t {
     kK1Channel = 1024,
     kK2Channel = 2048,
     kCurvatureChannel = kMeanChannel | kGaussChannel | kK1Channel | kK2Channel,
+    kDirectionChannel = 4096,   ///< principal direction of k1
+    kThirdOrderChannel = 8192,  ///< derivatives of k1 and k2 along both directions; cubic models only
+    kHessianChannels = kCurvatureChannel | kDirectionChannel | kThirdOrderChannel,
 };
 using Channels = std::uint32_t;
-inline constexpr Channels kAllChannels = 4095;
+inline constexpr Channels kAllChannels = 16383;
 
 /// The G-buffer: flat planes, row by row from the top left; pixel (x, y) is entry y * width + x. Only
 /// the planes asked for are allocated, the others are empty. Pixels without a hit hold 0 everywhere.
@@ -36,6 +39,10 @@ struct GBuffer {
     std::array<std::vector<float>, 3> position; ///< frame of the job
     std::array<std::vector<float>, 3> normal;
     std::vector<float> k1, k2, mean, gauss;     ///< 1 / length (gauss: 1 / length^2), convex positive
+    /// t1 of k1, unit, frame of the job, sign arbitrary; t2 = N x t1. Anything tangent where k1 = k2.
+    std::array<std::vector<float>, 3> direction;
+    /// dk1/dt1, dk1/dt2, dk2/dt1, dk2/dt2 (e1 first, e2 last), 1 / length^2; signs go with t1 and t2.
+    std::array<std::vector<float>, 4> third;
     std::vector<std::uint32_t> surfel_id;
     std::vector<float> fit_error, level, coverage;
     std::vector<std::uint32_t> count;
@@ -70,6 +77,11 @@ struct GBuffer {
         for (auto& plane : normal) size(plane, kNormalChannel);
         size(mean, kMeanChannel), size(gauss, kGaussChannel);
         size(k1, kK1Channel), size(k2, kK2Channel);
+        for (auto& plane : direction) size(plane, kDirectionChannel);
+        for (auto& plane : third) {  // zero where no cubic surfel writes it
+            plane = {};
+            if (has(kThirdOrderChannel)) plane.resize(n_pixels());
+        }
         size(surfel_id, kSurfelIdChannel);
         size(fit_error, kFitErrorChannel);
         size(level, kLevelChannel);
@@ -83,6 +95,8 @@ struct GBuffer {
         visit(depth), visit(mean), visit(gauss), visit(k1), visit(k2);
         for (auto& plane : position) visit(plane);
         for (auto& plane : normal) visit(plane);
+        for (auto& plane : direction) visit(plane);
+        for (auto& plane : third) visit(plane);
         visit(surfel_id), visit(fit_error), visit(level), visit(coverage), visit(count);
     }
 };

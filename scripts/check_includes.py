@@ -26,7 +26,9 @@ ALLOWED = {
     "raytrace/intersect": ["raytrace", "slim/tree", "slim/blend"],
     "raytrace/project": ["raytrace/intersect", "slim/tree", "slim/blend"],
     "raytrace/brute": ["raytrace", "slim/blend"],
-    "pipeline": ["slim/scanner", "slim/tree", "formats", "raytrace/project", "raytrace/brute"],
+    "raytrace/lines": ["raytrace"],
+    "pipeline": ["slim/scanner", "slim/tree", "formats", "raytrace/project", "raytrace/brute",
+                 "raytrace/lines"],
     "tests": ["pipeline"],
 }
 # Heavy third-party headers, and the only files that may see them.

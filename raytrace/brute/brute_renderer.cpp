@@ -46,14 +46,30 @@ FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf
 }
 
 BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<const Leaf*>& row,
-                       bool sharp_model, bool want_hessian, RenderStats& stats) {
+                       bool sharp_model, Derivatives wanted, RenderStats& stats) {
     BlendSums sums;
     const Gate gate(hit.gradient, sharp_model);
     for (const Leaf* leaf : row) {
         ++stats.distance_tests;
-        add_supporter(ray, hit.t, gate, leaf->surfel, want_hessian, sums);
+        add_supporter(ray, hit.t, gate, leaf->surfel, wanted, sums);
     }
     return sums;
+}
+
+Derivatives derivatives_for(const GBuffer& out) {
+    return out.has(kThirdOrderChannel)       ? Derivatives::third
+           : out.has_any(kHessianChannels) ? Derivatives::second
+                                           : Derivatives::first;
+}
+
+void write_directions(const BlendSums& sums, bool cubic, std::size_t pixel, GBuffer& out) {
+    const ThirdOrder t = third_order_from(sums.gradient, sums.hessian, sums.third);
+    const Vec3f t1 = to_float(t.t1);
+    if (out.has(kDirectionChannel))
+        for (std::size_t axis = 0; axis < 3; ++axis) out.direction[axis][pixel] = t1[axis];
+    if (!cubic || !out.has(kThirdOrderChannel)) return;
+    const double along[4] = {t.e1, t.k1_along_t2, t.k2_along_t1, t.e2};
+    for (std::size_t i = 0; i < 4; ++i) out.third[i][pixel] = static_cast<float>(along[i]);
 }
 
 void write_pixel(const PixelView& view, const SurfelTree& tree, const Ray& ray, const FirstHit& hit,
@@ -77,6 +93,8 @@ void write_pixel(const PixelView& view, const SurfelTree& tree, const Ray& ray, 
         if (out.has(kMeanChannel)) out.mean[pixel] = static_cast<float>(k.mean);
         if (out.has(kGaussChannel)) out.gauss[pixel] = static_cast<float>(k.gauss);
     }
+    if (out.has_any(kDirectionChannel | kThirdOrderChannel) && blended)
+        write_directions(sums, tree.header().degree >= 3, pixel, out);
     const TreeNode& node = tree.node(hit.leaf->node);
     if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = hit.leaf->node;
     if (out.has(kFitErrorChannel)) out.fit_error[pixel] = node.fit_error;
@@ -110,7 +128,7 @@ void render_row(const PixelView& view, const PixelWindow& window, const SurfelTr
         const FirstHit hit = nearest_hit(ray, t_near, row, stats);
         if (!hit.leaf) continue;
         const BlendSums sums = blend_around(ray, hit, row, !tree.sharp().empty(),
-                                            out.has_any(kCurvatureChannel), stats);
+                                            derivatives_for(out), stats);
         write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
         ++stats.covered_pixels;
         if (!(sums.weight > 0)) ++stats.unblended_pixels;

@@ -161,4 +161,24 @@ template <int Degree, class V, class Record>
             p[1] * e[1] + q[1] * f[1], p[1] * e[2] + q[1] * f[2], p[2] * e[2] + q[2] * f[2]};
 }
 
+/// Third derivatives of f times rho, camera axes: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz. The
+/// same everywhere on a cubic surfel (NUMERICS 5.1).
+template <class Record>
+inline std::array<float, 10> third_of(const Record& r) {
+    const float scale = -r.inv_radius * r.inv_radius;
+    const float uuu = scale * 6 * r.a[6], uuv = scale * 2 * r.a[7];
+    const float uvv = scale * 2 * r.a[8], vvv = scale * 6 * r.a[9];
+    const auto &e = r.u_axis, &f = r.v_axis;
+    std::array<float, 10> out;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j) {
+            const float ee = e[i] * e[j], ef = e[i] * f[j] + f[i] * e[j], ff = f[i] * f[j];
+            const float along_u = uuu * ee + uuv * ef + uvv * ff;
+            const float along_v = uuv * ee + uvv * ef + vvv * ff;
+            for (std::size_t k = j; k < 3; ++k) out[at++] = along_u * e[k] + along_v * f[k];
+        }
+    return out;
+}
+
 }  // namespace slim

@@ -113,4 +113,17 @@ inline std::array<V, 6> sharp_hessian(const SharpRecord& s, const SharpRays<V>& 
     return out;
 }
 
+/// Third derivatives at the roots, each of its own sheet.
+template <class V>
+inline std::array<V, 10> sharp_third(const SharpRecord& s, const SharpRoot<V>& at) {
+    std::array<V, 10> out;
+    out.fill(V(0.0f));
+    for (std::size_t i = 0; i < s.n_sheets; ++i) {
+        const auto third = third_of(s.sheet[i]);
+        const auto own = at.sheet == static_cast<float>(i);
+        for (std::size_t k = 0; k < 10; ++k) out[k] = select<V>(own, V(third[k]), out[k]);
+    }
+    return out;
+}
+
 }  // namespace slim

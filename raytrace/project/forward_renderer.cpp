@@ -44,29 +44,33 @@ struct Scene {
     }
 };
 
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird = false>
 void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
     const auto entries = scene.bins.of(tile);
     t.start(scene.view, scene.window, scene.first_x(tile), scene.first_y(tile),
             scene.list.items[entries.front()].near_hit, scene.sums);
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
-    run_stage_2<Degree, kWantHessian, kSharpModel>(scene.list, entries, scene.sums, t);
+    run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list.items, entries, scene.sums, t, out);
 }
 
 template <int Degree>
 using DrawTile = void (*)(const Scene<Degree>&, std::size_t, TileBuffers&, GBuffer&);
 
+/// Third derivatives are those of cubic surfels; of others they are zero, and not summed.
 template <int Degree>
-DrawTile<Degree> choose(bool want_hessian, bool sharp) {
+DrawTile<Degree> choose(bool want_hessian, bool want_third, bool sharp) {
+    if constexpr (Degree >= 3)
+        if (want_third)
+            return sharp ? draw_tile<Degree, true, true, true> : draw_tile<Degree, true, false, true>;
     if (want_hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
 
 template <int Degree>
 TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
-    const DrawTile<Degree> draw = choose<Degree>(scene.sums.hessian, !scene.tree.sharp().empty());
+    const DrawTile<Degree> draw = choose<Degree>(scene.sums.hessian, scene.sums.third, !scene.tree.sharp().empty());
     std::vector<TileCounts> counts(scene.bins.n_tiles());
     parallel_blocks(scene.bins.n_tiles(), 1, [&](std::size_t tile, std::size_t) {
         if (scene.bins.of(tile).empty())

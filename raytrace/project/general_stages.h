@@ -52,7 +52,7 @@ template <int Degree>
 }
 
 /// Stage 2: the root of the joined function nearest q^.
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int tile_y, int group,
                                          const TileSums& sums, TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
@@ -80,6 +80,9 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
                     for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+                    if constexpr (!kWantThird) return;
+                    const auto c = sharp_third<FloatV>(s, found);
+                    for (std::size_t k = 0; k < 10; ++k) t.third[k].add(i, w * c[k]);
                 });
 }
 
@@ -94,13 +97,13 @@ void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRec
     });
 }
 
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, const TileSums& sums,
                         TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
     const RimLanes rim(packed);
     for_each_group(t, rect, [&](int y, int group) {
-        blend_general<Degree, kWantHessian, kSharpModel>(s, rim, base, y, group, sums, t);
+        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, y, group, sums, t);
     });
 }
 

@@ -36,6 +36,8 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
     if (sums.count) fill(count, 0.0f);
     if (sums.hessian)
         for (TilePlane& plane : hessian) fill(plane, 0.0f);
+    if (sums.third)
+        for (TilePlane& plane : third) fill(plane, 0.0f);
     for (int strip = 0; strip < kStrips; ++strip)
         for (int x = 0; x < kTileSize; x += kLanes) update_strip(strip, x);
     counts = {};

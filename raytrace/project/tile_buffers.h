@@ -33,9 +33,10 @@ struct TileCounts {
 
 /// The sums that the wanted channels need.
 struct TileSums {
-    bool hessian, depth, count, node;
+    bool hessian, third, depth, count, node;
     explicit TileSums(Channels wanted)
-        : hessian((wanted & kCurvatureChannel) != 0),
+        : hessian((wanted & kHessianChannels) != 0),
+          third((wanted & kThirdOrderChannel) != 0),
           depth((wanted & (kDepthChannel | kPositionChannel)) != 0), count((wanted & kCountChannel) != 0),
           node((wanted & (kSurfelIdChannel | kFitErrorChannel | kLevelChannel)) != 0) {}
 };
@@ -59,6 +60,7 @@ struct TileBuffers {
     /// have those with a hit.
     alignas(64) float strip_near[kStrips * kTileSize], strip_far[kStrips * kTileSize];
     TilePlane hessian[6];                ///< sum G Hess f, only if curvature is wanted
+    TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are
     TilePlane offset;                    ///< sum G (z_i - z), only if depths are
     TilePlane winner, count;             ///< position in the tile's list; number of supporters; only if wanted
     TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes; only with sharp surfels or positions

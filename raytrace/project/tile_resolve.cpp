@@ -1,6 +1,7 @@
 #include "raytrace/project/tile_resolve.h"
 
 #include "raytrace/intersect/curvature_kernel.h"
+#include "raytrace/intersect/third_order_kernel.h"
 
 #include <algorithm>
 #include <array>
@@ -136,6 +137,35 @@ void write_positions(const PixelView& view, const Target& target, TileBuffers& t
     for (std::size_t axis = 0; axis < 3; ++axis) target.copy(*position[axis], out.position[axis]);
 }
 
+/// Principal directions and derivatives along them, before the Hessian's planes are used up; pixels
+/// that kept q^ have none. The planes of the winner's gradient are free, as in write_normals.
+void write_directions(const PixelView& view, const Target& target, bool have_third, TileBuffers& t,
+                      GBuffer& out) {
+    const Rotation rotation(view);
+    const std::array<TilePlane*, 3> direction{&t.gx, &t.gy, &t.gz};
+    const FloatV zero(0.0f);
+    for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
+        std::array<FloatV, 6> h;
+        for (std::size_t k = 0; k < 6; ++k) h[k] = t.hessian[k].load(i);
+        const auto p = principal_lanes<FloatV>(t.sum_x.load(i), t.sum_y.load(i), t.sum_z.load(i), h);
+        const auto known = t.weight.load(i) > 0.0f;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const FloatV along = rotation.component(axis, p.t1[0], p.t1[1], p.t1[2]);
+            direction[axis]->store(i, select<FloatV>(known, along, zero));
+        }
+        if (!have_third) continue;
+        std::array<FloatV, 10> c;
+        for (std::size_t k = 0; k < 10; ++k) c[k] = t.third[k].load(i);
+        const auto q = third_order_lanes<FloatV>(p, h, c);
+        for (std::size_t k = 0; k < 4; ++k) t.third[k].store(i, select<FloatV>(known, q[k], zero));
+    }
+    if (out.has(kDirectionChannel))
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            target.copy(*direction[axis], out.direction[axis]);
+    if (have_third)
+        for (std::size_t k = 0; k < 4; ++k) target.copy(t.third[k], out.third[k]);
+}
+
 /// Pixels that kept q^ have no Hessian: their curvature is 0.
 void write_curvature(const Target& target, TileBuffers& t, GBuffer& out) {
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
@@ -183,6 +213,9 @@ void resolve_tile(const PixelView& view, const PixelWindow& window, const Surfel
     write_hits(target, t, out);
     if (out.has(kDepthChannel)) write_depth(target, t, out);
     if (out.has(kNormalChannel)) write_normals(view, target, t, out);
+    if (out.has_any(kDirectionChannel | kThirdOrderChannel))
+        write_directions(view, target, out.has(kThirdOrderChannel) && tree.header().degree >= 3, t,
+                         out);
     if (out.has_any(kCurvatureChannel)) write_curvature(target, t, out);
     if (out.has(kPositionChannel)) write_positions(view, target, t, out);
     if (out.has(kCoverageChannel)) target.copy(t.weight, out.coverage);

@@ -56,7 +56,7 @@ template <int Degree>
 }
 
 /// Stage 2: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::always_inline]] inline void blend(const SurfelRow<Degree>& at, const RimLanes& rim, std::size_t i,
                                    const TileSums& sums, TileBuffers& t) {
     constexpr float kFarthest = static_cast<float>(kBelongs);
@@ -87,6 +87,9 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
                     const auto [u, v] = plane_lanes<Degree, FloatV>(r, at.row, s, tau);
                     const auto h = hessian_at<Degree, FloatV>(r, u, v);
                     for (std::size_t n = 0; n < 6; ++n) t.hessian[n].add(i, w * h[n]);
+                    if constexpr (!kWantThird) return;
+                    const auto c = third_of(r);
+                    for (std::size_t n = 0; n < 10; ++n) t.third[n].add(i, w * c[n]);
                 });
 }
 
@@ -140,7 +143,7 @@ template <int Degree>
 }
 
 /// Stage 2 of one surfel; groups none of whose q^ is within its reach are passed over.
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten, gnu::noinline]] void draw_blend(const PixelRecord<Degree>& r, const DrawItem& item,
                                                 const ScreenRect& rect, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(item.z_base - t.z_ref);
@@ -154,7 +157,7 @@ template <int Degree, bool kWantHessian, bool kSharpModel>
         const FloatV hits_near(t.strip_near + strip * kTileSize + x, stdx::element_aligned);
         if (stdx::none_of(hits_far >= near && hits_near <= far)) return;
         const RowOf<Degree> row(r, static_cast<float>(t.y0 + y));
-        blend<Degree, kWantHessian, kSharpModel>({r, row, base, lane + static_cast<float>(t.x0 + x)}, rim,
+        blend<Degree, kWantHessian, kSharpModel, kWantThird>({r, row, base, lane + static_cast<float>(t.x0 + x)}, rim,
                                                  static_cast<std::size_t>(y * kTileSize + x), sums, t);
     }, [](int) __attribute__((always_inline)) {});
 }
@@ -173,16 +176,16 @@ void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> en
 }
 
 /// Stage 2 of a tile.
-template <int Degree, bool kWantHessian, bool kSharpModel>
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
                  const TileSums& sums, TileBuffers& t) {
     if (!t.bound_hits()) return;
     for (const std::uint32_t i : entries) {
         const DrawItem& item = list.items[i];
         if (item.general == kFast)
-            draw_blend<Degree, kWantHessian, kSharpModel>(list.records[i], item, list.full[i], sums, t);
+            draw_blend<Degree, kWantHessian, kSharpModel, kWantThird>(list.records[i], item, list.full[i], sums, t);
         else
-            draw_blend_general<Degree, kWantHessian, kSharpModel>(list.general[item.general], item.rims,
+            draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
                                                                   list.full[i], sums, t);
     }
 }

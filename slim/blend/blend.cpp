@@ -28,6 +28,24 @@ void add_hessian(const Surfel& s, const SheetRoot& root, double weight, Symmetri
     h[5] += a.z * eu.z + b.z * ev.z;
 }
 
+/// C += weight * D3 f: sum over a, b, c of -P_abc / rho^2 e_a e_b e_c (NUMERICS 5.1).
+void add_third(const Surfel& s, const SheetRoot& root, double weight, SymmetricTensor& c) {
+    const double scale = -weight / (s.support_radius * s.support_radius);
+    const auto p = s.sheet_polynomial(root.sheet).third();
+    const Frame<double>& frame = s.sheet_frame(root.sheet);
+    const Vec3d &e = frame.u_axis, &f = frame.v_axis;
+    const auto entry = [&](std::size_t i, std::size_t j, std::size_t k) {
+        return scale * (p[0] * e[i] * e[j] * e[k] +
+                        p[1] * (e[i] * e[j] * f[k] + e[i] * f[j] * e[k] + f[i] * e[j] * e[k]) +
+                        p[2] * (e[i] * f[j] * f[k] + f[i] * e[j] * f[k] + f[i] * f[j] * e[k]) +
+                        p[3] * f[i] * f[j] * f[k]);
+    };
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j)
+            for (std::size_t k = j; k < 3; ++k) c[at++] += entry(i, j, k);
+}
+
 /// Root of a smooth surfel nearest the guess (local, units of rho).
 std::optional<SheetRoot> nearest_smooth_root(const LocalRay& local, const Surfel& s, double guess) {
     const double half = local.half_chord();
@@ -81,19 +99,19 @@ Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supp
 
 /// A point that lies beyond the rims of all its supporters still has them: its own surface was left out.
 void add_beyond_rims(const Ray& ray, const Gate& gate, std::span<const Surfel* const> supporters,
-                     bool want_curvature, BlendSums& sums) {
+                     Derivatives wanted, BlendSums& sums) {
     for (const Surfel* s : supporters) {
         if (!s->rims.any()) continue;
         Surfel whole = *s;
         whole.rims = {};
-        add_supporter(ray, 0.0, gate, whole, want_curvature, sums);
+        add_supporter(ray, 0.0, gate, whole, wanted, sums);
     }
 }
 
 }  // namespace
 
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
-                   bool want_hessian, BlendSums& sums) {
+                   Derivatives wanted, BlendSums& sums) {
     const auto root = nearest_root(ray, t_guess, surfel);
     if (!root || !belongs(*root, t_guess, surfel)) return false;
     const Vec3d gradient = world_gradient(surfel, root->local.x, root->local.y, root->sheet);
@@ -104,7 +122,8 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
     sums.weight += weight;
     sums.t += weight * (root->t_base + surfel.support_radius * root->t);
     sums.gradient += gradient * weight;
-    if (want_hessian) add_hessian(surfel, *root, weight, sums.hessian);
+    if (wanted >= Derivatives::second) add_hessian(surfel, *root, weight, sums.hessian);
+    if (wanted >= Derivatives::third) add_third(surfel, *root, weight, sums.third);
     ++sums.count;
     return true;
 }
@@ -128,8 +147,9 @@ std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         bool want_curvature) {
     BlendSums sums;
     const Gate gate = gate_at(p, n, supporters);
-    for (const Surfel* s : supporters) add_supporter({p, n}, 0.0, gate, *s, want_curvature, sums);
-    if (!(sums.weight > 0)) add_beyond_rims({p, n}, gate, supporters, want_curvature, sums);
+    const Derivatives wanted = want_curvature ? Derivatives::second : Derivatives::first;
+    for (const Surfel* s : supporters) add_supporter({p, n}, 0.0, gate, *s, wanted, sums);
+    if (!(sums.weight > 0)) add_beyond_rims({p, n}, gate, supporters, wanted, sums);
     if (!(sums.weight > 0)) return std::nullopt;
     Projection out;
     out.t = sums.t / sums.weight;

@@ -10,12 +10,16 @@
 
 namespace slim {
 
+/// The highest derivatives that a blend is to sum.
+enum class Derivatives { first, second, third };
+
 /// Sums of eqs (6) and (7) (Ohtake 2005, sec. 3) along one ray, world axes.
 struct BlendSums {
     double weight = 0;          ///< sum G
     double t = 0;               ///< sum G t
     Vec3d gradient;             ///< sum G grad f, f scaled by rho (|grad f| >= 1)
     SymmetricMatrix hessian{};  ///< sum G Hess f, same scale; 1 / length
+    SymmetricTensor third{};    ///< sum G D3 f, same scale; 1 / length^2
     int count = 0;              ///< supporters that took part
 };
 
@@ -46,7 +50,7 @@ struct Gate {
 /// of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to 3.3e-4 L, maximum 1.8e-2 to
 /// 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such points to others by the same measure.
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
-                   bool want_hessian, BlendSums& sums);
+                   Derivatives wanted, BlendSums& sums);
 
 /// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
 /// t >= t_min; nothing if that lies beyond its rim. `gradient` receives that of f at the root (world, times rho).

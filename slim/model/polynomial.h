@@ -30,6 +30,8 @@ struct Polynomial {
     T d_uu(T u, T v) const { return T(2) * (a[3] + T(3) * u * a[6] + v * a[7]); }
     T d_uv(T u, T v) const { return a[4] + T(2) * (u * a[7] + v * a[8]); }
     T d_vv(T u, T v) const { return T(2) * (a[5] + T(3) * v * a[9] + u * a[8]); }
+    /// P_uuu, P_uuv, P_uvv, P_vvv: the same everywhere.
+    std::array<T, 4> third() const { return {T(6) * a[6], T(2) * a[7], T(2) * a[8], T(6) * a[9]}; }
 };
 
 }  // namespace slim

@@ -12,8 +12,23 @@ namespace slim {
 namespace {
 
 struct Difference {
-    std::uint64_t covered = 0, hit = 0, depth = 0, normal = 0, curvature = 0;
+    std::uint64_t covered = 0, hit = 0, depth = 0, normal = 0, curvature = 0, third = 0;
 };
+
+/// Whether directions and derivatives differ, up to their common sign; not told where k1 is near k2.
+bool third_order_differs(const GBuffer& fast, const GBuffer& reference, std::size_t i) {
+    const double k1 = reference.k1[i], k2 = reference.k2[i], size = 1 + std::abs(k1) + std::abs(k2);
+    if (k1 - k2 < 0.05 * size) return false;
+    double cos = 0, off = 0, third = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        cos += static_cast<double>(fast.direction[axis][i] * reference.direction[axis][i]);
+    for (std::size_t k = 0; k < 4; ++k) {
+        const double a = fast.third[k][i], b = reference.third[k][i];
+        off = std::max(off, std::abs(cos > 0 ? a - b : a + b));
+        third = std::max(third, std::abs(b));
+    }
+    return std::abs(cos) < 1 - 1e-4 || off > 5e-3 * (size * size + third);
+}
 
 /// Pixels that differ: in the mask, or in position by more than 1e-5 of the winner's radius.
 Difference compare(const SurfelTreeData& model, const RenderRequest& request) {
@@ -39,6 +54,7 @@ Difference compare(const SurfelTreeData& model, const RenderRequest& request) {
         const Vec3d m{reference.normal[0][i], reference.normal[1][i], reference.normal[2][i]};
         d.normal += length(n - m) > 1e-3;
         d.curvature += std::abs(fast.mean[i] - reference.mean[i]) > 1e-3 * (1 + std::abs(reference.mean[i]));
+        d.third += third_order_differs(fast, reference, i);
     }
     return d;
 }
@@ -50,6 +66,7 @@ void expect_agreement(const SurfelTreeData& model, const RenderRequest& request)
     EXPECT_LE(static_cast<double>(d.hit + d.depth), allowed);
     EXPECT_LE(static_cast<double>(d.normal), allowed);
     EXPECT_LE(static_cast<double>(d.curvature), allowed);
+    EXPECT_LE(static_cast<double>(d.third), 3 * allowed);
 }
 
 RenderRequest request_for(const SurfelTreeData& model, const char* name, bool orthographic,

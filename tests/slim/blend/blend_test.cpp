@@ -58,7 +58,7 @@ TEST(RaySurfel, NothingIsHitOrBlendedBeyondTheRim) {
     const auto at = [&](double reach) { return Ray{out * reach + Vec3d{0, 0, 2}, {0, 0, -1}}; };
     const auto weight_at = [&](double reach) {
         BlendSums sums;
-        add_supporter(at(reach), 2, {Vec3d{0, 0, 1}}, s, false, sums);
+        add_supporter(at(reach), 2, {Vec3d{0, 0, 1}}, s, Derivatives::first, sums);
         return sums.weight;
     };
     Vec3d gradient;

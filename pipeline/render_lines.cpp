@@ -1,0 +1,112 @@
+#include "pipeline/render_lines.h"
+
+#include "formats/atomic_file.h"
+#include "raytrace/lines/extract.h"
+#include "raytrace/lines/lines_geometry.h"
+#include "raytrace/lines/lines_svg.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace slim {
+namespace {
+
+constexpr std::array<LineKind, kLineKinds> kDrawingOrder{
+    LineKind::reflection, LineKind::parabolic, LineKind::suggestive,
+    LineKind::valley,     LineKind::ridge,     LineKind::contour};
+
+std::string word_of(LineKind kind) {
+    const bool crest = kind == LineKind::ridge || kind == LineKind::valley;
+    return crest ? "crest" : std::string(line_name(kind));
+}
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// What is asked for in words.
+std::vector<std::string> asked_lines(const RenderConfig& config,
+                                     const std::vector<std::string>& aovs, int degree) {
+    if (!config.lines.empty() || !contains(aovs, "lines")) return config.lines;
+    std::vector<std::string> words{"contour"};
+    if (degree >= line_degree(LineKind::suggestive)) words.push_back("suggestive");
+    if (degree >= line_degree(LineKind::ridge)) words.push_back("crest");
+    return words;
+}
+
+}  // namespace
+
+void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    if (!config.lines.empty() || contains(aovs, "lines")) return;
+    if (!config.lines_ply.empty()) throw ConfigError("lines_ply is for --lines, which are not asked for");
+    if (!config.lines_obj.empty()) throw ConfigError("lines_obj is for --lines, which are not asked for");
+}
+
+std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
+                                   const ModelHeader& model, Reporter& reporter) {
+    const std::vector<std::string> asked = asked_lines(config, aovs, model.degree);
+    std::vector<LineKind> kinds;
+    std::set<std::string> without;
+    for (const LineKind kind : kDrawingOrder) {
+        if (!contains(asked, word_of(kind))) continue;
+        if (line_degree(kind) <= model.degree) kinds.push_back(kind);
+        else if (without.insert(word_of(kind)).second) {
+            const std::string why =
+                fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
+                            "build it with --degree {}",
+                            config.model, word_of(kind), model.degree, line_degree(kind));
+            if (asked.size() == 1) throw ConfigError(why);
+            reporter.warn(why + "; they are left out");
+        }
+    }
+    if (kinds.empty() && !asked.empty())
+        throw ConfigError(fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
+                                      "{}: build it with --degree 3",
+                                      config.model, model.degree));
+    return kinds;
+}
+
+std::vector<FeatureLine> find_lines(const Camera& camera, const ModelHeader& model,
+                                    const RenderedFrame& frame, std::span<const LineKind> kinds) {
+    const PixelView view = pixel_view(camera, frame.size.width, frame.size.height);
+    return extract_lines({frame.buffer, view, model.diagonal, model.degree}, kinds);
+}
+
+std::vector<std::filesystem::path> write_lines(const RenderConfig& config,
+                                               const std::filesystem::path& svg,
+                                               const PictureSize& size, const Vec3d& origin,
+                                               std::span<const FeatureLine> lines,
+                                               std::span<const LineKind> kinds) {
+    std::vector<std::filesystem::path> written;
+    const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
+        write_file_atomically(path.string(), bytes);
+        written.push_back(path);
+    };
+    write(svg, lines_svg(lines, kinds, size.width, size.height));
+    if (!config.lines_ply.empty()) write(config.lines_ply, lines_ply(lines, origin));
+    if (!config.lines_obj.empty()) write(config.lines_obj, lines_obj(lines, origin));
+    return written;
+}
+
+nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const LineKind> kinds) {
+    nlohmann::json out = nlohmann::json::object();
+    for (const LineKind kind : kinds) {
+        std::uint64_t polylines = 0;
+        double length = 0, length_px = 0, strength = 0;
+        for (const FeatureLine& line : lines) {
+            if (line.kind != kind) continue;
+            ++polylines;
+            length += static_cast<double>(line.length);
+            length_px += static_cast<double>(line.length_px);
+            strength += static_cast<double>(line.strength);
+        }
+        out[std::string(line_name(kind))] = {{"polylines", polylines}, {"length", length},
+                                             {"length_px", length_px}, {"strength", strength}};
+    }
+    return out;
+}
+
+}  // namespace slim

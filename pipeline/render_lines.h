@@ -1,0 +1,42 @@
+#pragma once
+
+#include "pipeline/render_aov.h"
+#include "pipeline/render_config.h"
+#include "raytrace/camera.h"
+#include "raytrace/lines/feature_line.h"
+#include "slim/base/reporter.h"
+#include "slim/model/surfel_tree.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Throws ConfigError for files of lines that nobody asks for.
+void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs);
+
+/// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines" alone:
+/// contours, suggestive contours, and crest lines if the model is cubic. Kinds whose derivatives the model does
+/// not have are left out with a warning; ConfigError if none is left.
+std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
+                                   const ModelHeader& model, Reporter& reporter);
+
+/// The lines of a rendered frame of the picture's own size.
+std::vector<FeatureLine> find_lines(const Camera& camera, const ModelHeader& model,
+                                    const RenderedFrame& frame, std::span<const LineKind> kinds);
+
+/// Writes svg, and PLY and OBJ if the configuration names them; returns what was written.
+std::vector<std::filesystem::path> write_lines(const RenderConfig& config,
+                                               const std::filesystem::path& svg,
+                                               const PictureSize& size, const Vec3d& origin,
+                                               std::span<const FeatureLine> lines,
+                                               std::span<const LineKind> kinds);
+
+/// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name.
+nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const LineKind> kinds);
+
+}  // namespace slim

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "raytrace/camera.h"
+#include "raytrace/frame.h"
+#include "slim/base/vec.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace slim {
+
+/// A rendered view as the search for lines sees it: positions and normals of the whole picture, frame of
+/// the job; `a` and `b` are entries of the planes, mostly of neighbours.
+struct LineScene {
+    const GBuffer& buffer;
+    const PixelView& view;
+    double diagonal = 1;  ///< L of the model, the unit of lengths without a scale of their own
+    int degree = 2;       ///< of the model
+
+    bool hit(std::size_t a) const { return buffer.hit[a] != 0; }
+    Vec3f point(std::size_t a) const {
+        return {buffer.position[0][a], buffer.position[1][a], buffer.position[2][a]};
+    }
+    Vec3f normal(std::size_t a) const {
+        return {buffer.normal[0][a], buffer.normal[1][a], buffer.normal[2][a]};
+    }
+    /// From the surface to the eye, any length.
+    Vec3f toward_eye(std::size_t a) const {
+        return view.orthographic ? to_float(-view.forward) : to_float(view.eye) - point(a);
+    }
+    float depth(std::size_t a) const {
+        return dot(to_float(view.forward), point(a) - to_float(view.eye));
+    }
+    /// Width of a pixel at the surface, model units.
+    float footprint(std::size_t a) const {
+        return view.orthographic ? static_cast<float>(1 / view.px_per_unit)
+                                 : depth(a) / static_cast<float>(view.focal_px);
+    }
+    /// N.v, both unit.
+    float facing(std::size_t a) const { return dot(normal(a), normalized(toward_eye(a))); }
+};
+
+/// Whether the surface breaks off between two hits beside each other: each lies off the other's tangent
+/// plane by more than it can bend away in a pixel: 2 footprints, or one where N.v changes its sign.
+///
+/// Departs from NUMERICS 5.4, which takes any depth gap above 2 footprints: so every face steeper than
+/// 63 degrees would be a contour. On a sphere the last pixel before the limb lies at most one footprint
+/// off the tangent plane of the one before, whatever the gap.
+inline bool breaks_off(const LineScene& s, std::size_t a, std::size_t b) {
+    constexpr float kGap = 2;
+    const Vec3f d = s.point(b) - s.point(a);
+    const float width = s.footprint(a), sq_gap = sq_length(d);
+    if (sq_gap <= kGap * kGap * width * width) return false;
+    const float off = std::fmax(std::fabs(dot(d, s.normal(a))), std::fabs(dot(d, s.normal(b))));
+    return off > kGap * width || (off > width && (s.facing(a) > 0) != (s.facing(b) > 0));
+}
+
+/// Whether two neighbours lie on one sheet without an edge between them (N_a . N_b > 0.5).
+inline bool one_sheet(const LineScene& s, std::size_t a, std::size_t b) {
+    return s.hit(a) && s.hit(b) && dot(s.normal(a), s.normal(b)) > 0.5f && !breaks_off(s, a, b);
+}
+
+}  // namespace slim

@@ -1,0 +1,57 @@
+#include "raytrace/lines/lines_svg.h"
+
+#include "raytrace/lines/stroke.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace slim {
+namespace {
+
+constexpr double kMmPerPixel = 25.4 / 96;
+
+std::string number(double value, int digits) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    return text;
+}
+
+std::string mm(float px) { return number(kMmPerPixel * static_cast<double>(px), 3); }
+
+std::string hex_color(const Vec3f& srgb) {
+    const auto byte = [](float c) { return static_cast<unsigned>(std::clamp(c, 0.0f, 1.0f) * 255 + 0.5f); };
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x) & 255u, byte(srgb.y) & 255u,
+                  byte(srgb.z) & 255u);
+    return text;
+}
+
+std::string path_of(const FeatureLine& line, int width, int height) {
+    std::string d;
+    for (const LinePoint& p : line.points) {
+        d += d.empty() ? "M" : " ";
+        d += mm(p.x) + "," + mm(p.y);
+    }
+    if (line.closed) d += " Z";
+    return "    <path d=\"" + d + "\" stroke-width=\"" + mm(stroke_width(line, width, height)) + "\"/>\n";
+}
+
+}  // namespace
+
+std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
+                      int height) {
+    const std::string w = number(kMmPerPixel * width, 3), h = number(kMmPerPixel * height, 3);
+    std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
+                      "mm\" height=\"" + h + "mm\" viewBox=\"0 0 " + w + " " + h +
+                      "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+    for (const LineKind kind : kinds) {
+        const LineStyle style = line_style(kind);
+        out += std::string("  <g id=\"") + style.group + "\" stroke=\"" + hex_color(style.srgb) + "\">\n";
+        for (const FeatureLine& line : lines)
+            if (line.kind == kind) out += path_of(line, width, height);
+        out += "  </g>\n";
+    }
+    return out + "</svg>\n";
+}
+
+}  // namespace slim

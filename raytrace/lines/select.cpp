@@ -1,0 +1,133 @@
+#include "raytrace/lines/select.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+/// Pieces of a line between crossings of too little evidence.
+void cut_line(FeatureLine line, float least, std::vector<FeatureLine>& out) {
+    const auto poor = [&](const LinePoint& p) { return !(p.evidence >= least); };
+    const auto first = std::find_if(line.points.begin(), line.points.end(), poor);
+    if (first == line.points.end()) {
+        out.push_back(std::move(line));
+        return;
+    }
+    // A loop is opened at its first poor point, so that no piece is cut in two at its seam.
+    if (line.closed) std::rotate(line.points.begin(), first, line.points.end());
+    FeatureLine piece;
+    piece.kind = line.kind;
+    const auto finish = [&] {
+        if (piece.points.size() > 1) out.push_back(piece);
+        piece.points.clear();
+    };
+    for (const LinePoint& p : line.points) {
+        if (poor(p)) finish();
+        else
+            piece.points.push_back(p);
+    }
+    finish();
+}
+
+float mean_evidence(const FeatureLine& line) {
+    float sum = 0, px = 0;
+    line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
+        const float step = std::hypot(b.x - a.x, b.y - a.y);
+        sum += step * 0.5f * (a.evidence + b.evidence), px += step;
+    });
+    return px > 0 ? sum / px : 0;
+}
+
+bool ends_near(const FeatureLine& a, const FeatureLine& b) {
+    constexpr float kSqReach = 9;
+    for (const LinePoint* p : {&a.points.front(), &a.points.back()})
+        for (const LinePoint* q : {&b.points.front(), &b.points.back()})
+            if ((p->x - q->x) * (p->x - q->x) + (p->y - q->y) * (p->y - q->y) <= kSqReach)
+                return true;
+    return false;
+}
+
+enum class Verdict : std::uint8_t { drop, weak, keep };
+
+Verdict judge(const FeatureLine& line, const LineRules& rules) {
+    if (line.length_px < rules.weak_px || line.strength < rules.weak_strength) return Verdict::drop;
+    const bool strong = line.strength >= rules.strength && line.length_px >= rules.least_px;
+    return strong && mean_evidence(line) >= rules.strong_evidence ? Verdict::keep : Verdict::weak;
+}
+
+/// Weak lines that continue kept ones, and those that continue these, become kept.
+void spread(const std::vector<FeatureLine>& lines, std::vector<Verdict>& verdicts) {
+    std::vector<std::size_t> fresh;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        if (verdicts[i] == Verdict::keep && !lines[i].closed) fresh.push_back(i);
+    while (!fresh.empty()) {
+        const std::size_t kept = fresh.back();
+        fresh.pop_back();
+        for (std::size_t i = 0; i < lines.size(); ++i)
+            if (verdicts[i] == Verdict::weak && !lines[i].closed && ends_near(lines[kept], lines[i])) {
+                verdicts[i] = Verdict::keep;
+                fresh.push_back(i);
+            }
+    }
+}
+
+}  // namespace
+
+LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
+    const float scale = static_cast<float>(std::min(picture_width, picture_height)) / 1000;
+    const auto px = [&](float at_1000) { return std::max(4.0f, at_1000 * scale); };
+    switch (kind) {
+        // Junctions with other contours cut a limb into pieces, some of a few pixels.
+        case LineKind::contour: return {0, 0, 0, 0, px(8), 1};
+        case LineKind::suggestive: return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
+        case LineKind::ridge:
+        case LineKind::valley: return {0, 0.3f, 1.2f, 0.45f, px(12)};
+        case LineKind::parabolic: return {0, 0, 2, 0.8f, px(16)};
+        case LineKind::reflection: return {0, 0, 0, 0, px(8)};
+    }
+    return {};
+}
+
+void measure_line(FeatureLine& line) {
+    line.length = line.length_px = line.strength = 0;
+    line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
+        const float step = slim::length(b.point - a.point);
+        line.length += step;
+        line.strength += step * 0.5f * (a.weight + b.weight);
+        line.length_px += std::hypot(b.x - a.x, b.y - a.y);
+    });
+}
+
+std::vector<FeatureLine> select_lines(std::vector<FeatureLine> lines, const LineRules& rules) {
+    std::vector<FeatureLine> pieces;
+    for (FeatureLine& line : lines) cut_line(std::move(line), rules.least_evidence, pieces);
+    std::vector<Verdict> verdicts;
+    for (FeatureLine& piece : pieces) {
+        measure_line(piece);
+        verdicts.push_back(judge(piece, rules));
+    }
+    spread(pieces, verdicts);
+    std::vector<FeatureLine> kept;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        if (verdicts[i] == Verdict::keep) kept.push_back(std::move(pieces[i]));
+    return kept;
+}
+
+void smooth_line(FeatureLine& line, int passes) {
+    const std::size_t n = line.points.size();
+    if (n < 3) return;
+    for (int pass = 0; pass < passes; ++pass) {
+        const std::vector<LinePoint> old = line.points;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (!line.closed && (i == 0 || i + 1 == n)) continue;
+            const LinePoint &a = old[(i + n - 1) % n], &b = old[(i + 1) % n];
+            LinePoint& p = line.points[i];
+            p.x = 0.5f * p.x + 0.25f * (a.x + b.x);
+            p.y = 0.5f * p.y + 0.25f * (a.y + b.y);
+            p.point = p.point * 0.5f + (a.point + b.point) * 0.25f;
+        }
+    }
+}
+
+}  // namespace slim

@@ -1,0 +1,136 @@
+#include "raytrace/lines/crossings.h"
+#include "raytrace/lines/sheet_blur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace slim {
+namespace {
+
+/// sin of the least angle between N and v: nearer, w is no direction any more.
+constexpr float kLeastSin = 0.342f;  // 20 degrees
+
+/// The view at a pixel, split at the tangent plane.
+struct Radial {
+    Vec3f w;        ///< unit, towards the eye
+    float cot = 0;  ///< N.v / |tangent part of v|
+    float c = 0, s = 0;  ///< w in the principal directions
+};
+
+Radial radial_at(const LineScene& scene, std::size_t i) {
+    const Vec3f n = scene.normal(i), v = scene.toward_eye(i);
+    const float along = dot(n, v);
+    const Vec3f tangent = v - n * along;
+    const float size = length(tangent);
+    Radial r{tangent / size, along / size, 0, 0};
+    const auto& t = scene.buffer.direction;
+    const Vec3f t1{t[0][i], t[1][i], t[2][i]};
+    r.c = dot(r.w, t1), r.s = dot(r.w, cross(n, t1));
+    return r;
+}
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// kappa_r = S(w, w); NaN without a hit, seen from behind, or along the normal.
+std::vector<float> radial_curvature(const LineScene& scene) {
+    std::vector<float> out(scene.buffer.n_pixels(), kNone);
+    const GBuffer& g = scene.buffer;
+    parallel_blocks(out.size(), static_cast<std::size_t>(g.width), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!scene.hit(i)) continue;
+            const float facing = scene.facing(i);
+            if (!(facing > 0 && facing * facing < 1 - kLeastSin * kLeastSin)) continue;
+            const Radial r = radial_at(scene, i);
+            out[i] = g.k1[i] * r.c * r.c + g.k2[i] * r.s * r.s;
+        }
+    });
+    return out;
+}
+
+/// D_w kappa_r = Q(w, w, w) - 2 cot tau^2 (DeCarlo et al. 2004; NUMERICS 5.4), of a cubic model.
+float exact_slope(const LineScene& scene, std::size_t i) {
+    const GBuffer& g = scene.buffer;
+    const Radial r = radial_at(scene, i);
+    const float q = r.c * r.c * (r.c * g.third[0][i] + 3 * r.s * g.third[1][i]) +
+                    r.s * r.s * (3 * r.c * g.third[2][i] + r.s * g.third[3][i]);
+    const float tau = (g.k2[i] - g.k1[i]) * r.c * r.s;
+    return q - 2 * r.cot * tau * tau;
+}
+
+/// The same by differences in the picture, for models without third derivatives.
+class SlopeByDifferences {
+public:
+    SlopeByDifferences(const LineScene& scene, const std::vector<float>& kappa)
+        : scene_(scene), kappa_(kappa) {}
+
+    /// NaN where a neighbour is missing or on another sheet.
+    float operator()(std::size_t i) const {
+        const auto width = static_cast<std::size_t>(scene_.buffer.width);
+        const auto reach = static_cast<std::size_t>(kReach);
+        const std::size_t x = i % width, y = i / width;
+        if (x < reach || y < reach || x + reach >= width ||
+            y + reach >= static_cast<std::size_t>(scene_.buffer.height))
+            return kNone;
+        const Step right = step(i, 1), down = step(i, width);
+        // w = a right + b down in the tangent plane, by least squares.
+        const Vec3f w = radial_at(scene_, i).w;
+        const float xx = sq_length(right.move), xy = dot(right.move, down.move);
+        const float yy = sq_length(down.move), wx = dot(w, right.move), wy = dot(w, down.move);
+        const float det = xx * yy - xy * xy;
+        if (!(det > 1e-6f * xx * yy)) return kNone;
+        return ((wx * yy - wy * xy) * right.change + (wy * xx - wx * xy) * down.change) / det;
+    }
+
+private:
+    /// Central differences over this many pixels: fewer show the seams between surfels.
+    static constexpr int kReach = 2;
+    struct Step {
+        Vec3f move;
+        float change;
+    };
+    Step step(std::size_t i, std::size_t stride) const {
+        const std::size_t after = i + kReach * stride, before = i - kReach * stride;
+        if (!one_sheet(scene_, before, i) || !one_sheet(scene_, i, after)) return {{}, kNone};
+        return {scene_.point(after) - scene_.point(before), kappa_[after] - kappa_[before]};
+    }
+
+    const LineScene& scene_;
+    const std::vector<float>& kappa_;
+};
+
+/// The curvature that half of a sample of the hits exceed: the scale of the view's shapes. 1 / L at least.
+float typical_curvature(const LineScene& scene) {
+    const GBuffer& g = scene.buffer;
+    const std::size_t stride = std::max<std::size_t>(1, g.n_pixels() / 200000);
+    std::vector<float> sample;
+    for (std::size_t i = 0; i < g.n_pixels(); i += stride)
+        if (g.hit[i]) sample.push_back(std::fmax(std::fabs(g.k1[i]), std::fabs(g.k2[i])));
+    const auto least = static_cast<float>(1 / scene.diagonal);
+    if (sample.empty()) return least;
+    const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+    std::nth_element(sample.begin(), middle, sample.end());
+    return std::fmax(*middle, least);
+}
+
+}  // namespace
+
+CrossingField suggestive_crossings(const LineScene& s) {
+    std::vector<float> kappa = radial_curvature(s);
+    blur_on_sheets(s, std::span(&kappa, 1));  // seams between surfels make it jagged
+    const SlopeByDifferences differences(s, kappa);
+    const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
+    const bool exact = s.degree >= 3;
+    return find_crossings(s, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+        const float ka = kappa[a], kb = kappa[b];
+        if (!(ka * kb <= 0) || (ka > 0) == (kb > 0) || !one_sheet(s, a, b)) return std::nullopt;
+        const float at = ka / (ka - kb);
+        const float slope = exact ? exact_slope(s, a) * (1 - at) + exact_slope(s, b) * at
+                                  : differences(a) * (1 - at) + differences(b) * at;
+        if (!(slope > 0)) return std::nullopt;
+        return EdgeHit{at, std::sqrt(slope), slope * per_sq};
+    });
+}
+
+}  // namespace slim

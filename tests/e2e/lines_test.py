@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Feature lines from a scan to files: against the truth of analytic shapes, and what options promise."""
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+
+from harness import Harness
+
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-run")
+run, check = harness.run, harness.check
+SIZE = ("--size", "400x400")
+
+
+def build(shape, degree, points=40000):
+    model = f"{shape}{degree}.slim"
+    if not (harness.folder / f"{shape}.ply").exists():
+        run("slim", "scan", shape, "-o", f"{shape}.ply", "--points", points)
+    done = run("slim", "build", f"{shape}.ply", "-o", model, "--degree", degree, "--t-mdl", 0.003)
+    check(done.code == 0, f"build {shape}: {done.err}")
+    return model
+
+
+def lines_of(model, *options):
+    done = run("slim", "render", model, "-o", "x.png", *SIZE, "--json", *options)
+    check(done.code == 0, f"render {model} {options}: {done.err}")
+    return done.json()["lines"]
+
+
+def shapes():
+    torus = build("torus", 3)
+    for camera in ("top", "iso"):
+        found = lines_of(torus, "--up", "z", "--camera", camera, "--lines", "crest,parabolic,contour")
+        for kind in ("ridge", "valley"):
+            check(found[kind]["polylines"] == 0, f"torus, {camera}: false crest lines {found}")
+    top = lines_of(torus, "--up", "z", "--camera", "top", "--lines", "parabolic")["parabolic"]["length"]
+    check(abs(top / (2 * math.pi) - 1) < 0.03, f"parabolic circle of the torus: {top}")
+    cyclide = lines_of(build("cyclide", 3), "--up", "z", "--camera", "iso", "--lines", "crest")
+    for kind in ("ridge", "valley"):
+        check(cyclide[kind]["polylines"] == 0, f"cyclide: false crest lines {cyclide}")
+    # x 1, y 0.7, z 0.4: the sharpest section is z = 0, seen along x as a straight line.
+    ellipsoid = lines_of(build("ellipsoid", 3), "--up", "z", "--camera", "right", "--ortho", "--lines",
+                         "crest,suggestive,parabolic")
+    check(2.0 < ellipsoid["ridge"]["length"] < 2.75, f"ridge of the ellipsoid: {ellipsoid}")
+    check(ellipsoid["valley"]["polylines"] == 0, f"valleys of the ellipsoid: {ellipsoid}")
+    sphere = lines_of(build("sphere", 3), "--lines", "contour,suggestive,crest,parabolic")
+    check([kind for kind in sphere if sphere[kind]["polylines"]] == ["contour"], f"sphere: {sphere}")
+
+
+def files():
+    sculpture = build("sculpture", 3)
+    done = run("slim", "render", sculpture, "-o", "s.exr", *SIZE, "--up", "z", "--aov", "shaded,lines", "--lines",
+               "contour,suggestive,crest", "--lines-ply", "s.ply", "--lines-obj", "s.obj", "--json")
+    check(done.code == 0, f"files: {done.err}")
+    result = done.json()
+    for name in ("s.lines.svg", "s.ply", "s.obj", "s.exr"):
+        check(name in result["files"] and (harness.folder / name).exists(), f"{name}: {result['files']}")
+    n_lines = sum(kind["polylines"] for kind in result["lines"].values())
+    check(n_lines > 10, f"sculpture: {result['lines']}")
+    svg = ElementTree.parse(harness.folder / "s.lines.svg").getroot()
+    check(svg.get("width", "").endswith("mm"), f"svg width {svg.get('width')}")
+    groups = {g.get("id"): len(g) for g in svg if g.tag.endswith("g")}
+    check(set(groups) == {"contour", "suggestive", "crest-ridge", "crest-valley"}, f"groups {groups}")
+    check(sum(groups.values()) == n_lines, f"{groups} but {n_lines} lines")
+    obj = (harness.folder / "s.obj").read_text()
+    check(len(re.findall(r"^l ", obj, re.M)) == n_lines, "lines in the OBJ")
+    head = (harness.folder / "s.ply").read_bytes().split(b"end_header\n")[0].decode()
+    n_vertices = int(re.search(r"element vertex (\d+)", head)[1])
+    check(len(re.findall(r"^v ", obj, re.M)) == n_vertices and "element edge" in head, "vertices")
+    # Bytes for any number of threads.
+    before = {name: (harness.folder / name).read_bytes() for name in ("s.lines.svg", "s.ply", "s.png")}
+    run("slim", "render", sculpture, "-o", "s.exr", *SIZE, "--up", "z", "--aov", "shaded,lines", "--lines",
+        "contour,suggestive,crest", "--lines-ply", "s.ply", "--lines-obj", "s.obj", "--threads", 1, "--force")
+    for name, data in before.items():
+        check((harness.folder / name).read_bytes() == data, f"{name} depends on threads")
+    again = run("slim", "render", sculpture, "-o", "s.exr", *SIZE, "--up", "z", "--aov", "shaded,lines", "--lines",
+                "contour,suggestive,crest", "--lines-ply", "t.ply")
+    check(again.code == 0 and (harness.folder / "t.ply").exists(), "another --lines-ply is not up to date")
+
+
+def options():
+    quadratic = build("sphere", 2)
+    wrong = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crest")
+    check(wrong.code == 2 and "--degree 3" in wrong.err, f"crest of quadrics: {wrong.err}")
+    both = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crest,contour", "--json")
+    check(both.code == 0 and set(both.json()["lines"]) == {"contour"} and "--degree 3" in both.err,
+          f"crest and contour of quadrics: {both.err}")
+    wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines-ply", "x.ply")
+    check(wrong.code == 2 and "--lines" in wrong.err, f"--lines-ply alone: {wrong.err}")
+    wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines", "crests")
+    check(wrong.code == 2 and "crest" in wrong.err, f"--lines crests: {wrong.err}")
+    plain = run("slim", "render", quadratic, "-o", "y.png", *SIZE, "--json").json()
+    check("lines" not in plain and not (harness.folder / "y.lines.svg").exists(), "lines unasked")
+    bare = run("slim", "render", quadratic, "-o", "z.png", *SIZE, "--aov", "lines", "--json").json()
+    check(set(bare["lines"]) == {"contour", "suggestive"}, f"--aov lines alone: {bare}")
+
+
+def brute():
+    model = build("torus", 2)
+    view = ("--up", "z", "--camera", "iso", "--lod", 0, "--lines", "contour,parabolic,suggestive,reflection")
+    fast, slow = lines_of(model, *view), lines_of(model, *view, "--mode", "brute")
+    for kind in slow:
+        a, b = fast[kind]["length"], slow[kind]["length"]
+        check(abs(a - b) <= 0.02 * b, f"{kind}: forward {a}, brute {b}")
+
+
+def job():
+    (harness.folder / "job.toml").write_text("""
+[input.scan]
+shape = "bumpy"
+points = 20000
+[fit]
+degree = 3
+[render]
+size = "200x200"
+lines = ["contour", "crest"]
+[[view]]
+name = "front"
+aovs = ["shaded", "lines"]
+lines_obj = "lines.obj"
+[[view]]
+name = "iso"
+camera = "iso"
+lines = ["suggestive"]
+[output]
+dir = "out"
+""")
+    done = run("slim", "run", "job.toml")
+    check(done.code == 0, f"run: {done.err}")
+    out = harness.folder / "out"
+    for name in ("front.shaded.png", "front.lines.png", "front.lines.svg", "iso.lines.svg"):
+        check((out / name).exists(), f"job: no {name}")
+    check((harness.folder / "lines.obj").exists(), "job: no lines.obj")
+    check('id="suggestive"' in (out / "iso.lines.svg").read_text(), "the view's own lines win")
+    check('href="front.lines.svg"' in (out / "index.html").read_text(), "page without the drawing")
+
+
+shapes()
+files()
+options()
+brute()
+job()
+harness.end()

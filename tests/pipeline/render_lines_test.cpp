@@ -1,0 +1,86 @@
+#include "slim/base/error.h"
+#include "tests/pipeline/render_test_support.h"
+
+#include <numbers>
+
+namespace slim {
+namespace {
+
+class RenderLines : public test::RenderTest {
+protected:
+    RenderConfig lines(const std::string& output, std::vector<std::string> kinds) const {
+        RenderConfig c = config(output);
+        c.size = "200x150";
+        c.lines = std::move(kinds);
+        return c;
+    }
+};
+
+TEST_F(RenderLines, AreDrawnOverThePictureAndCounted) {
+    RenderConfig c = lines("a.png", {"contour"});
+    const auto result = run(c);
+    EXPECT_EQ(result["lines"]["contour"]["polylines"], 1);
+    EXPECT_NEAR(result["lines"]["contour"]["length"].get<double>(), 2 * std::numbers::pi, 0.25);
+    EXPECT_TRUE(exists("a.lines.svg"));
+    c.lines.clear(), c.output = file("b.png");
+    EXPECT_FALSE(run(c).contains("lines"));
+    EXPECT_FALSE(exists("b.lines.svg"));
+    EXPECT_NE(bytes("a.png"), bytes("b.png"));
+}
+
+TEST_F(RenderLines, AloneAreDarkOnWhite) {
+    RenderConfig c = lines("a.png", {"contour"});
+    c.aov = {"lines"};
+    const PngImage image = draw(c);
+    std::size_t white = 0, dark = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        white += image.rgba[i] == 255;
+        dark += image.rgba[i] < 200;
+        EXPECT_EQ(image.rgba[i + 3], 255);
+    }
+    EXPECT_GT(white, 200u * 150 * 9 / 10);
+    EXPECT_GT(dark, 200u);
+}
+
+TEST_F(RenderLines, AreTheSameWithSupersampling) {
+    RenderConfig c = lines("a.png", {"contour", "reflection"});
+    const auto plain = run(c);
+    c.supersample = 2, c.output = file("b.png");
+    EXPECT_EQ(run(c)["lines"], plain["lines"]);
+}
+
+TEST_F(RenderLines, StandInTheExrUnderTheirNames) {
+    RenderConfig c = lines("a.exr", {"contour", "suggestive"});
+    run(c);
+    const ExrImage image = read_exr(c.output);
+    const auto& contour = image.channels.at("marks.contour").floats;
+    EXPECT_EQ(image.channels.count("lines.suggestive"), 1u);
+    EXPECT_EQ(image.channels.count("lines.crest"), 0u);
+    std::size_t n = 0;
+    for (const float v : contour) n += v > 0;
+    EXPECT_GT(n, 200u);
+    EXPECT_LT(n, 1500u);
+}
+
+TEST_F(RenderLines, CrestLinesNeedACubicModel) {
+    EXPECT_THROW(run(lines("a.png", {"crest"})), ConfigError);
+    const auto both = run(lines("a.png", {"crest", "contour"}));
+    EXPECT_FALSE(both["lines"].contains("ridge"));
+    write_model(file("m.slim"), test::sphere_model(1, 600, 3), "{}");
+    const auto cubic = run(lines("b.png", {"crest"}));
+    EXPECT_EQ(cubic["lines"]["ridge"]["polylines"], 0);
+    EXPECT_EQ(cubic["lines"]["valley"]["polylines"], 0);
+}
+
+TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {
+    RenderConfig c = lines("a.png", {"contour"});
+    c.lines_ply = file("a.ply"), c.lines_obj = file("a.obj");
+    const auto result = run(c);
+    EXPECT_EQ(result["files"].size(), 4u);
+    EXPECT_TRUE(exists("a.ply") && exists("a.obj"));
+    c.lines.clear();
+    EXPECT_THROW(run(c), ConfigError);
+}
+
+}  // namespace
+}  // namespace slim

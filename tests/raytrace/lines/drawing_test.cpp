@@ -1,0 +1,101 @@
+#include "raytrace/lines/lines_geometry.h"
+#include "raytrace/lines/lines_svg.h"
+#include "raytrace/lines/stroke.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+namespace slim {
+namespace {
+
+FeatureLine line_of(LineKind kind, std::vector<Vec3f> points, float strength, bool closed = false) {
+    FeatureLine line;
+    line.kind = kind, line.closed = closed, line.strength = strength;
+    for (const Vec3f& p : points) line.points.push_back({p.x, p.y, p, 1, 1});
+    return line;
+}
+
+const std::vector<FeatureLine> kLines{
+    line_of(LineKind::contour, {{10, 20.5f, 1}, {90, 20.5f, 1}}, 1),
+    line_of(LineKind::ridge, {{20, 40, 2}, {40, 40, 2}, {30, 60, 2}}, 4, true)};
+
+std::size_t count(const std::string& text, const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+}
+
+TEST(DrawLines, CoverTheirWidthAndNothingElse) {
+    Picture picture(100, 100);
+    for (float& v : picture.rgba) v = 1;
+    draw_lines(std::span(kLines).first(1), picture);
+    const float width = stroke_width(kLines[0], 100, 100);
+    double covered = 0;
+    for (int y = 0; y < 100; ++y) covered += 1 - picture.pixel(50, y)[0];
+    EXPECT_NEAR(covered, width * (1 - linear_from_srgb(0.06f)), 0.1);
+    EXPECT_EQ(picture.pixel(50, 30)[0], 1);
+    EXPECT_EQ(picture.pixel(95, 20)[0], 1);
+    EXPECT_EQ(picture.pixel(50, 20)[3], 1);
+}
+
+TEST(DrawLines, StrongerLinesAreWider) {
+    EXPECT_LT(stroke_width(line_of(LineKind::ridge, {}, 1), 1000, 1000),
+              stroke_width(line_of(LineKind::ridge, {}, 4), 1000, 1000));
+}
+
+TEST(DrawLines, DoNotDependOnBands) {
+    // A slanted line crosses the bands that threads share out.
+    const std::vector slanted{line_of(LineKind::contour, {{3, 2, 0}, {95, 197, 0}}, 1)};
+    Picture tall(100, 200);
+    draw_lines(slanted, tall);
+    for (int y = 10; y < 190; ++y) {
+        double covered = 0;
+        for (int x = 0; x < 100; ++x) covered += tall.pixel(x, y)[3];
+        EXPECT_NEAR(covered, 1.08 * std::hypot(92, 195) / 195, 0.25) << y;
+    }
+}
+
+TEST(StrengthPlane, HoldsTheStrengthUnfiltered) {
+    const auto plane = strength_plane(kLines, std::vector{LineKind::ridge}, 100, 100);
+    EXPECT_EQ(plane[40 * 100 + 20], 4);
+    EXPECT_EQ(plane[20 * 100 + 10], 0);  // another kind
+}
+
+TEST(LinesSvg, HasAGroupForEachKindInMillimetres) {
+    const std::string svg =
+        lines_svg(kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480);
+    EXPECT_NE(svg.find("width=\"254.000mm\" height=\"127.000mm\" viewBox=\"0 0 254.000 127.000\""),
+              std::string::npos);
+    for (const char* id : {"crest-ridge", "crest-valley", "contour"})
+        EXPECT_EQ(count(svg, "<g id=\"" + std::string(id) + "\""), 1u);
+    EXPECT_EQ(count(svg, "<path "), 2u);
+    EXPECT_EQ(count(svg, " Z\""), 1u);
+    EXPECT_NE(svg.find("M2.646,5.424 23.812,5.424"), std::string::npos) << svg;
+}
+
+TEST(LinesPly, HasVerticesAndEdges) {
+    const std::string ply = lines_ply(kLines, {1, 2, 3});
+    EXPECT_NE(ply.find("comment slim origin 1 2 3\n"), std::string::npos);
+    EXPECT_NE(ply.find("element vertex 5\n"), std::string::npos);
+    EXPECT_NE(ply.find("element edge 4\n"), std::string::npos);  // 1 and, closed, 3
+    const std::size_t body = ply.find("end_header\n") + 11;
+    ASSERT_EQ(ply.size(), body + 5 * 17 + 4 * 8);
+    std::int32_t last[2];
+    std::memcpy(last, ply.data() + ply.size() - 8, 8);
+    EXPECT_EQ(last[0], 4);
+    EXPECT_EQ(last[1], 2);
+}
+
+TEST(LinesObj, HasALinePerPolyline) {
+    const std::string obj = lines_obj(kLines, {});
+    EXPECT_EQ(count(obj, "\nv "), 5u);
+    EXPECT_NE(obj.find("l 1 2\n"), std::string::npos);
+    EXPECT_NE(obj.find("l 3 4 5 3\n"), std::string::npos);
+    EXPECT_NE(obj.find("o ridge\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slim

@@ -1,0 +1,182 @@
+#include "raytrace/lines/extract.h"
+
+#include "raytrace/brute/brute_renderer.h"
+#include "raytrace/lines/crossings.h"
+#include "raytrace/project/forward_renderer.h"
+#include "tests/raytrace/lines/analytic_buffer.h"
+#include "tests/raytrace/support/analytic_models.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace slim {
+namespace {
+
+std::map<LineKind, float> lengths_of(const std::vector<FeatureLine>& lines) {
+    std::map<LineKind, float> out;
+    for (const FeatureLine& line : lines) out[line.kind] += line.length;
+    return out;
+}
+
+std::vector<FeatureLine> exact_lines(const Vec3d& axes, int size, double width) {
+    const Camera camera = test::camera_from_x(width);
+    const GBuffer buffer = test::ellipsoid_buffer(camera, size, axes);
+    const PixelView view = pixel_view(camera, size, size);
+    return extract_lines({buffer, view, 2 * length(axes), 3}, kAllLineKinds);
+}
+
+/// Everything about a model of degree 3 as a renderer sees it.
+struct Rendered {
+    GBuffer buffer;
+    std::vector<FeatureLine> lines;
+};
+Rendered rendered_lines(const SurfelTreeData& model, const char* camera, int size, bool brute,
+                        double lod = 0) {
+    RenderRequest request;
+    request.camera = named_camera(camera, model.header.bounds, 1, {.up = UpAxis::z});
+    request.width = request.height = size;
+    request.wanted = line_channels(kAllLineKinds, model.header.degree);
+    request.lod_px = lod;
+    Rendered out;
+    if (brute) render_brute(model.view(), request, out.buffer);
+    else
+        render_forward(model.view(), request, out.buffer);
+    const PixelView view = pixel_view(request.camera, size, size);
+    out.lines = extract_lines({out.buffer, view, model.header.diagonal, model.header.degree},
+                              kAllLineKinds);
+    return out;
+}
+
+TEST(ExtractLines, ASphereHasItsContourOnlyAndSubPixel) {
+    const auto lines = exact_lines({1, 1, 1}, 200, 2.5);
+    std::size_t contours = 0;
+    for (const FeatureLine& line : lines) {
+        if (line.kind == LineKind::reflection) continue;
+        ASSERT_EQ(line.kind, LineKind::contour);
+        ++contours;
+        EXPECT_TRUE(line.closed);
+        double worst = 0;
+        for (const LinePoint& p : line.points)
+            worst = std::max(worst, std::abs(std::hypot(p.x - 100.0, p.y - 100.0) - 80.0));
+        EXPECT_LT(worst, 0.2);  // of a pixel; half a pixel without looking at N.v
+        EXPECT_NEAR(line.length_px, 2 * std::numbers::pi * 80, 2);
+    }
+    EXPECT_EQ(contours, 1u);
+}
+
+TEST(ExtractLines, RidgesOfAnEllipsoidLieOnItsSharpestSection) {
+    const Vec3d axes{1, 0.7, 0.4};
+    const auto lines = exact_lines(axes, 400, 1.6);
+    const double pixel = 1.6 / 400;
+    double length_found = 0, y_least = 1, y_most = -1;
+    for (const FeatureLine& line : lines) {
+        EXPECT_NE(line.kind, LineKind::valley);
+        EXPECT_NE(line.kind, LineKind::parabolic);
+        EXPECT_NE(line.kind, LineKind::suggestive);
+        if (line.kind != LineKind::ridge) continue;
+        length_found += line.length;
+        for (const LinePoint& p : line.points) {
+            EXPECT_LT(std::abs(p.point.z), 0.25 * pixel);
+            y_least = std::min(y_least, static_cast<double>(p.point.y));
+            y_most = std::max(y_most, static_cast<double>(p.point.y));
+        }
+    }
+    EXPECT_LT(y_least, -0.68);
+    EXPECT_GT(y_most, 0.68);
+    // The arc of the section z = 0 between the same ends.
+    double arc = 0;
+    const int n = 100000;
+    const auto at = [&](int i) {
+        const double y = y_least + (y_most - y_least) * i / n;
+        return Vec3d{axes.x * std::sqrt(std::max(0.0, 1 - y * y / (axes.y * axes.y))), y, 0};
+    };
+    for (int i = 0; i < n; ++i) arc += length(at(i + 1) - at(i));
+    EXPECT_NEAR(length_found, arc, 0.01 * arc);
+}
+
+TEST(ExtractLines, AnEllipsoidTurnedInsideOutHasValleys) {
+    const Camera camera = test::camera_from_x(1.6);
+    GBuffer b = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});
+    // Seen from within: -k2 takes the part of k1, t2 that of t1, e2 that of -e1.
+    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
+        std::swap(b.k1[i], b.k2[i]);
+        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
+        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
+        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
+        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
+        // N x t2 = -t1, along which k2 = -(the old k1) changes by +e1.
+        const float e1 = b.third[0][i];
+        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
+    }
+    const PixelView view = pixel_view(camera, 300, 300);
+    const LineScene scene{b, view, 2.6, 3};
+    const auto lines = extract_lines(scene, std::vector{LineKind::valley, LineKind::ridge});
+    const auto lengths = lengths_of(lines);
+    ASSERT_TRUE(lengths.contains(LineKind::valley));
+    EXPECT_FALSE(lengths.contains(LineKind::ridge));
+    EXPECT_GT(lengths.at(LineKind::valley), 2);
+}
+
+TEST(ExtractLines, ParabolicLinesOfATorusAreItsTopCircle) {
+    for (const int degree : {2, 3}) {
+        const auto model = test::torus_model(1, 0.35, 90, 36, degree);
+        const auto lines = rendered_lines(model, "top", 400, false).lines;
+        double sum = 0;
+        for (const FeatureLine& line : lines) {
+            if (line.kind != LineKind::parabolic) continue;
+            sum += line.length;
+            for (const LinePoint& p : line.points) {
+                EXPECT_NEAR(std::hypot(p.point.x, p.point.y), 1, 0.02);
+                EXPECT_NEAR(p.point.z, 0.35, 0.002);
+            }
+        }
+        EXPECT_NEAR(sum, 2 * std::numbers::pi, 0.02 * 2 * std::numbers::pi);
+    }
+}
+
+TEST(ExtractLines, ATorusHasNoCrestLines) {
+    const auto model = test::torus_model(1, 0.35, 90, 36, 3);
+    for (const char* camera : {"top", "front", "iso"}) {
+        const auto lengths = lengths_of(rendered_lines(model, camera, 300, false).lines);
+        EXPECT_FALSE(lengths.contains(LineKind::ridge)) << camera;
+        EXPECT_FALSE(lengths.contains(LineKind::valley)) << camera;
+        EXPECT_TRUE(lengths.contains(LineKind::contour));
+    }
+}
+
+TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
+    const auto model = test::torus_model(1, 0.35, 90, 36, 3);
+    RenderRequest request;
+    request.camera.eye = {4, 0, 1.2}, request.camera.up = {0, 0, 1};
+    request.width = request.height = 400;
+    request.wanted = line_channels(kAllLineKinds, 3), request.lod_px = 0;
+    GBuffer buffer;
+    render_forward(model.view(), request, buffer);
+    const PixelView view = pixel_view(request.camera, 400, 400);
+    const CrossingField exact = suggestive_crossings({buffer, view, 3, 3});
+    const CrossingField differences = suggestive_crossings({buffer, view, 3, 2});
+    std::vector<float> ratios;
+    for (std::size_t i = 0; i < buffer.n_pixels(); ++i) {
+        if (exact.right[i] < 0 || differences.right[i] < 0) continue;
+        ratios.push_back(differences.crossings[static_cast<std::size_t>(differences.right[i])].evidence /
+                         exact.crossings[static_cast<std::size_t>(exact.right[i])].evidence);
+    }
+    ASSERT_GT(ratios.size(), 20u);
+    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+    EXPECT_NEAR(ratios[ratios.size() / 2], 1, 0.1);
+}
+
+TEST(ExtractLines, TheBruteRendererGivesTheSameLines) {
+    const auto model = test::torus_model(1, 0.35, 60, 24, 3);
+    const auto fast = lengths_of(rendered_lines(model, "iso", 200, false).lines);
+    const auto slow = lengths_of(rendered_lines(model, "iso", 200, true).lines);
+    ASSERT_EQ(fast.size(), slow.size());
+    for (const auto& [kind, length] : slow) EXPECT_NEAR(fast.at(kind), length, 0.01f * length);
+}
+
+}  // namespace
+}  // namespace slim
