@@ -14,9 +14,9 @@
 namespace slim {
 namespace {
 
-constexpr std::array<LineKind, kLineKinds> kDrawingOrder{
-    LineKind::reflection, LineKind::parabolic, LineKind::suggestive,
-    LineKind::valley,     LineKind::ridge,     LineKind::contour};
+constexpr std::array<LineKind, kLineKinds> kDrawingOrder{LineKind::reflection, LineKind::parabolic,
+                                                         LineKind::suggestive, LineKind::valley,
+                                                         LineKind::ridge,      LineKind::contour};
 
 std::string word_of(LineKind kind) {
     const bool crest = kind == LineKind::ridge || kind == LineKind::valley;
@@ -41,8 +41,10 @@ std::vector<std::string> asked_lines(const RenderConfig& config,
 
 void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs) {
     if (!config.lines.empty() || contains(aovs, "lines")) return;
-    if (!config.lines_ply.empty()) throw ConfigError("lines_ply is for --lines, which are not asked for");
-    if (!config.lines_obj.empty()) throw ConfigError("lines_obj is for --lines, which are not asked for");
+    if (!config.lines_ply.empty())
+        throw ConfigError("lines_ply is for --lines, which are not asked for");
+    if (!config.lines_obj.empty())
+        throw ConfigError("lines_obj is for --lines, which are not asked for");
 }
 
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
@@ -52,20 +54,22 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
     std::set<std::string> without;
     for (const LineKind kind : kDrawingOrder) {
         if (!contains(asked, word_of(kind))) continue;
-        if (line_degree(kind) <= model.degree) kinds.push_back(kind);
+        if (line_degree(kind) <= model.degree)
+            kinds.push_back(kind);
         else if (without.insert(word_of(kind)).second) {
-            const std::string why =
-                fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
-                            "build it with --degree {}",
-                            config.model, word_of(kind), model.degree, line_degree(kind));
+            const std::string why = fmt::format(
+                "{}: {} lines need derivatives that a model of degree {} does not have: "
+                "build it with --degree {}",
+                config.model, word_of(kind), model.degree, line_degree(kind));
             if (asked.size() == 1) throw ConfigError(why);
             reporter.warn(why + "; they are left out");
         }
     }
     if (kinds.empty() && !asked.empty())
-        throw ConfigError(fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
-                                      "{}: build it with --degree 3",
-                                      config.model, model.degree));
+        throw ConfigError(
+            fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
+                        "{}: build it with --degree 3",
+                        config.model, model.degree));
     return kinds;
 }
 
@@ -103,8 +107,10 @@ nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const Li
             length_px += static_cast<double>(line.length_px);
             strength += static_cast<double>(line.strength);
         }
-        out[std::string(line_name(kind))] = {{"polylines", polylines}, {"length", length},
-                                             {"length_px", length_px}, {"strength", strength}};
+        out[std::string(line_name(kind))] = {{"polylines", polylines},
+                                             {"length", length},
+                                             {"length_px", length_px},
+                                             {"strength", strength}};
     }
     return out;
 }

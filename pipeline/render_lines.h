@@ -19,9 +19,9 @@ namespace slim {
 /// Throws ConfigError for files of lines that nobody asks for.
 void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs);
 
-/// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines" alone:
-/// contours, suggestive contours, and crest lines if the model is cubic. Kinds whose derivatives the model does
-/// not have are left out with a warning; ConfigError if none is left.
+/// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines"
+/// alone: contours, suggestive contours, and crest lines if the model is cubic. Kinds whose
+/// derivatives the model does not have are left out with a warning; ConfigError if none is left.
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
                                    const ModelHeader& model, Reporter& reporter);
 

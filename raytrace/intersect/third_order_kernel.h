@@ -24,7 +24,8 @@ inline std::array<V, 3> times_lanes(const std::array<V, 6>& h, const std::array<
             h[2] * a[0] + h[4] * a[1] + h[5] * a[2]};
 }
 
-/// Cosine and sine of half the angle of (x, y), x >= 0 taken as cosine > 0; (1, 0) for the zero vector.
+/// Cosine and sine of half the angle of (x, y), x >= 0 taken as cosine > 0; (1, 0) for the zero
+/// vector.
 template <class V>
 inline void half_angle(const V& x, const V& y, V& c, V& s) {
     const V r = stdx::sqrt(x * x + y * y);

@@ -6,8 +6,8 @@
 namespace slim {
 namespace {
 
-/// How far beyond the last pixel the limb lies: (N.v)^2 falls about linearly to 0 there (on a sphere
-/// seen from afar: 1 - r^2 / R^2). Half-way where it does not fall: at a border of the data.
+/// How far beyond the last pixel the limb lies: (N.v)^2 falls about linearly to 0 there (on a
+/// sphere seen from afar: 1 - r^2 / R^2). Half-way where it does not fall: at a border of the data.
 float beyond_last(const LineScene& s, std::size_t last, std::size_t before, bool have_before) {
     if (!have_before || !s.hit(before) || breaks_off(s, before, last)) return 0.5f;
     const float f1 = s.facing(last), f0 = s.facing(before);

@@ -26,9 +26,9 @@ struct Family {
     bool bends(std::size_t i) const { return k(i) > std::fabs(other(i)); }
 };
 
-/// v = e t, which does not change with the sign of t, averaged over some pixels of a sheet. Within one
-/// cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth derivative is not there) and jumps
-/// back to the next: the average takes the saw's teeth out of the lines.
+/// v = e t, which does not change with the sign of t, averaged over some pixels of a sheet. Within
+/// one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth derivative is not there)
+/// and jumps back to the next: the average takes the saw's teeth out of the lines.
 std::array<std::vector<float>, 3> smooth_rises(const Family& f) {
     const LineScene& s = f.s;
     std::array<std::vector<float>, 3> rise;
@@ -47,7 +47,8 @@ std::array<std::vector<float>, 3> smooth_rises(const Family& f) {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// How much k has fallen at a distance along t, as a share; NaN where that is not on the surface seen.
+/// How much k has fallen at a distance along t, as a share; NaN where that is not on the surface
+/// seen.
 float fall_at(const Family& f, std::size_t i, const Vec3f& p, float k) {
     const LineScene& s = f.s;
     const Vec3d c = s.view.camera_from_local(to_double(p));
@@ -63,12 +64,14 @@ float fall_at(const Family& f, std::size_t i, const Vec3f& p, float k) {
 /// Where the osculating circle along t leads after an angle.
 Vec3f along_circle(const Family& f, std::size_t i, float k, float angle) {
     const Vec3f inwards = f.s.normal(i) * (f.ridges ? -1.0f : 1.0f);
-    return f.s.point(i) + (f.direction(i) * std::sin(angle) + inwards * (1 - std::cos(angle))) * (1 / k);
+    return f.s.point(i) +
+           (f.direction(i) * std::sin(angle) + inwards * (1 - std::cos(angle))) * (1 / k);
 }
 
-/// Sharpness of a ridge: the fall of k to either side, as the -k''/k^3 that would make it; the lesser of
-/// the sides that are seen, NaN if none is. 0 on a torus, about 3 (1 - b^2/a^2) at the tip of an ellipse.
-/// Looks as far as the normal turns by 40 degrees (3 to 40 pixels), nearer where the limb is nearer.
+/// Sharpness of a ridge: the fall of k to either side, as the -k''/k^3 that would make it; the
+/// lesser of the sides that are seen, NaN if none is. 0 on a torus, about 3 (1 - b^2/a^2) at the
+/// tip of an ellipse. Looks as far as the normal turns by 40 degrees (3 to 40 pixels), nearer where
+/// the limb is nearer.
 ///
 /// Departs from NUMERICS 5.4, which has no such test: e alone has false zeros at every surfel.
 float sharpness(const Family& f, std::size_t i, float k) {
@@ -84,6 +87,23 @@ float sharpness(const Family& f, std::size_t i, float k) {
     return kNone;
 }
 
+/// An edge that the view shows within a pixel (a sheet of sharp surfels against the next, or too
+/// fine a rounding): N turns by 30 degrees or more there. No derivative tells it; its k is the turn
+/// over the way.
+bool is_crease(const LineScene& s, std::size_t a, std::size_t b) {
+    return s.hit(a) && s.hit(b) && dot(s.normal(a), s.normal(b)) < 0.866f && !breaks_off(s, a, b);
+}
+
+std::optional<EdgeHit> crease(const Family& f, std::size_t a, std::size_t b) {
+    constexpr float kSharp = 4;  // as the sharpest of crest lines
+    const Vec3f na = f.s.normal(a), nb = f.s.normal(b), d = f.s.point(b) - f.s.point(a);
+    if ((dot(nb - na, d) > 0) != f.ridges) return std::nullopt;
+    // Where the tangent planes meet, seen along d.
+    const float from_a = std::fabs(dot(nb, d)), from_b = std::fabs(dot(na, d));
+    const float at = from_a + from_b > 0 ? from_a / (from_a + from_b) : 0.5f;
+    return EdgeHit{at, std::acos(std::clamp(dot(na, nb), -1.0f, 1.0f)) / length(d), kSharp};
+}
+
 }  // namespace
 
 CrossingField crest_crossings(const LineScene& s, bool ridges) {
@@ -91,6 +111,7 @@ CrossingField crest_crossings(const LineScene& s, bool ridges) {
     const auto rises = smooth_rises(f);
     const auto rise = [&](std::size_t i) { return Vec3f{rises[0][i], rises[1][i], rises[2][i]}; };
     return find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+        if (is_crease(s, a, b)) return crease(f, a, b);
         if (!f.bends(a) || !f.bends(b)) return std::nullopt;
         const Vec3f ta = f.direction(a), across = f.direction(b);
         const float turn = dot(ta, across);
@@ -98,7 +119,8 @@ CrossingField crest_crossings(const LineScene& s, bool ridges) {
         const Vec3f tb = across * std::copysign(1.0f, turn);
         const float ea = dot(rise(a), ta), eb = dot(rise(b), tb);
         if ((ea > 0) == (eb > 0) || !one_sheet(s, a, b)) return std::nullopt;
-        // k rises from both sides towards a ridge. An edge that runs along it cannot tell; its neighbours can.
+        // k rises from both sides towards a ridge. An edge that runs along it cannot tell; its
+        // neighbours can.
         const Vec3f d = s.point(b) - s.point(a);
         const float along = dot(ta + tb, d);
         const bool tells = along * along > 0.36f * sq_length(d);

@@ -16,7 +16,11 @@ struct EdgeHit {
     float s = 0.5f;      ///< share of the way from a to b
     float weight = 0;    ///< |k| there, 1 / length: what strength integrates
     float evidence = 1;  ///< how clear the crossing is, dimensionless (see the kinds)
-    enum class Side : std::uint8_t { both, a, b } surface = Side::both;  ///< whose surface it lies on
+    enum class Side : std::uint8_t {
+        both,
+        a,
+        b
+    } surface = Side::both;  ///< whose surface it lies on
 };
 
 /// A crossing put into the picture.
@@ -27,7 +31,8 @@ struct Crossing {
     std::uint32_t pixel = 0;  ///< that its surface was seen in
 };
 
-/// All crossings of one kind of line, in the order of rows, each pixel's right edge before its lower one.
+/// All crossings of one kind of line, in the order of rows, each pixel's right edge before its
+/// lower one.
 struct CrossingField {
     int width = 0, height = 0;
     std::vector<Crossing> crossings;
@@ -37,12 +42,13 @@ struct CrossingField {
 /// Entry point of a found edge into the picture.
 Crossing place_crossing(const LineScene& scene, std::size_t a, std::size_t b, const EdgeHit& hit);
 
-/// Asks find(a, b) -> optional<EdgeHit> for every pair of neighbours, b to the right of a or below it.
-/// Parallel over rows; the same for any number of threads. Cost: O(pixels).
+/// Asks find(a, b) -> optional<EdgeHit> for every pair of neighbours, b to the right of a or below
+/// it. Parallel over rows; the same for any number of threads. Cost: O(pixels).
 template <class Find>
 CrossingField find_crossings(const LineScene& scene, const Find& find) {
     const GBuffer& g = scene.buffer;
-    const auto width = static_cast<std::size_t>(g.width), height = static_cast<std::size_t>(g.height);
+    const auto width = static_cast<std::size_t>(g.width),
+               height = static_cast<std::size_t>(g.height);
     struct Found {
         Crossing crossing;
         std::size_t pixel;
@@ -76,8 +82,8 @@ CrossingField find_crossings(const LineScene& scene, const Find& find) {
 ///
 ///     contour     1 / L; 1
 ///     suggestive  sqrt(D_w kappa_r); D_w kappa_r over the square of the view's typical curvature
-///     ridge       k1; its sharpness -k1'' / k1^3 along t1: about 3 (1 - b^2/a^2) at the tip of an ellipse
-///     valley      -k2; the same for k2
+///     ridge       k1; its sharpness -k1'' / k1^3 along t1: 3 (1 - b^2/a^2) at an ellipse's tip
+///     valley      -k2; the same for -k2 along t2
 ///     parabolic   the curvature that does not vanish; 1
 ///     reflection  1 / L; 1
 CrossingField contour_crossings(const LineScene& scene);

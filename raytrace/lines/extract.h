@@ -8,8 +8,9 @@
 
 namespace slim {
 
-/// The feature lines of a view (NUMERICS 5.4): crossings on the edges between pixels, linked, selected and
-/// smoothed; kinds in the order asked for, lines of a kind from the top of the picture.
+/// The feature lines of a view (NUMERICS 5.4): crossings on the edges between pixels, linked,
+/// selected and smoothed; kinds in the order asked for, lines of a kind as link_crossings gives
+/// them.
 ///
 /// scene   a G-buffer of the whole picture with line_channels(kinds, degree)
 /// cost    O(pixels) per kind, parallel; the same lines for any number of threads

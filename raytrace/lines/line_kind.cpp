@@ -8,12 +8,15 @@ Channels channels_of_kind(LineKind kind, int degree) {
     constexpr Channels kShape = kK1Channel | kK2Channel | kDirectionChannel;
     switch (kind) {
         case LineKind::contour:
-        case LineKind::reflection: return kPlace;
-        case LineKind::parabolic: return kPlace | kGaussChannel | kK1Channel | kK2Channel;
+        case LineKind::reflection:
+            return kPlace;
+        case LineKind::parabolic:
+            return kPlace | kGaussChannel | kK1Channel | kK2Channel;
         case LineKind::suggestive:
             return kPlace | kShape | (degree >= 3 ? kThirdOrderChannel : Channels{0});
         case LineKind::ridge:
-        case LineKind::valley: return kPlace | kShape | kThirdOrderChannel;
+        case LineKind::valley:
+            return kPlace | kShape | kThirdOrderChannel;
     }
     return 0;
 }
@@ -21,8 +24,8 @@ Channels channels_of_kind(LineKind kind, int degree) {
 }  // namespace
 
 std::string_view line_name(LineKind kind) {
-    constexpr std::array<std::string_view, kLineKinds> kNames{"contour", "suggestive", "ridge",
-                                                              "valley",  "parabolic",  "reflection"};
+    constexpr std::array<std::string_view, kLineKinds> kNames{
+        "contour", "suggestive", "ridge", "valley", "parabolic", "reflection"};
     return kNames[static_cast<std::size_t>(kind)];
 }
 

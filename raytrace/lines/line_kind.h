@@ -27,8 +27,8 @@ inline constexpr std::array<LineKind, kLineKinds> kAllLineKinds{
 /// "contour", "suggestive", "ridge", "valley", "parabolic", "reflection".
 std::string_view line_name(LineKind kind);
 
-/// Least degree of a model whose derivatives tell these lines: 3 for crest lines, 2 where curvature is
-/// needed, 1 otherwise.
+/// Least degree of a model whose derivatives tell these lines: 3 for crest lines, 2 where curvature
+/// is needed, 1 otherwise.
 int line_degree(LineKind kind);
 
 /// What a renderer must deliver for these lines from a model of that degree, and no more.

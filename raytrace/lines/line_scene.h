@@ -9,8 +9,8 @@
 
 namespace slim {
 
-/// A rendered view as the search for lines sees it: positions and normals of the whole picture, frame of
-/// the job; `a` and `b` are entries of the planes, mostly of neighbours.
+/// A rendered view as the search for lines sees it: positions and normals of the whole picture,
+/// frame of the job; `a` and `b` are entries of the planes, mostly of neighbours.
 struct LineScene {
     const GBuffer& buffer;
     const PixelView& view;
@@ -40,12 +40,13 @@ struct LineScene {
     float facing(std::size_t a) const { return dot(normal(a), normalized(toward_eye(a))); }
 };
 
-/// Whether the surface breaks off between two hits beside each other: each lies off the other's tangent
-/// plane by more than it can bend away in a pixel: 2 footprints, or one where N.v changes its sign.
+/// Whether the surface breaks off between two hits beside each other: each lies off the other's
+/// tangent plane by more than it can bend away in a pixel: 2 footprints, or one where N.v changes
+/// its sign.
 ///
-/// Departs from NUMERICS 5.4, which takes any depth gap above 2 footprints: so every face steeper than
-/// 63 degrees would be a contour. On a sphere the last pixel before the limb lies at most one footprint
-/// off the tangent plane of the one before, whatever the gap.
+/// Departs from NUMERICS 5.4, which takes any depth gap above 2 footprints: so every face steeper
+/// than 63 degrees would be a contour. On a sphere the last pixel before the limb lies at most one
+/// footprint off the tangent plane of the one before, whatever the gap.
 inline bool breaks_off(const LineScene& s, std::size_t a, std::size_t b) {
     constexpr float kGap = 2;
     const Vec3f d = s.point(b) - s.point(a);

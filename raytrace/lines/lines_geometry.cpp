@@ -38,7 +38,8 @@ std::string ply_header(std::size_t n_points, std::size_t n_edges, const Vec3d& o
 
 std::string lines_ply(std::span<const FeatureLine> lines, const Vec3d& origin) {
     std::size_t n_points = 0, n_edges = 0;
-    for (const FeatureLine& line : lines) n_points += line.points.size(), n_edges += line.n_segments();
+    for (const FeatureLine& line : lines)
+        n_points += line.points.size(), n_edges += line.n_segments();
     std::string out = ply_header(n_points, n_edges, origin);
     for (const FeatureLine& line : lines)
         for (const LinePoint& p : line.points) {
@@ -69,7 +70,8 @@ std::string lines_obj(std::span<const FeatureLine> lines, const Vec3d& origin) {
                 out += text_of("v %.9g %.9g %.9g\n", static_cast<double>(p.point.x),
                                static_cast<double>(p.point.y), static_cast<double>(p.point.z));
             out += text_of("# strength %.6g\n", static_cast<double>(line.strength), 0, 0) + "l";
-            for (std::size_t i = 0; i < line.points.size(); ++i) out += " " + std::to_string(first + i);
+            for (std::size_t i = 0; i < line.points.size(); ++i)
+                out += " " + std::to_string(first + i);
             out += line.closed ? " " + std::to_string(first) + "\n" : "\n";
             first += line.points.size();
         }

@@ -19,7 +19,9 @@ std::string number(double value, int digits) {
 std::string mm(float px) { return number(kMmPerPixel * static_cast<double>(px), 3); }
 
 std::string hex_color(const Vec3f& srgb) {
-    const auto byte = [](float c) { return static_cast<unsigned>(std::clamp(c, 0.0f, 1.0f) * 255 + 0.5f); };
+    const auto byte = [](float c) {
+        return static_cast<unsigned>(std::clamp(c, 0.0f, 1.0f) * 255 + 0.5f);
+    };
     char text[8];
     std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x) & 255u, byte(srgb.y) & 255u,
                   byte(srgb.z) & 255u);
@@ -33,20 +35,22 @@ std::string path_of(const FeatureLine& line, int width, int height) {
         d += mm(p.x) + "," + mm(p.y);
     }
     if (line.closed) d += " Z";
-    return "    <path d=\"" + d + "\" stroke-width=\"" + mm(stroke_width(line, width, height)) + "\"/>\n";
+    return "    <path d=\"" + d + "\" stroke-width=\"" + mm(stroke_width(line, width, height)) +
+           "\"/>\n";
 }
 
 }  // namespace
 
-std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
-                      int height) {
+std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds,
+                      int width, int height) {
     const std::string w = number(kMmPerPixel * width, 3), h = number(kMmPerPixel * height, 3);
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
                       "mm\" height=\"" + h + "mm\" viewBox=\"0 0 " + w + " " + h +
                       "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
     for (const LineKind kind : kinds) {
         const LineStyle style = line_style(kind);
-        out += std::string("  <g id=\"") + style.group + "\" stroke=\"" + hex_color(style.srgb) + "\">\n";
+        out += std::string("  <g id=\"") + style.group + "\" stroke=\"" + hex_color(style.srgb) +
+               "\">\n";
         for (const FeatureLine& line : lines)
             if (line.kind == kind) out += path_of(line, width, height);
         out += "  </g>\n";

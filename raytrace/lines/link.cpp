@@ -20,9 +20,9 @@ void link(Links& links, std::int32_t a, std::int32_t b) {
     }
 }
 
-/// What it costs to link two crossings of a cell: their squared distance; never across sheets. Along a
-/// limb, where neighbours lie far off each other's tangent planes on one sheet too, only a gap that no limb
-/// has counts as another sheet.
+/// What it costs to link two crossings of a cell: their squared distance; never across sheets.
+/// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
+/// gap that no limb has counts as another sheet.
 float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const Crossing& b) {
     constexpr float kLimbGap = 16;  // footprints
     const float sq = (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
@@ -44,7 +44,9 @@ struct CellCrossings {
 class Linker {
 public:
     Linker(const LineScene& scene, const CrossingField& field, LineKind kind)
-        : scene_(scene), field_(field), kind_(kind),
+        : scene_(scene),
+          field_(field),
+          kind_(kind),
           links_(field.crossings.size(), {kNobody, kNobody}) {}
 
     Links run() {
@@ -66,8 +68,8 @@ private:
                          field_.crossings[static_cast<std::size_t>(c.id[b])]);
     }
 
-    /// The cheapest pair, and of four the other two as well if they may be linked; the choice is by the sum
-    /// where both pairs can be.
+    /// The cheapest pair, and of four the other two as well if they may be linked; the choice is by
+    /// the sum where both pairs can be.
     void link_cell(const CellCrossings& c) {
         if (c.n == 4) return link_four(c);
         float best = kNever;
@@ -103,8 +105,8 @@ private:
 LinePoint line_point(const Crossing& c) { return {c.x, c.y, c.point, c.weight, c.evidence}; }
 
 /// Follows the links from a crossing on; marks what it passes.
-FeatureLine follow(const CrossingField& field, const Links& links, std::int32_t start, LineKind kind,
-                   std::vector<std::uint8_t>& used) {
+FeatureLine follow(const CrossingField& field, const Links& links, std::int32_t start,
+                   LineKind kind, std::vector<std::uint8_t>& used) {
     FeatureLine line;
     line.kind = kind;
     for (std::int32_t at = start; at != kNobody;) {
@@ -113,7 +115,8 @@ FeatureLine follow(const CrossingField& field, const Links& links, std::int32_t 
         line.points.push_back(line_point(field.crossings[i]));
         at = kNobody;
         for (const std::int32_t next : links[i])
-            if (next != kNobody && !used[static_cast<std::size_t>(next)] && at == kNobody) at = next;
+            if (next != kNobody && !used[static_cast<std::size_t>(next)] && at == kNobody)
+                at = next;
     }
     return line;
 }

@@ -9,8 +9,8 @@ namespace {
 /// Edges of stripes around the whole horizon.
 constexpr float kStripes = 24;
 
-/// Angle of the reflected view 2 (N.v) N - v about the picture's upright axis, in stripes: long lamps
-/// that stand around the scene, at rest relative to the camera.
+/// Angle of the reflected view 2 (N.v) N - v about the picture's upright axis, in stripes: long
+/// lamps that stand around the scene, at rest relative to the camera.
 float stripe_at(const LineScene& s, std::size_t i) {
     const Vec3f v = normalized(s.toward_eye(i)), n = s.normal(i);
     const Vec3f r = n * (2 * dot(n, v)) - v;
@@ -28,14 +28,17 @@ CrossingField reflection_crossings(const LineScene& s) {
             if (s.hit(i)) stripe[i] = stripe_at(s, i);
     });
     const auto weight = static_cast<float>(1 / s.diagonal);
-    return find_crossings(s, [=, &s, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
-        // Half a stripe off, so that no edge lies where the angle jumps from pi to -pi.
-        const float fa = stripe[a] + 0.5f, fb = stripe[b] + 0.5f;
-        const float level = std::fmax(std::floor(fa), std::floor(fb));
-        if (std::floor(fa) == std::floor(fb) || std::fabs(fa - fb) > 1) return std::nullopt;
-        if (!one_sheet(s, a, b)) return std::nullopt;
-        return EdgeHit{(level - fa) / (fb - fa), weight};
-    });
+    return find_crossings(s,
+                          [=, &s, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+                              // Half a stripe off, so that no edge lies where the angle jumps from
+                              // pi to -pi.
+                              const float fa = stripe[a] + 0.5f, fb = stripe[b] + 0.5f;
+                              const float level = std::fmax(std::floor(fa), std::floor(fb));
+                              if (std::floor(fa) == std::floor(fb) || std::fabs(fa - fb) > 1)
+                                  return std::nullopt;
+                              if (!one_sheet(s, a, b)) return std::nullopt;
+                              return EdgeHit{(level - fa) / (fb - fa), weight};
+                          });
 }
 
 }  // namespace slim

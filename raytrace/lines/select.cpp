@@ -23,7 +23,8 @@ void cut_line(FeatureLine line, float least, std::vector<FeatureLine>& out) {
         piece.points.clear();
     };
     for (const LinePoint& p : line.points) {
-        if (poor(p)) finish();
+        if (poor(p))
+            finish();
         else
             piece.points.push_back(p);
     }
@@ -65,7 +66,8 @@ void spread(const std::vector<FeatureLine>& lines, std::vector<Verdict>& verdict
         const std::size_t kept = fresh.back();
         fresh.pop_back();
         for (std::size_t i = 0; i < lines.size(); ++i)
-            if (verdicts[i] == Verdict::weak && !lines[i].closed && ends_near(lines[kept], lines[i])) {
+            if (verdicts[i] == Verdict::weak && !lines[i].closed &&
+                ends_near(lines[kept], lines[i])) {
                 verdicts[i] = Verdict::keep;
                 fresh.push_back(i);
             }
@@ -79,12 +81,17 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
     const auto px = [&](float at_1000) { return std::max(4.0f, at_1000 * scale); };
     switch (kind) {
         // Junctions with other contours cut a limb into pieces, some of a few pixels.
-        case LineKind::contour: return {0, 0, 0, 0, px(8), 1};
-        case LineKind::suggestive: return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
+        case LineKind::contour:
+            return {0, 0, 0, 0, px(8), 1};
+        case LineKind::suggestive:
+            return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
         case LineKind::ridge:
-        case LineKind::valley: return {0, 0.3f, 1.2f, 0.45f, px(12)};
-        case LineKind::parabolic: return {0, 0, 2, 0.8f, px(16)};
-        case LineKind::reflection: return {0, 0, 0, 0, px(8)};
+        case LineKind::valley:
+            return {0, 0.3f, 1.2f, 0.45f, px(12)};
+        case LineKind::parabolic:
+            return {0, 0, 2, 0.8f, px(16)};
+        case LineKind::reflection:
+            return {0, 0, 0, 0, px(8)};
     }
     return {};
 }

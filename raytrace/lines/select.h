@@ -8,28 +8,28 @@ namespace slim {
 
 /// Which lines of a kind are worth drawing.
 struct LineRules {
-    float least_evidence = 0;  ///< a crossing with less ends a line
-    float strong_evidence = 0; ///< mean over a line's length that it must reach
-    float strength = 0;        ///< a line at least this strong is drawn
-    float weak_strength = 0;   ///< and one this strong that continues a drawn one
-    float least_px = 4;        ///< length in the picture
-    float weak_px = 4;         ///< the same of one that continues a drawn one
+    float least_evidence = 0;   ///< a crossing with less ends a line
+    float strong_evidence = 0;  ///< mean over a line's length that it must reach
+    float strength = 0;         ///< a line at least this strong is drawn
+    float weak_strength = 0;    ///< and one this strong that continues a drawn one
+    float least_px = 4;         ///< length in the picture
+    float weak_px = 4;          ///< the same of one that continues a drawn one
 };
 
-/// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000 pixels high
-/// and grow with it.
+/// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000
+/// pixels high and grow with it.
 LineRules line_rules(LineKind kind, int picture_width, int picture_height);
 
 /// Length, length in the picture and strength from the points.
 void measure_line(FeatureLine& line);
 
-/// Cuts lines where the evidence falls short and keeps the pieces by the rules, hysteresis included: a
-/// weak line stays if one of its ends lies within 3 pixels of a line that stays.
-/// cost  O(points + kept ends x weak ends)
+/// Cuts lines where the evidence falls short and keeps the pieces by the rules, hysteresis
+/// included: a weak line stays if one of its ends lies within 3 pixels of a line that stays. cost
+/// O(points + kept ends x weak ends)
 std::vector<FeatureLine> select_lines(std::vector<FeatureLine> lines, const LineRules& rules);
 
-/// Moves points towards the mean of their neighbours, in the picture and in space alike; ends of open
-/// lines stay. Takes the steps of the pixel grid out, which are below half a pixel.
+/// Moves points towards the mean of their neighbours, in the picture and in space alike; ends of
+/// open lines stay. Takes the steps of the pixel grid out, which are below half a pixel.
 void smooth_line(FeatureLine& line, int passes);
 
 }  // namespace slim

@@ -18,7 +18,8 @@ struct Windows {
     std::vector<std::uint8_t> whole;   ///< with all `reach` pixels to both sides?
 };
 
-/// Calls body(begin, end) for rows of the parts of the planes that lie `margin` entries from either end.
+/// Calls body(begin, end) for rows of the parts of the planes that lie `margin` entries from either
+/// end.
 template <class Body>
 void for_rows(std::size_t n, std::size_t width, std::size_t margin, const Body& body) {
     parallel_blocks(n, width, [&](std::size_t begin, std::size_t end) {
@@ -30,7 +31,8 @@ void for_rows(std::size_t n, std::size_t width, std::size_t margin, const Body& 
 Windows windows(const LineScene& s, bool down, std::size_t reach) {
     const auto width = static_cast<std::size_t>(s.buffer.width);
     const std::size_t n = s.buffer.n_pixels();
-    Windows w{width, down ? width : 1, reach, std::vector<std::uint8_t>(n, 0), std::vector<std::uint8_t>(n, 0)};
+    Windows w{width, down ? width : 1, reach, std::vector<std::uint8_t>(n, 0),
+              std::vector<std::uint8_t>(n, 0)};
     parallel_blocks(n, width, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             if (down ? i + width < n : i + 1 < end) w.joined[i] = one_sheet(s, i, i + w.stride);
@@ -40,7 +42,8 @@ Windows windows(const LineScene& s, bool down, std::size_t reach) {
         for (std::size_t k = 0; k < 2 * reach; ++k) {
             const std::uint8_t* from = w.joined.data() + begin + k * w.stride - reach * w.stride;
             std::uint8_t* to = w.whole.data() + begin;
-            for (std::size_t i = 0; i < end - begin; ++i) to[i] = static_cast<std::uint8_t>(to[i] & from[i]);
+            for (std::size_t i = 0; i < end - begin; ++i)
+                to[i] = static_cast<std::uint8_t>(to[i] & from[i]);
         }
     });
     return w;
@@ -53,7 +56,8 @@ float mean_of_part(const std::vector<float>& plane, const Windows& w, std::size_
     std::size_t j = i;
     for (std::size_t k = 0; k < w.reach && w.joined[j]; ++k) add(j += w.stride);
     j = i;
-    for (std::size_t k = 0; k < w.reach && j >= w.stride && w.joined[j - w.stride]; ++k) add(j -= w.stride);
+    for (std::size_t k = 0; k < w.reach && j >= w.stride && w.joined[j - w.stride]; ++k)
+        add(j -= w.stride);
     return sum / count;
 }
 
@@ -79,7 +83,8 @@ std::vector<float> blurred_along(const std::vector<float>& plane, const Windows&
 
 void blur_on_sheets(const LineScene& scene, std::span<std::vector<float>> planes) {
     const double size = std::min(scene.buffer.width, scene.buffer.height);
-    const auto reach = static_cast<std::size_t>(std::max(1.0, std::round(kReachAt1000 * size / 1000)));
+    const auto reach =
+        static_cast<std::size_t>(std::max(1.0, std::round(kReachAt1000 * size / 1000)));
     for (const bool down : {false, true}) {
         const Windows w = windows(scene, down, reach);
         for (std::vector<float>& plane : planes) plane = blurred_along(plane, w);

@@ -32,15 +32,20 @@ float distance_to(float px, float py, const LinePoint& a, const LinePoint& b) {
 
 void cover_segment(const LinePoint& a, const LinePoint& b, float half, Band& band) {
     const float reach = half + 0.5f;
-    const auto low = [&](float p, float q) { return static_cast<int>(std::floor(std::min(p, q) - reach)); };
-    const auto high = [&](float p, float q) { return static_cast<int>(std::ceil(std::max(p, q) + reach)); };
+    const auto low = [&](float p, float q) {
+        return static_cast<int>(std::floor(std::min(p, q) - reach));
+    };
+    const auto high = [&](float p, float q) {
+        return static_cast<int>(std::ceil(std::max(p, q) + reach));
+    };
     const int x0 = std::max(0, low(a.x, b.x)), x1 = std::min(band.width, high(a.x, b.x));
     const int y0 = std::max(band.begin, low(a.y, b.y)), y1 = std::min(band.end, high(a.y, b.y));
     // A stroke thinner than a pixel is as pale as it is thin.
     const float most = std::min(1.0f, 2 * half);
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
-            const float d = distance_to(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, a, b);
+            const float d =
+                distance_to(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, a, b);
             float& c = band.at(x, y);
             c = std::max(c, std::clamp(std::max(half, 0.5f) + 0.5f - d, 0.0f, 1.0f) * most);
         }
@@ -78,18 +83,25 @@ RowSpan rows_of(const FeatureLine& line) {
 
 LineStyle line_style(LineKind kind) {
     switch (kind) {
-        case LineKind::contour: return {{0.06f, 0.06f, 0.07f}, "contour"};
-        case LineKind::suggestive: return {{0.06f, 0.06f, 0.07f}, "suggestive"};
-        case LineKind::ridge: return {{0.05f, 0.20f, 0.62f}, "crest-ridge"};
-        case LineKind::valley: return {{0.66f, 0.08f, 0.07f}, "crest-valley"};
-        case LineKind::parabolic: return {{0.05f, 0.40f, 0.22f}, "parabolic"};
-        case LineKind::reflection: break;
+        case LineKind::contour:
+            return {{0.06f, 0.06f, 0.07f}, "contour"};
+        case LineKind::suggestive:
+            return {{0.06f, 0.06f, 0.07f}, "suggestive"};
+        case LineKind::ridge:
+            return {{0.05f, 0.20f, 0.62f}, "crest-ridge"};
+        case LineKind::valley:
+            return {{0.66f, 0.08f, 0.07f}, "crest-valley"};
+        case LineKind::parabolic:
+            return {{0.05f, 0.40f, 0.22f}, "parabolic"};
+        case LineKind::reflection:
+            break;
     }
     return {{0.20f, 0.20f, 0.24f}, "reflection"};
 }
 
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height) {
-    const float scale = std::max(0.6f, static_cast<float>(std::min(picture_width, picture_height)) / 1000);
+    const float scale =
+        std::max(0.6f, static_cast<float>(std::min(picture_width, picture_height)) / 1000);
     if (line.kind == LineKind::contour) return 1.8f * scale;
     if (line.kind == LineKind::reflection) return 1.0f * scale;
     return std::clamp(0.9f + 0.25f * std::log2(std::max(line.strength, 0.1f)), 0.6f, 2.2f) * scale;
@@ -108,9 +120,8 @@ void draw_lines(std::span<const FeatureLine> lines, Picture& picture) {
                 rows[i].top - half - 1 > static_cast<float>(end))
                 continue;
             band.start();
-            lines[i].for_each_segment([&](const LinePoint& a, const LinePoint& b) {
-                cover_segment(a, b, half, band);
-            });
+            lines[i].for_each_segment(
+                [&](const LinePoint& a, const LinePoint& b) { cover_segment(a, b, half, band); });
             composite(line_style(lines[i].kind).srgb, band, picture);
         }
     });
@@ -118,7 +129,8 @@ void draw_lines(std::span<const FeatureLine> lines, Picture& picture) {
 
 std::vector<float> strength_plane(std::span<const FeatureLine> lines,
                                   std::span<const LineKind> kinds, int width, int height) {
-    std::vector<float> plane(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0f);
+    std::vector<float> plane(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                             0.0f);
     const auto mark = [&](float x, float y, float strength) {
         const int px = std::clamp(static_cast<int>(x), 0, width - 1);
         const int py = std::clamp(static_cast<int>(y), 0, height - 1);

@@ -10,7 +10,7 @@ namespace slim {
 
 /// How lines look. Widths are in pixels of a picture 1000 pixels high and grow with it.
 struct LineStyle {
-    Vec3f srgb;  ///< display-referred
+    Vec3f srgb;         ///< display-referred
     const char* group;  ///< id of the kind's group in the SVG
 };
 LineStyle line_style(LineKind kind);
@@ -18,13 +18,14 @@ LineStyle line_style(LineKind kind);
 /// Stroke width in pixels: contours all alike, the others by the logarithm of their strength.
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height);
 
-/// Draws lines over a picture, anti-aliased (coverage by the distance from the pixel's centre to the
-/// stroke's edge), in the order given; points of the lines are in pixels of a picture of this size. The
-/// picture stays premultiplied. Cost: O(points x stroke width); parallel over bands of rows.
+/// Draws lines over a picture, anti-aliased (coverage by the distance from the pixel's centre to
+/// the stroke's edge), in the order given; points of the lines are in pixels of a picture of this
+/// size. The picture stays premultiplied. Cost: O(points x stroke width); parallel over bands of
+/// rows.
 void draw_lines(std::span<const FeatureLine> lines, Picture& picture);
 
-/// Strength of the strongest line of the kinds wanted through each pixel, 0 where none passes: for data
-/// files, so neither blurred nor widened. Row by row, width x height.
+/// Strength of the strongest line of the kinds wanted through each pixel, 0 where none passes: for
+/// data files, so neither blurred nor widened. Row by row, width x height.
 std::vector<float> strength_plane(std::span<const FeatureLine> lines,
                                   std::span<const LineKind> kinds, int width, int height);
 

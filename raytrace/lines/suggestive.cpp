@@ -14,8 +14,8 @@ constexpr float kLeastSin = 0.342f;  // 20 degrees
 
 /// The view at a pixel, split at the tangent plane.
 struct Radial {
-    Vec3f w;        ///< unit, towards the eye
-    float cot = 0;  ///< N.v / |tangent part of v|
+    Vec3f w;             ///< unit, towards the eye
+    float cot = 0;       ///< N.v / |tangent part of v|
     float c = 0, s = 0;  ///< w in the principal directions
 };
 
@@ -37,15 +37,17 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 std::vector<float> radial_curvature(const LineScene& scene) {
     std::vector<float> out(scene.buffer.n_pixels(), kNone);
     const GBuffer& g = scene.buffer;
-    parallel_blocks(out.size(), static_cast<std::size_t>(g.width), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (!scene.hit(i)) continue;
-            const float facing = scene.facing(i);
-            if (!(facing > 0 && facing * facing < 1 - kLeastSin * kLeastSin)) continue;
-            const Radial r = radial_at(scene, i);
-            out[i] = g.k1[i] * r.c * r.c + g.k2[i] * r.s * r.s;
-        }
-    });
+    parallel_blocks(out.size(), static_cast<std::size_t>(g.width),
+                    [&](std::size_t begin, std::size_t end) {
+                        for (std::size_t i = begin; i < end; ++i) {
+                            if (!scene.hit(i)) continue;
+                            const float facing = scene.facing(i);
+                            if (!(facing > 0 && facing * facing < 1 - kLeastSin * kLeastSin))
+                                continue;
+                            const Radial r = radial_at(scene, i);
+                            out[i] = g.k1[i] * r.c * r.c + g.k2[i] * r.s * r.s;
+                        }
+                    });
     return out;
 }
 
@@ -100,7 +102,8 @@ private:
     const std::vector<float>& kappa_;
 };
 
-/// The curvature that half of a sample of the hits exceed: the scale of the view's shapes. 1 / L at least.
+/// The curvature that half of a sample of the hits exceed: the scale of the view's shapes. 1 / L at
+/// least.
 float typical_curvature(const LineScene& scene) {
     const GBuffer& g = scene.buffer;
     const std::size_t stride = std::max<std::size_t>(1, g.n_pixels() / 200000);
@@ -122,15 +125,16 @@ CrossingField suggestive_crossings(const LineScene& s) {
     const SlopeByDifferences differences(s, kappa);
     const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
     const bool exact = s.degree >= 3;
-    return find_crossings(s, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
-        const float ka = kappa[a], kb = kappa[b];
-        if (!(ka * kb <= 0) || (ka > 0) == (kb > 0) || !one_sheet(s, a, b)) return std::nullopt;
-        const float at = ka / (ka - kb);
-        const float slope = exact ? exact_slope(s, a) * (1 - at) + exact_slope(s, b) * at
-                                  : differences(a) * (1 - at) + differences(b) * at;
-        if (!(slope > 0)) return std::nullopt;
-        return EdgeHit{at, std::sqrt(slope), slope * per_sq};
-    });
+    return find_crossings(
+        s, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+            const float ka = kappa[a], kb = kappa[b];
+            if (!(ka * kb <= 0) || (ka > 0) == (kb > 0) || !one_sheet(s, a, b)) return std::nullopt;
+            const float at = ka / (ka - kb);
+            const float slope = exact ? exact_slope(s, a) * (1 - at) + exact_slope(s, b) * at
+                                      : differences(a) * (1 - at) + differences(b) * at;
+            if (!(slope > 0)) return std::nullopt;
+            return EdgeHit{at, std::sqrt(slope), slope * per_sq};
+        });
 }
 
 }  // namespace slim

@@ -16,23 +16,26 @@ inline Camera camera_from_x(double width) {
     return camera;
 }
 
-/// The exact G-buffer of the ellipsoid x^2/a^2 + y^2/b^2 + z^2/c^2 = 1: f is quadratic, so that its third
-/// derivatives are zero and those of the curvature come from its Hessian alone.
+/// The exact G-buffer of the ellipsoid x^2/a^2 + y^2/b^2 + z^2/c^2 = 1: f is quadratic, so that its
+/// third derivatives are zero and those of the curvature come from its Hessian alone.
 inline GBuffer ellipsoid_buffer(const Camera& camera, int size, const Vec3d& axes) {
     const PixelView view = pixel_view(camera, size, size);
     GBuffer out;
     out.reset(size, size, kAllChannels);
-    const auto scaled = [&](const Vec3d& p) { return Vec3d{p.x / axes.x, p.y / axes.y, p.z / axes.z}; };
+    const auto scaled = [&](const Vec3d& p) {
+        return Vec3d{p.x / axes.x, p.y / axes.y, p.z / axes.z};
+    };
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
-            const Vec3d o = view.ray_origin(x + 0.5, y + 0.5), d = view.ray_direction(x + 0.5, y + 0.5);
+            const Vec3d o = view.ray_origin(x + 0.5, y + 0.5),
+                        d = view.ray_direction(x + 0.5, y + 0.5);
             const Vec3d so = scaled(o), sd = scaled(d);
             const double b = dot(so, sd), c = dot(so, so) - 1, a = dot(sd, sd);
             if (b * b < a * c) continue;
             const Vec3d p = o + d * ((-b - std::sqrt(b * b - a * c)) / a);
             const Vec3d g = scaled(scaled(p));
-            const SymmetricMatrix h{1 / (axes.x * axes.x), 0, 0, 1 / (axes.y * axes.y), 0,
-                                    1 / (axes.z * axes.z)};
+            const SymmetricMatrix h{1 / (axes.x * axes.x), 0, 0,
+                                    1 / (axes.y * axes.y), 0, 1 / (axes.z * axes.z)};
             const Curvature k = curvature_from(g, h);
             const ThirdOrder t = third_order_from(g, h, {});
             const std::size_t i = out.index(x, y);

@@ -24,7 +24,8 @@ const std::vector<FeatureLine> kLines{
 
 std::size_t count(const std::string& text, const std::string& part) {
     std::size_t n = 0;
-    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++n;
     return n;
 }
 
@@ -65,8 +66,8 @@ TEST(StrengthPlane, HoldsTheStrengthUnfiltered) {
 }
 
 TEST(LinesSvg, HasAGroupForEachKindInMillimetres) {
-    const std::string svg =
-        lines_svg(kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480);
+    const std::string svg = lines_svg(
+        kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480);
     EXPECT_NE(svg.find("width=\"254.000mm\" height=\"127.000mm\" viewBox=\"0 0 254.000 127.000\""),
               std::string::npos);
     for (const char* id : {"crest-ridge", "crest-valley", "contour"})

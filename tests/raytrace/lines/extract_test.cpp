@@ -42,7 +42,8 @@ Rendered rendered_lines(const SurfelTreeData& model, const char* camera, int siz
     request.wanted = line_channels(kAllLineKinds, model.header.degree);
     request.lod_px = lod;
     Rendered out;
-    if (brute) render_brute(model.view(), request, out.buffer);
+    if (brute)
+        render_brute(model.view(), request, out.buffer);
     else
         render_forward(model.view(), request, out.buffer);
     const PixelView view = pixel_view(request.camera, size, size);
@@ -148,6 +149,38 @@ TEST(ExtractLines, ATorusHasNoCrestLines) {
     }
 }
 
+TEST(ExtractLines, AnEdgeWithinAPixelIsARidgeOrAValley) {
+    // Two planes at a right angle that meet at y = 0.123, seen along their bisector; flat as they
+    // are.
+    const int size = 120;
+    const Camera camera = test::camera_from_x(size);
+    const PixelView view = pixel_view(camera, size, size);
+    for (const float sign : {1.0f, -1.0f}) {
+        GBuffer b;
+        b.reset(size, size, kAllChannels);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const std::size_t i = b.index(x, y);
+                const Vec3d p = view.point_at(x + 0.5, y + 0.5, 10);
+                const auto side = static_cast<float>(p.y) - 0.123f;
+                b.hit[i] = 1;
+                b.position[0][i] = -sign * std::fabs(side);
+                b.position[1][i] = static_cast<float>(p.y),
+                b.position[2][i] = static_cast<float>(p.z);
+                b.normal[0][i] = std::sqrt(0.5f);
+                b.normal[1][i] = std::copysign(std::sqrt(0.5f), sign * side);
+            }
+        const auto lines =
+            extract_lines({b, view, 100, 3}, std::vector{LineKind::ridge, LineKind::valley});
+        ASSERT_EQ(lines.size(), 1u);
+        EXPECT_EQ(lines[0].kind, sign > 0 ? LineKind::ridge : LineKind::valley);
+        EXPECT_NEAR(lines[0].length_px, size - 1, 0.1);
+        // A turn of 90 degrees over sqrt(2) pixels or so.
+        EXPECT_GT(lines[0].strength, 100);
+        for (const LinePoint& p : lines[0].points) EXPECT_NEAR(p.point.y, 0.123f, 0.05f);
+    }
+}
+
 TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     const auto model = test::torus_model(1, 0.35, 90, 36, 3);
     RenderRequest request;
@@ -162,11 +195,13 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     std::vector<float> ratios;
     for (std::size_t i = 0; i < buffer.n_pixels(); ++i) {
         if (exact.right[i] < 0 || differences.right[i] < 0) continue;
-        ratios.push_back(differences.crossings[static_cast<std::size_t>(differences.right[i])].evidence /
-                         exact.crossings[static_cast<std::size_t>(exact.right[i])].evidence);
+        ratios.push_back(
+            differences.crossings[static_cast<std::size_t>(differences.right[i])].evidence /
+            exact.crossings[static_cast<std::size_t>(exact.right[i])].evidence);
     }
     ASSERT_GT(ratios.size(), 20u);
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+    std::nth_element(ratios.begin(),
+                     ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
     EXPECT_NEAR(ratios[ratios.size() / 2], 1, 0.1);
 }
 

@@ -24,7 +24,8 @@ protected:
     void put(int x, int y, float z) {
         const std::size_t i = buffer_.index(x, y);
         buffer_.hit[i] = 1;
-        buffer_.position[0][i] = static_cast<float>(x), buffer_.position[1][i] = static_cast<float>(-y);
+        buffer_.position[0][i] = static_cast<float>(x),
+        buffer_.position[1][i] = static_cast<float>(-y);
         buffer_.position[2][i] = z, buffer_.normal[2][i] = 1;
     }
     LineScene scene() const { return {buffer_, view_, 50, 2}; }
@@ -36,11 +37,12 @@ protected:
         const auto at = [&](std::size_t i) {
             return f(static_cast<float>(i % kSize) + 0.5f, static_cast<float>(i / kSize) + 0.5f);
         };
-        const auto field = find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
-            const float fa = at(a), fb = at(b);
-            if ((fa > 0) == (fb > 0) || !one_sheet(s, a, b)) return std::nullopt;
-            return EdgeHit{fa / (fa - fb), 1};
-        });
+        const auto field =
+            find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+                const float fa = at(a), fb = at(b);
+                if ((fa > 0) == (fb > 0) || !one_sheet(s, a, b)) return std::nullopt;
+                return EdgeHit{fa / (fa - fb), 1};
+            });
         return link_crossings(s, field, LineKind::parabolic);
     }
 
@@ -64,7 +66,8 @@ TEST_F(LinkTest, ACircleIsOneLoop) {
 TEST_F(LinkTest, TwoCirclesAreTwoLoopsAndALineIsOpen) {
     EXPECT_EQ(zeros([](float x, float y) {
                   return std::fmin(std::hypot(x - 16, y - 30), std::hypot(x - 46, y - 30)) - 10;
-              }).size(), 2u);
+              }).size(),
+              2u);
     const auto lines = zeros([](float x, float y) { return y - 20 - 0.3f * x; });
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_FALSE(lines[0].closed);

@@ -5,8 +5,8 @@
 namespace slim {
 namespace {
 
-/// From (x0, y) to (x1, y) in steps of a pixel, a unit of length each; weight so that the strength is as
-/// wanted.
+/// From (x0, y) to (x1, y) in steps of a pixel, a unit of length each; weight so that the strength
+/// is as wanted.
 FeatureLine level_line(float x0, float x1, float y, float strength, float evidence = 1) {
     FeatureLine line;
     line.kind = LineKind::ridge;
@@ -26,11 +26,11 @@ TEST(SelectLines, StrengthIsTheIntegralOfTheWeight) {
 }
 
 TEST(SelectLines, WeakLinesStayOnlyWhereTheyContinueStrongOnes) {
-    const auto kept = select_lines({level_line(0, 10, 0, 2),         // strong
-                                    level_line(12, 20, 1, 0.5f),     // continues it
-                                    level_line(22, 30, 1, 0.5f),     // continues that one
-                                    level_line(0, 10, 30, 0.5f),     // alone
-                                    level_line(32, 40, 1, 0.3f)},    // too weak to continue anything
+    const auto kept = select_lines({level_line(0, 10, 0, 2),       // strong
+                                    level_line(12, 20, 1, 0.5f),   // continues it
+                                    level_line(22, 30, 1, 0.5f),   // continues that one
+                                    level_line(0, 10, 30, 0.5f),   // alone
+                                    level_line(32, 40, 1, 0.3f)},  // too weak to continue anything
                                    kRules);
     ASSERT_EQ(kept.size(), 3u);
     for (const FeatureLine& line : kept) EXPECT_LT(line.points[0].y, 2);
@@ -43,8 +43,11 @@ TEST(SelectLines, ShortOnesAreDroppedHoweverStrong) {
 
 TEST(SelectLines, ShortOnesStayWhereTheyContinueOthers) {
     const LineRules rules{0, 0, 0, 0, 8, 2};
-    EXPECT_EQ(select_lines({level_line(0, 20, 0, 1), level_line(21, 24, 0, 1), level_line(25, 50, 0, 1)}, rules).size(),
-              3u);
+    EXPECT_EQ(
+        select_lines({level_line(0, 20, 0, 1), level_line(21, 24, 0, 1), level_line(25, 50, 0, 1)},
+                     rules)
+            .size(),
+        3u);
     EXPECT_EQ(select_lines({level_line(0, 20, 0, 1), level_line(41, 44, 0, 1)}, rules).size(), 1u);
 }
 

@@ -23,7 +23,8 @@ struct Step {
             for (int x = 0; x < kSize; ++x) {
                 const std::size_t i = buffer.index(x, y);
                 buffer.hit[i] = x < 600;
-                buffer.position[0][i] = static_cast<float>(x), buffer.position[1][i] = static_cast<float>(-y);
+                buffer.position[0][i] = static_cast<float>(x),
+                buffer.position[1][i] = static_cast<float>(-y);
                 buffer.position[2][i] = x < 30 ? 0.0f : 9.0f, buffer.normal[2][i] = 1;
             }
     }
@@ -39,10 +40,10 @@ TEST(SheetBlur, AveragesWithinASheetOnly) {
     blur_on_sheets({step.buffer, step.view, 1, 2}, std::span(&plane, 1));
     const auto at = [&](int x, int y) { return plane[step.buffer.index(x, y)]; };
     EXPECT_NEAR(at(10, 50), 10, 1e-3);
-    EXPECT_NEAR(at(29, 50), 28, 1e-3);           // of 27, 28, 29
-    EXPECT_NEAR(at(0, 50), 1, 1e-3);             // of 0, 1, 2
-    EXPECT_NEAR(at(30, 50) - 50 * 50, 131 + 2, 1e-2);   // mean of y^2 over 5 rows: + 2
-    EXPECT_NEAR(at(599, 0), 100 + 598 + 5.0 / 3, 1e-2); // rows 0, 1, 2
+    EXPECT_NEAR(at(29, 50), 28, 1e-3);                   // of 27, 28, 29
+    EXPECT_NEAR(at(0, 50), 1, 1e-3);                     // of 0, 1, 2
+    EXPECT_NEAR(at(30, 50) - 50 * 50, 131 + 2, 1e-2);    // mean of y^2 over 5 rows: + 2
+    EXPECT_NEAR(at(599, 0), 100 + 598 + 5.0 / 3, 1e-2);  // rows 0, 1, 2
     EXPECT_NEAR(at(300, 300) - 300 * 300, 402, 0.1);
 }
 

@@ -71,7 +71,8 @@ TEST(ThirdOrder, AgreesWithDifferencesOfTheCurvature) {
 
 TEST(AddSupporter, SumsThirdDerivativesOnlyIfAsked) {
     Surfel s{{0, 0, 0}, 2, frame_from_normal(normalized(Vec3d{1, 2, 3})), {}, 3};
-    s.polynomial.a[6] = 0.3, s.polynomial.a[7] = -0.2, s.polynomial.a[8] = 0.1, s.polynomial.a[9] = 0.4;
+    s.polynomial.a[6] = 0.3, s.polynomial.a[7] = -0.2, s.polynomial.a[8] = 0.1,
+    s.polynomial.a[9] = 0.4;
     const Vec3d n = s.frame.normal;
     BlendSums second, third;
     ASSERT_TRUE(add_supporter({n * 3, -n}, 3, Gate(n), s, Derivatives::second, second));
