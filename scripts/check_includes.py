@@ -21,12 +21,13 @@ ALLOWED = {
     "slim/cover": ["slim/fit"],
     "slim/tree": ["slim/cover"],
     "slim/blend": ["slim/model"],
+    "slim/smooth": ["slim/tree", "slim/blend"],
     "formats": ["slim/model"],
     "raytrace": ["slim/model"],
     "raytrace/intersect": ["raytrace", "slim/tree", "slim/blend"],
     "raytrace/project": ["raytrace/intersect", "slim/tree", "slim/blend"],
     "raytrace/brute": ["raytrace", "slim/blend"],
-    "pipeline": ["slim/scanner", "slim/tree", "formats", "raytrace/project", "raytrace/brute"],
+    "pipeline": ["slim/scanner", "slim/smooth", "formats", "raytrace/project", "raytrace/brute"],
     "tests": ["pipeline"],
 }
 # Heavy third-party headers, and the only files that may see them.
