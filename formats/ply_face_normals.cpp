@@ -1,8 +1,7 @@
 #include "formats/ply_face_normals.h"
 
-#include "formats/message.h"
+#include "formats/ply_faces.h"
 #include "slim/base/bbox.h"
-#include "slim/base/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +31,7 @@ PlyFaceNormals::PlyFaceNormals(PlyReader& vertices) {
     info_.has_normals = info_.normals_from_faces = true;
     sums_.resize(all_.size());
     find_middle();
-    add_faces();
+    read_ply_faces(info_.path, all_.size(), [&](auto corners) { add_polygon(corners); });
     info_.faces_turned = wound_inwards();
     if (info_.faces_turned)
         for (Vec3d& sum : sums_) sum = -sum;
@@ -54,41 +53,15 @@ void PlyFaceNormals::find_middle() {
 /// stay as they are, and meshes with small holes are told.
 bool PlyFaceNormals::wound_inwards() const { return volume_ < -reach_ * length(area_); }
 
-void PlyFaceNormals::add_faces() {
-    // A second reader: faces may stand before the vertices.
-    ByteReader in(info_.path);
-    const PlyHeader header = read_ply_header(in);
-    for (const PlyElement& element : header.elements) {
-        check_ply_count(in, element, header.encoding);
-        if (element.name != "face") {
-            PlyRows(in, header, element).skip_all();
-            continue;
-        }
-        PlyRows rows(in, header, element, ply_corner_list(element));
-        while (rows.next()) add_polygon(rows.list(), rows);
-        return;
-    }
-}
-
-std::size_t PlyFaceNormals::vertex_index(double value, const PlyRows& rows) const {
-    if (value >= 0 && value < static_cast<double>(all_.size()) && std::floor(value) == value)
-        return static_cast<std::size_t>(value);
-    throw FormatError(message(info_.path, ": ", rows.place(), ": face ", rows.n_read(),
-                              " has vertex index ", value, ", but there are ", all_.size(),
-                              " vertices"));
-}
-
-void PlyFaceNormals::add_polygon(const std::vector<double>& corners, const PlyRows& rows) {
-    polygon_.clear();
-    for (const double corner : corners) polygon_.push_back(vertex_index(corner, rows));
-    if (polygon_.size() < 3) return;
+void PlyFaceNormals::add_polygon(std::span<const std::size_t> corners) {
+    if (corners.size() < 3) return;
     // The sum over a fan about the first corner is twice the polygon's area vector.
-    const Vec3d& first = all_.position[polygon_[0]];
+    const Vec3d& first = all_.position[corners[0]];
     Vec3d area;
-    for (std::size_t k = 1; k + 1 < polygon_.size(); ++k)
-        area += cross(all_.position[polygon_[k]] - first, all_.position[polygon_[k + 1]] - first);
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+        area += cross(all_.position[corners[k]] - first, all_.position[corners[k + 1]] - first);
     if (!is_finite(area)) return;
-    for (const std::size_t vertex : polygon_) sums_[vertex] += area;
+    for (const std::size_t vertex : corners) sums_[vertex] += area;
     area_ += area;
     volume_ += dot(first - middle_, area);
 }

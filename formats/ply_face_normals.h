@@ -3,6 +3,7 @@
 #include "formats/ply_reader.h"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,11 @@ public:
 
 private:
     void find_middle();
-    void add_faces();
     bool wound_inwards() const;
-    void add_polygon(const std::vector<double>& corners, const PlyRows& rows);
-    std::size_t vertex_index(double value, const PlyRows& rows) const;
+    void add_polygon(std::span<const std::size_t> corners);
 
     PointChunk all_;
     std::vector<Vec3d> sums_;
-    std::vector<std::size_t> polygon_;
     std::size_t n_given_ = 0;
     Vec3d area_;         ///< twice the sum of the faces' area vectors: zero if they close
     /// six times what they enclose, seen from middle_; negative if wound inwards

@@ -102,9 +102,16 @@ void PlyRows::next_ascii() {
     do {
         if (!in_.read_line(line)) fail_truncated();
     } while (line.find_first_not_of(" \t\v\f") == std::string_view::npos);
+    const char* const start = line.data();
+    if (!ranges_.empty()) raw_ = line;
     for (std::size_t i = 0; i < element_.properties.size(); ++i) {
         const PlyProperty& property = element_.properties[i];
         scalars_[i] = ascii_value(line, i);
+        if (!ranges_.empty()) {
+            const auto end = static_cast<std::size_t>(line.data() - start);
+            const std::size_t blank = raw_.find_last_of(" \t\r\v\f", end - 1);
+            ranges_[i] = {blank == std::string::npos ? 0 : blank + 1, end};
+        }
         if (!property.is_list) continue;
         const bool wanted = static_cast<int>(i) == wanted_list_;
         if (wanted) list_.clear();
@@ -122,22 +129,33 @@ double PlyRows::take(PlyType type) {
     const std::string_view bytes = in_.peek(size);
     if (bytes.size() < size) fail_truncated();
     const double value = load_ply_number(bytes.data(), type, encoding_);
+    if (!ranges_.empty()) raw_ += bytes.substr(0, size);
     in_.advance(size);
     return value;
 }
 
+bool PlyRows::pass_over(std::uint64_t n_bytes) {
+    if (ranges_.empty()) return in_.skip(n_bytes);
+    const std::string_view bytes = in_.peek(n_bytes).substr(0, n_bytes);
+    raw_ += bytes;
+    in_.advance(bytes.size());
+    return bytes.size() == n_bytes;
+}
+
 void PlyRows::next_binary() {
     row_offset_ = in_.offset();
+    raw_.clear();
     for (std::size_t i = 0; i < element_.properties.size(); ++i) {
         const PlyProperty& property = element_.properties[i];
         if (!property.is_list) {
             scalars_[i] = take(property.type);
+            if (!ranges_.empty()) ranges_[i] = {raw_.size() - size_of(property.type), raw_.size()};
             continue;
         }
         scalars_[i] = take(property.count_type);
         const std::uint64_t n = list_count(scalars_[i], property);
         if (static_cast<int>(i) != wanted_list_) {
-            if (!in_.skip(n * size_of(property.type))) fail_truncated();
+            if (!pass_over(n * size_of(property.type))) fail_truncated();
             continue;
         }
         list_.clear();

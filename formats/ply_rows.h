@@ -27,6 +27,15 @@ public:
 
     /// Decodes the next row; false after the last.
     bool next();
+    /// Keeps each row from now on as it stands in the file; to be asked for before the first next().
+    void keep_raw() { ranges_.resize(element_.properties.size()); }
+    /// The last row as it stands in the file, an ascii one without its line end.
+    const std::string& raw() const { return raw_; }
+    /// Where in raw() a scalar stands.
+    struct Range {
+        std::size_t begin = 0, end = 0;
+    };
+    Range range(std::size_t property) const { return ranges_[property]; }
     /// Passes over all rows that are left.
     void skip_all();
     /// By index of the property; a list's entry is its count.
@@ -40,6 +49,7 @@ private:
     void next_ascii();
     void next_binary();
     double take(PlyType type);
+    bool pass_over(std::uint64_t n_bytes);
     double ascii_value(std::string_view& line, std::size_t column);
     std::uint64_t list_count(double count, const PlyProperty& property) const;
     [[noreturn]] void fail(const std::string& text) const;
@@ -53,6 +63,8 @@ private:
     std::uint64_t row_offset_ = 0;
     std::vector<double> scalars_;
     std::vector<double> list_;
+    std::string raw_;            // if kept
+    std::vector<Range> ranges_;  // empty: not kept
 };
 
 /// Refuses a count that the rest of the file cannot hold, before anything is allocated for it. A

@@ -21,6 +21,7 @@ public:
     explicit XyzReader(const std::string& path);
     bool read(PointChunk& out, std::size_t max_points) override;
     std::uint64_t bytes_read() const override { return in_.file_bytes_read(); }
+    const XyzColumns& columns() const { return columns_; }
 
 private:
     bool next_row();

@@ -8,7 +8,7 @@
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
-#include "slim/blend/blend.h"
+#include "slim/smooth/point_projector.h"
 #include "slim/tree/ball_index.h"
 
 #include <fmt/format.h>
@@ -53,48 +53,24 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
 /// One point against the model; `truth` may be null.
 class PointMeter {
 public:
-    PointMeter(const BallIndex& index, const Vec3d& origin) : index_(index), origin_(origin) {}
+    PointMeter(const BallIndex& index, const Vec3d& origin) : projector_(index), origin_(origin) {}
 
     void measure(const Vec3d& world, const Vec3f& own_normal, const PointTruth* truth, Sums& sums) {
         if (!is_finite(world)) return;
         ++sums.points;
-        const Vec3d p = world - origin_;
-        index_.supporters(p, found_);
-        const bool has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
-        sums.no_normal += has_normal ? 0u : 1u;
-        const Vec3d n = has_normal ? normalized(to_double(own_normal))
-                                   : normal_at(p, found_).value_or(Vec3d{});
-        const bool curved = truth != nullptr;
-        std::optional<Projection> hit;
-        bool opposed = false;
-        if (sq_length(n) > 0) {
-            hit = project_along(p, n, found_, curved);
-            opposed = !hit;
-            if (opposed) hit = project_along(p, -n, found_, curved);
-            if (!hit) {
-                hit = along_models_normal(p, curved);
-                opposed = false;
-                sums.astray += hit ? 1u : 0u;
-            }
-        }
-        if (!hit) {
-            ++sums.missed;
-            return;
-        }
-        sums.opposed += opposed ? 1u : 0u;
-        sums.add_distance(hit->t, world);
-        if (truth || has_normal) add_angle(*hit, truth ? truth->normal : n, opposed, sums);
-        if (truth) add_curvature(*hit, *truth, sums);
+        const ProjectedPoint put = projector_.project(world - origin_, to_double(own_normal), truth != nullptr);
+        sums.no_normal += put.has_normal ? 0u : 1u;
+        sums.missed += put.hit ? 0u : 1u;
+        if (!put.hit) return;
+        sums.opposed += put.opposed ? 1u : 0u;
+        sums.astray += put.astray ? 1u : 0u;
+        sums.add_distance(put.hit->t, world);
+        if (truth || put.has_normal)
+            add_angle(*put.hit, truth ? truth->normal : put.direction, put.opposed, sums);
+        if (truth) add_curvature(*put.hit, *truth, sums);
     }
 
 private:
-    /// A supported point whose normal runs along the surface, as scans have at depth edges: its
-    /// line meets nothing near. The model's normal serves instead.
-    std::optional<Projection> along_models_normal(const Vec3d& p, bool curved) const {
-        const std::optional<Vec3d> n = normal_at(p, found_);
-        if (!n) return std::nullopt;
-        return project_along(p, *n, found_, curved);
-    }
     static void add_angle(const Projection& hit, const Vec3d& reference, bool opposed, Sums& sums) {
         double angle = angle_deg(hit.normal, reference);
         if (opposed) angle = std::min(angle, 180 - angle);
@@ -108,9 +84,8 @@ private:
         sums.sq_mean += sq(hit.curvature.mean - 0.5 * (truth.k1 + truth.k2));
     }
 
-    const BallIndex& index_;
+    PointProjector projector_;
     Vec3d origin_;
-    std::vector<const Surfel*> found_;
 };
 
 Sums measure_cloud(const MeasureConfig& config, const BallIndex& index, const Vec3d& origin,

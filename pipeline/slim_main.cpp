@@ -27,6 +27,7 @@ constexpr Verb kVerbs[] = {
     {"scan", "virtual laser scanner over analytic shapes: a cloud with exact truth"},
     {"build", "clouds to model.slim in one go: slice, normals, fit, tree"},
     {"render", "pictures of a model: shaded, curvature maps, depth, normals, ..."},
+    {"smooth", "points or a mesh moved onto a model's surface, attributes kept"},
     {"measure", "errors of a model against a cloud (and against its truth)"},
     {"info", "what is in a file: counts, bounds, attributes, provenance, health"},
     {"run", "all that a job file asks for, and a page with the results"},
@@ -46,6 +47,7 @@ Quick start:
   slim render scan.slim -o front.png                    # a shaded picture
   slim render scan.slim --aov mean -o curvature.png     # signed mean curvature
   slim measure scan.slim scan.ply                       # how well it fits
+  slim smooth scan.slim scan.ply -o smooth.ply          # its points without their noise
   slim scan sculpture -o cloud.ply --noise 0.0005       # no scan at hand: make one
 
 'slim VERB --help' says more. Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad input,

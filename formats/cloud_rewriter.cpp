@@ -1,0 +1,49 @@
+#include "formats/cloud_rewriter.h"
+
+#include "formats/byte_reader.h"
+#include "formats/cloud_kind.h"
+#include "formats/message.h"
+#include "formats/ply_rewriter.h"
+#include "formats/xyz_rewriter.h"
+#include "slim/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace slim {
+namespace {
+
+std::string lower_extension(const std::string& path) {
+    const std::string name = path.substr(path.rfind('/') + 1);
+    const auto dot = name.rfind('.');
+    std::string extension = dot == std::string::npos ? "" : name.substr(dot);
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+/// Points keep the format that they came in: a text has no names or types for attributes.
+void check_extension(const std::string& in, CloudKind kind, const std::string& out) {
+    constexpr std::array kText{".xyz", ".txt", ".asc", ".pts", ".csv"};
+    const std::string extension = lower_extension(out);
+    const bool is_text = std::find(kText.begin(), kText.end(), extension) != kText.end();
+    if (kind == CloudKind::ply ? extension == ".ply" : is_text) return;
+    throw ConfigError(message(out, ": the output has the format of the input, and ", in, " is ",
+                              kind == CloudKind::ply
+                                  ? "a PLY: expected a name ending in .ply"
+                                  : "a text of coordinates: expected a name ending in .xyz, .txt, .asc, "
+                                    ".pts or .csv"));
+}
+
+}  // namespace
+
+std::unique_ptr<CloudRewriter> rewrite_cloud(const std::string& in, const std::string& out,
+                                             double text_step) {
+    const CloudKind kind = cloud_kind(in, ByteReader(in).peek(4096).substr(0, 4096));
+    check_extension(in, kind, out);
+    if (kind == CloudKind::ply) return std::make_unique<PlyRewriter>(in, out, text_step);
+    return std::make_unique<XyzRewriter>(in, out, text_step);
+}
+
+}  // namespace slim

@@ -1,0 +1,196 @@
+#include "pipeline/smooth_stage.h"
+
+#include "formats/cloud_kind.h"
+#include "formats/cloud_rewriter.h"
+#include "formats/model_file.h"
+#include "formats/ply_faces.h"
+#include "formats/ply_reader.h"
+#include "formats/point_source.h"
+#include "pipeline/input_kind.h"
+#include "pipeline/manifest.h"
+#include "slim/base/error.h"
+#include "slim/smooth/smoothing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t kChunk = 1 << 18;
+/// What coordinates in text are rounded to, over the diagonal: a hundredth of a float's step.
+constexpr double kTextStep = 1e-9;
+
+/// What is counted over the points, in file order.
+struct Counts {
+    std::uint64_t points = 0, moved = 0, unsupported = 0, held = 0, opposed = 0, astray = 0, not_finite = 0;
+    double sq_displacement = 0, max = 0;
+
+    void add(const SmoothedPoint& p) {
+        ++points;
+        if (!p.moved) {
+            ++(!is_finite(p.position) ? not_finite : p.held ? held : unsupported);
+            return;
+        }
+        ++moved;
+        opposed += p.opposed ? 1 : 0, astray += p.astray ? 1 : 0;
+        sq_displacement += p.displacement * p.displacement;
+        max = std::max(max, std::abs(p.displacement));
+    }
+    json to_json(const char* mode) const {
+        const double n = static_cast<double>(moved);
+        return {{"mode", mode},
+                {"points", points},
+                {"moved", moved},
+                {"unsupported", unsupported},
+                {"not_finite", not_finite},
+                {"rms_displacement", moved > 0 ? json(std::sqrt(sq_displacement / n)) : json()},
+                {"max_displacement", moved > 0 ? json(max) : json()}};
+    }
+};
+
+/// A model opened for smoothing, and how.
+struct Smoother {
+    const SmoothConfig& config;
+    StageContext& context;
+    const BallIndex& index;
+    Vec3d origin;
+    double text_step;
+
+    SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
+    /// World position; a point that stays keeps the bytes of its coordinates.
+    RewrittenPoint rewritten(const SmoothedPoint& p) const {
+        return {p.position + origin, to_float(p.normal), static_cast<float>(p.displacement), p.moved};
+    }
+};
+
+json smooth_cloud(const Smoother& smoother) {
+    const SmoothConfig& config = smoother.config;
+    const auto source = open_cloud(config.cloud);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    Counts counts;
+    PointChunk chunk;
+    std::vector<SmoothedPoint> smoothed;
+    std::vector<RewrittenPoint> rewritten;
+    while (source->read(chunk, kChunk)) {
+        for (Vec3d& p : chunk.position) p -= smoother.origin;
+        smoothed.resize(chunk.size());
+        smooth_points(smoother.index, smoother.settings(), chunk.position, chunk.normal, smoothed);
+        rewritten.clear();
+        for (const SmoothedPoint& p : smoothed) {
+            counts.add(p);
+            rewritten.push_back(smoother.rewritten(p));
+        }
+        out->write(rewritten);
+        smoother.context.reporter.progress("smooth", source->bytes_read(), source->info().file_size);
+        smoother.context.check_stop();
+    }
+    if (counts.points == counts.not_finite)
+        throw DataError(config.cloud + ": no finite point to smooth");
+    out->commit();
+    json result = counts.to_json("points");
+    result["opposed"] = counts.opposed;
+    result["astray"] = counts.astray;
+    return result;
+}
+
+Mesh read_mesh(const std::string& path, const Vec3d& origin) {
+    Mesh mesh;
+    PlyReader vertices(path);
+    for (PointChunk chunk; vertices.read(chunk, kChunk);)
+        for (const Vec3d& p : chunk.position) mesh.position.push_back(p - origin);
+    if (mesh.position.size() >= std::numeric_limits<std::uint32_t>::max())
+        throw DataError(fmt::format("{}: a mesh of {} vertices; at most 4294967294 are smoothed as one "
+                                    "(--mode points takes more)", path, mesh.position.size()));
+    read_ply_faces(path, mesh.position.size(), [&](auto corners) { mesh.add_face(corners); });
+    return mesh;
+}
+
+json smooth_faces(const Smoother& smoother) {
+    const SmoothConfig& config = smoother.config;
+    const auto n_steps = static_cast<std::uint64_t>(config.iterations);
+    Mesh mesh = read_mesh(config.cloud, smoother.origin);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    const SmoothedMesh smoothed =
+        smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
+            smoother.context.reporter.progress("iterations", static_cast<std::uint64_t>(i), n_steps);
+            smoother.context.check_stop();
+        });
+    Counts counts;
+    std::vector<RewrittenPoint> rewritten;
+    for (const SmoothedPoint& p : smoothed.vertices) {
+        counts.add(p);
+        rewritten.push_back(smoother.rewritten(p));
+    }
+    if (counts.points == counts.not_finite)
+        throw DataError(config.cloud + ": no finite point to smooth");
+    out->write(rewritten);
+    out->commit();
+    json result = counts.to_json("mesh");
+    result["faces"] = mesh.n_faces();
+    result["faces_unsupported"] = smoothed.faces_unsupported;
+    result["held"] = counts.held;
+    return result;
+}
+
+/// Whether the input is a PLY whose faces name their corners.
+bool is_mesh(const std::string& path) {
+    if (cloud_kind(path, ByteReader(path).peek(4096).substr(0, 4096)) != CloudKind::ply) return false;
+    const PlyReader reader(path);
+    return reader.info().has_faces && reader.has_corner_lists();
+}
+
+void check_paths(const SmoothConfig& config) {
+    if (input_kind(config.cloud) == InputKind::model && input_kind(config.model) == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{0} is a cloud and {1} a model: expected the model first: slim smooth {1} {0} -o {2}",
+            config.model, config.cloud, config.output));
+    require_model(config.model);
+    std::error_code none;
+    for (const std::string& input : {config.model, config.cloud})
+        if (fs::equivalent(input, config.output, none))
+            throw ConfigError(fmt::format("{}: is an input; expected another name to write to",
+                                          config.output));
+}
+
+json smoothed(const SmoothConfig& config, StageContext& context) {
+    const ModelFile model = ModelFile::open(config.model);
+    const SurfelTree tree = model.tree();
+    const BallIndex index(tree);
+    const bool has_faces = is_mesh(config.cloud);
+    if (config.mode == "mesh" && !has_faces)
+        throw DataError(config.cloud + ": has no faces that name their corners; expected a mesh for "
+                                       "--mode mesh");
+    const Smoother smoother{config, context, index, model.header().origin,
+                            kTextStep * model.header().diagonal};
+    const bool as_mesh = has_faces && config.mode != "points";
+    json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
+    const auto n = result.at("points").get<std::uint64_t>();
+    const auto lost = result.at("unsupported").get<std::uint64_t>();
+    if (2 * lost > n)
+        context.reporter.warn(fmt::format(
+            "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
+            config.cloud, lost, n, config.model));
+    return result;
+}
+
+}  // namespace
+
+json run_smooth(const SmoothConfig& config, StageContext& context) {
+    check_paths(config);
+    Stamp stamp(context, manifest_path(config.output));
+    stamp.input(config.model);
+    stamp.input(config.cloud);
+    if (auto done = stamp.up_to_date()) return *done;
+    json result = smoothed(config, context);
+    return stamp.commit({config.output}, std::move(result));
+}
+
+}  // namespace slim

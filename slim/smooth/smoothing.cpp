@@ -1,0 +1,102 @@
+#include "slim/smooth/smoothing.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+#include "slim/smooth/face_planes.h"
+#include "slim/smooth/point_projector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kGrain = 2048;
+
+/// Where a point that was at `from` ends, and how far that is, positive along its new normal.
+void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
+    const double distance = length(to - from);
+    const bool too_far = most > 0 && distance > most;
+    if (too_far) to = from + (to - from) * (most / distance);
+    out.position = to;
+    out.displacement = std::copysign(too_far ? most : distance, dot(to - from, out.normal));
+}
+
+SmoothedPoint smooth_point(PointProjector& projector, const SmoothSettings& settings, const Vec3d& from,
+                           const Vec3d& own_normal) {
+    SmoothedPoint out{from, own_normal};
+    if (!is_finite(from)) return out;
+    Vec3d p = from;
+    for (int i = 0; i < settings.iterations; ++i) {
+        const ProjectedPoint put = projector.project(p, out.normal);
+        if (!put.hit || !(sq_length(put.hit->normal) > 0)) break;
+        if (i == 0) out.opposed = put.opposed, out.astray = put.astray;
+        p += (put.hit->point - p) * settings.amount;
+        out.normal = put.hit->normal;
+        out.moved = true;
+    }
+    if (out.moved) end_at(from, p, settings.most, out);
+    return out;
+}
+
+/// The mean normal by area of the planes about a vertex, and whether the model supports one of them.
+bool normal_of_planes(std::span<const FacePlane> planes, std::span<const std::uint32_t> faces,
+                      Vec3d& normal) {
+    Vec3d sum;
+    bool supported = false;
+    for (const std::uint32_t f : faces) {
+        sum += planes[f].normal * planes[f].area;
+        supported |= planes[f].supported;
+    }
+    if (sq_length(sum) > 0) normal = normalized(sum);
+    return supported;
+}
+
+}  // namespace
+
+void smooth_points(const BallIndex& index, const SmoothSettings& settings,
+                   std::span<const Vec3d> positions, std::span<const Vec3f> normals,
+                   std::span<SmoothedPoint> out) {
+    SLIM_CHECK(positions.size(), ==, out.size());
+    if (!normals.empty()) SLIM_CHECK(normals.size(), ==, positions.size());
+    parallel_blocks(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        PointProjector projector(index, kTrustedCosine);
+        for (std::size_t i = begin; i < end; ++i)
+            out[i] = smooth_point(projector, settings, positions[i],
+                                  normals.empty() ? Vec3d{} : to_double(normals[i]));
+    });
+}
+
+SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings, Mesh& mesh,
+                         const std::function<void(int iteration)>& each_step) {
+    const std::vector<Vec3d> from = mesh.position;
+    const VertexFaces around(mesh);
+    const std::vector<std::uint8_t> held = boundary_vertices(mesh);
+    SmoothedMesh out;
+    out.vertices.resize(from.size());
+    for (int i = 0; i < settings.iterations; ++i) {
+        each_step(i);
+        const std::vector<FacePlane> planes = project_faces(mesh, index);
+        if (i == 0)
+            out.faces_unsupported = static_cast<std::uint64_t>(std::count_if(
+                planes.begin(), planes.end(), [](const FacePlane& p) { return !p.supported; }));
+        parallel_blocks(from.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t v = begin; v < end; ++v) {
+                SmoothedPoint& vertex = out.vertices[v];
+                Vec3d x = mesh.position[v];
+                const bool supported = normal_of_planes(planes, around.of(v), vertex.normal);
+                if (!supported || held[v] || !nearest_to_planes(planes, around.of(v), x)) continue;
+                mesh.position[v] += (x - mesh.position[v]) * settings.amount;
+                vertex.moved = true;
+            }
+        });
+    }
+    for (std::size_t v = 0; v < from.size(); ++v) {
+        out.vertices[v].position = from[v];
+        out.vertices[v].held = held[v] != 0;
+        if (out.vertices[v].moved) end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
+    }
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "slim/smooth/mesh.h"
+#include "slim/tree/ball_index.h"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+/// How far points go.
+struct SmoothSettings {
+    int iterations = 1;
+    double amount = 1;  ///< share of the way to the surface, 0 to 1
+    double most = 0;    ///< no point ends farther from where it was; 0: no limit
+};
+
+/// A point after smoothing.
+struct SmoothedPoint {
+    Vec3d position;           ///< as it was if it did not move
+    Vec3d normal;             ///< of the model by eq. (7), unit; its own if it did not move
+    double displacement = 0;  ///< how far it went, positive along `normal`
+    bool moved = false;       ///< the model had a place for it
+    bool held = false;        ///< a vertex of a mesh's boundary
+    bool opposed = false, astray = false;  ///< as PointProjector says, in the first iteration
+};
+
+/// Projects points on the model along their normals (Ohtake 2005, sec. 4, eqs (6) and (7)), again from where
+/// they are with the normals that they got; along the model's where theirs cannot be trusted (kTrustedCosine). Points that no surfel supports, whose lines meet nothing or that are not
+/// finite stay. Frame of the job; `normals` empty: along the model's own. out.size() == positions.size().
+/// In parallel, same values for any thread count.
+void smooth_points(const BallIndex& index, const SmoothSettings& settings,
+                   std::span<const Vec3d> positions, std::span<const Vec3f> normals,
+                   std::span<SmoothedPoint> out);
+
+/// What became of a mesh.
+struct SmoothedMesh {
+    std::vector<SmoothedPoint> vertices;
+    std::uint64_t faces_unsupported = 0;  ///< in the first iteration: they keep their own planes
+};
+
+/// Projects the faces' centroids and puts every vertex where it is nearest the planes there (Ohtake 2005,
+/// sec. 4; NUMERICS 5.5). Vertices of the boundary stay, as do those of no face that the model supports. Normals of
+/// the vertices: the mean of their planes' by area. `mesh` is left as smoothed.
+/// each_step  called before each iteration
+/// cost       about 150 bytes a vertex beside the mesh
+SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings, Mesh& mesh,
+                         const std::function<void(int iteration)>& each_step);
+
+}  // namespace slim

@@ -1,0 +1,244 @@
+#include "pipeline/smooth_stage.h"
+
+#include "slim/base/hash.h"
+#include "slim/base/parallel.h"
+#include "slim/shapes/foot_point.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+double rms_distance(const char* shape, const std::vector<Vec3d>& points) {
+    double sum = 0;
+    for (const Vec3d& p : points) sum += std::pow(signed_distance(find_shape(shape), p), 2);
+    return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+class SmoothStage : public FitStages {
+protected:
+    nlohmann::json smooth(const std::string& cloud, SmoothConfig c = {}) {
+        c.model = file("m.slim");
+        c.cloud = cloud;
+        if (c.output.empty()) c.output = file("smooth.ply");
+        return run_as("smooth", c, run_smooth, listener_);
+    }
+    std::string noisy(const char* shape, double noise, bool normals = true) {
+        const std::string cloud = write(sampled(shape, 20000, 1, noise), "noisy.ply", normals);
+        build(build_config(cloud, "m.slim"));
+        return cloud;
+    }
+    /// A sphere of n by 2 n quadrangles around a pole, noisy; open: without its lower half.
+    std::string mesh(double noise, bool open = false) {
+        const int n = 40, rows = open ? n / 2 : n;
+        std::string vertices, faces;
+        int n_vertices = 0, n_faces = 0;
+        for (int i = 0; i <= rows; ++i)
+            for (int k = 0; k < 2 * n; ++k, ++n_vertices) {
+                const double a = (0.5 + i) * M_PI / (n + 1), b = k * M_PI / n;
+                const auto key = static_cast<std::uint64_t>(n_vertices);
+                const double r = 1 + noise * 2 * (unit_interval(keyed_hash(1, key)) - 0.5);
+                for (const double x : {std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)})
+                    vertices += std::to_string(r * x) + " ";
+                vertices += std::to_string(n_vertices % 7) + "\n";
+            }
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < 2 * n; ++k, ++n_faces) {
+                const int l = (k + 1) % (2 * n), a = 2 * n * i, b = a + 2 * n;
+                faces += "4";
+                for (const int v : {a + k, b + k, b + l, a + l}) faces += " " + std::to_string(v);
+                faces += "\n";
+            }
+        return folder_.write("mesh.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string(n_vertices) +
+                                             "\nproperty double x\nproperty double y\nproperty double z\nproperty "
+                                             "uchar tag\nelement face " + std::to_string(n_faces) +
+                                             "\nproperty list uchar int vertex_indices\nend_header\n" +
+                                             vertices + faces);
+    }
+};
+
+TEST_F(SmoothStage, TakesMostOfTheNoiseOffKnownShapes) {
+    // Measured ratios: see the README's table; 100,000 points give more.
+    for (const char* shape : {"sphere", "torus", "bumpy"}) {
+        SCOPED_TRACE(shape);
+        const std::string cloud = noisy(shape, 0.003);
+        const auto said = smooth(cloud);
+        EXPECT_EQ(said["points"], 20000);
+        EXPECT_EQ(said["moved"], 20000);
+        const double before = rms_distance(shape, read_all(cloud, 20000).position);
+        const double after = rms_distance(shape, read_all(file("smooth.ply"), 20000).position);
+        EXPECT_LT(after, before / 5);
+        EXPECT_NEAR(said["rms_displacement"].get<double>() / before, 1, 0.1);
+        EXPECT_GE(said["max_displacement"].get<double>(), said["rms_displacement"].get<double>());
+    }
+}
+
+TEST_F(SmoothStage, NormalsAreTheSurfacesAndOrderAndAttributesStay) {
+    const std::string cloud = noisy("sphere", 0.003);
+    smooth(cloud);
+    const PointChunk before = read_all(cloud, 20000), after = read_all(file("smooth.ply"), 20000);
+    ASSERT_EQ(after.size(), before.size());
+    EXPECT_EQ(after.scan, before.scan);
+    double sum = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        ASSERT_LT(length(after.position[i] - before.position[i]), 0.1);
+        sum += std::acos(std::min(1.0, dot(to_double(after.normal[i]), normalized(after.position[i]))));
+    }
+    EXPECT_LT(sum / 20000, 0.02);  // radians
+}
+
+TEST_F(SmoothStage, WithoutNormalsPointsGoAlongTheModelsAndGetThem) {
+    const std::string cloud = noisy("sphere", 0.003, false);
+    const auto said = smooth(cloud);
+    EXPECT_EQ(said["moved"], 20000);
+    const PointChunk after = read_all(file("smooth.ply"), 20000);
+    EXPECT_LT(rms_distance("sphere", after.position), 0.0104 / 5);
+    ASSERT_EQ(after.normal.size(), after.size());
+    EXPECT_GT(dot(to_double(after.normal[7]), after.position[7]), 0.99);
+}
+
+TEST_F(SmoothStage, PointsWithoutSupportStayAndAreCounted) {
+    Cloud cloud = sampled("sphere", 5000);
+    build(build_config(write(cloud, "c.ply"), "m.slim"));
+    cloud.positions[10] = {50, 60, 70};
+    cloud.positions[20].x = NAN;
+    const auto said = smooth(write(cloud, "strays.ply"));
+    EXPECT_EQ(said["unsupported"], 1);
+    EXPECT_EQ(said["not_finite"], 1);
+    EXPECT_EQ(said["moved"], 4998);
+    const PointChunk after = read_all(file("smooth.ply"), 5000);
+    EXPECT_EQ(after.position[10], (Vec3d{50, 60, 70}));
+    EXPECT_EQ(after.normal[10], cloud.normals[10]);
+    EXPECT_TRUE(std::isnan(after.position[20].x));
+}
+
+TEST_F(SmoothStage, AmountMostAndIterationsAreFollowed) {
+    const std::string cloud = noisy("sphere", 0.003);
+    const double whole = smooth(cloud)["rms_displacement"];
+    SmoothConfig c;
+    c.amount = 0.5;
+    const auto half = smooth(cloud, c);
+    EXPECT_NEAR(half["rms_displacement"].get<double>() / whole, 0.5, 1e-6);
+    c.iterations = 2;
+    EXPECT_NEAR(smooth(cloud, c)["rms_displacement"].get<double>() / whole, 0.75, 0.02);
+    c = {};
+    c.most = 0.002;
+    const auto bounded = smooth(cloud, c);
+    EXPECT_LE(bounded["max_displacement"].get<double>(), 0.002);
+    const PointChunk before = read_all(cloud, 20000), after = read_all(file("smooth.ply"), 20000);
+    for (std::size_t i = 0; i < after.size(); ++i)
+        ASSERT_LT(length(after.position[i] - before.position[i]), 0.002 * (1 + 1e-9));
+    c = {};
+    c.amount = 0;
+    smooth(cloud, c);
+    const PointChunk kept = read_all(file("smooth.ply"), 20000);
+    EXPECT_EQ(kept.position, before.position);
+    EXPECT_NE(kept.normal, before.normal);
+}
+
+TEST_F(SmoothStage, ThreadsDoNotChangeAByte) {
+    const std::string cloud = noisy("bumpy", 0.003), m = mesh(0.02);
+    std::string bytes[2][2];
+    for (const int threads : {1, 4}) {
+        const ThreadLimit limit(threads);
+        for (const bool is_mesh : {false, true}) {
+            std::filesystem::remove(file("smooth.ply.done.json"));
+            smooth(is_mesh ? m : cloud);
+            bytes[is_mesh][threads > 1] = read_bytes(file("smooth.ply"));
+        }
+    }
+    EXPECT_EQ(bytes[0][0], bytes[0][1]);
+    EXPECT_EQ(bytes[1][0], bytes[1][1]);
+}
+
+TEST_F(SmoothStage, AMeshComesNearerToItsShapeAndKeepsFacesAndAttributes) {
+    const std::string in = mesh(0.02);
+    build(build_config(in, "m.slim"));
+    const auto said = smooth(in);
+    EXPECT_EQ(said["mode"], "mesh");
+    EXPECT_EQ(said["points"], 41 * 80);
+    EXPECT_EQ(said["faces"], 40 * 80);
+    EXPECT_EQ(said["held"], 160);  // around the open poles
+    EXPECT_LT(rms_distance("sphere", read_all(file("smooth.ply"), 5000).position),
+              rms_distance("sphere", read_all(in, 5000).position) / 2);
+    const std::string before = read_bytes(in), after = read_bytes(file("smooth.ply"));
+    const auto faces = before.find("\n4 ");
+    EXPECT_TRUE(after.ends_with(before.substr(faces)));
+}
+
+TEST_F(SmoothStage, TheBoundaryOfAMeshStays) {
+    const std::string in = mesh(0.02, true);
+    build(build_config(in, "m.slim"));
+    smooth(in);
+    const PointChunk before = read_all(in, 5000), after = read_all(file("smooth.ply"), 5000);
+    std::size_t n_moved = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        const bool on_rim = i < 80 || i >= before.size() - 80;
+        if (on_rim) {
+            EXPECT_EQ(after.position[i], before.position[i]);
+        }
+        n_moved += after.position[i] == before.position[i] ? 0 : 1;
+    }
+    EXPECT_EQ(n_moved, before.size() - 160);
+}
+
+TEST_F(SmoothStage, AMeshIsSmoothedAsPointsIfAsked) {
+    const std::string in = mesh(0.02);
+    build(build_config(in, "m.slim"));
+    SmoothConfig c;
+    c.mode = "points";
+    const auto said = smooth(in, c);
+    EXPECT_EQ(said["mode"], "points");
+    EXPECT_EQ(said["moved"], 41 * 80);
+    c.mode = "mesh";
+    c.output = file("smooth.xyz");
+    EXPECT_EQ(code_of([&] { smooth(folder_.write("p.xyz", "1 2 3\n"), c); }), ExitCode::bad_data);
+}
+
+TEST_F(SmoothStage, GeoreferencedCoordinatesKeepTheirDigits) {
+    Cloud cloud = sampled("sphere", 5000, 1, 0.003);
+    for (Vec3d& p : cloud.positions) p += Vec3d{403000, 3604900, 1000};
+    const std::string path = write(cloud, "geo.ply");
+    build(build_config(path, "m.slim"));
+    smooth(path);
+    double sum = 0;
+    for (const Vec3d& p : read_all(file("smooth.ply"), 5000).position)
+        sum += std::pow(length(p - Vec3d{403000, 3604900, 1000}) - 1, 2);
+    EXPECT_LT(std::sqrt(sum / 5000), 0.0104 / 3);
+}
+
+TEST_F(SmoothStage, MistakesAreRefusedByTheirCode) {
+    const std::string cloud = noisy("sphere", 0.003);
+    SmoothConfig c;
+    c.output = cloud;
+    EXPECT_EQ(code_of([&] { smooth(cloud, c); }), ExitCode::usage);
+    c.output = file("x.xyz");
+    EXPECT_EQ(code_of([&] { smooth(cloud, c); }), ExitCode::usage);
+    EXPECT_EQ(code_of([&] { smooth(folder_.write("bad.ply", "ply\nformat ascii 1.0\nelement vertex 2\n")); }),
+              ExitCode::bad_data);
+    c.output = file("x.xyz");
+    EXPECT_EQ(code_of([&] { smooth(folder_.write("nan.xyz", "nan 0 0\n"), c); }), ExitCode::bad_data);
+    const std::string face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+                             "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n";
+    EXPECT_EQ(code_of([&] { smooth(folder_.write("face.ply", face + "3 0 0 5\n")); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("vertex index 5"), std::string::npos) << message_;
+    EXPECT_FALSE(std::filesystem::exists(file("smooth.ply")));
+}
+
+TEST_F(SmoothStage, WarnsWhereTheCloudLiesElsewhere) {
+    Cloud cloud = sampled("sphere", 3000);
+    build(build_config(write(cloud, "c.ply"), "m.slim"));
+    for (Vec3d& p : cloud.positions) p += Vec3d{10, 0, 0};
+    listener_.warnings.clear();
+    EXPECT_EQ(smooth(write(cloud, "away.ply"))["moved"], 0);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+}
+
+}  // namespace
+}  // namespace slim::test
