@@ -1,17 +1,24 @@
 #include "slim/tree/ball_index.h"
 
+#include "slim/base/simd.h"
 #include "slim/neighbors/morton.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace slim {
 namespace {
 
-bool contains(const Bbox& b, const Vec3d& p) {
-    return p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y && p.y <= b.hi.y && p.z >= b.lo.z &&
-           p.z <= b.hi.z;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float rounded_down(double x) {
+    const float f = static_cast<float>(x);
+    return f > x ? std::nextafter(f, -kInfinity) : f;
 }
+float rounded_up(double x) { return -rounded_down(-x); }
 
 Bbox box_of(const Surfel& s) {
     const Vec3d r{s.support_radius, s.support_radius, s.support_radius};
@@ -22,6 +29,17 @@ Bbox box_of(const Surfel& s) {
 }
 
 }  // namespace
+
+BallIndex::Boxes::Boxes() {
+    for (std::size_t axis = 0; axis < 3; ++axis) lo[axis].fill(kInfinity), hi[axis].fill(-kInfinity);
+}
+
+void BallIndex::Boxes::set(std::size_t i, const Bbox& box) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        lo[axis][i] = rounded_down(box.lo[axis]);
+        hi[axis][i] = rounded_up(box.hi[axis]);
+    }
+}
 
 BallIndex::BallIndex(const SurfelTree& tree) {
     Bbox box;
@@ -36,36 +54,65 @@ BallIndex::BallIndex(const SurfelTree& tree) {
     std::vector<Bbox> boxes;
     for (const auto& [key, node] : order) {
         leaves_.push_back(tree.surfel(node));
-        boxes.push_back(box_of(leaves_.back()));
+        const Surfel& s = leaves_.back();
+        balls_.push_back({s.center, s.support_radius * s.support_radius});
+        boxes.push_back(box_of(s));
     }
-    levels_.push_back(std::move(boxes));
-    while (levels_.back().size() > kFanout) {
-        std::vector<Bbox> above((levels_.back().size() + kFanout - 1) / kFanout);
-        for (std::size_t i = 0; i < levels_.back().size(); ++i)
-            above[i / kFanout].extend(levels_.back()[i]);
-        levels_.push_back(std::move(above));
+    add_level(boxes);
+    while (levels_.back().size() > 1) {
+        std::vector<Bbox> above((boxes.size() + kFanout - 1) / kFanout);
+        for (std::size_t i = 0; i < boxes.size(); ++i) above[i / kFanout].extend(boxes[i]);
+        boxes = std::move(above);
+        add_level(boxes);
     }
+}
+
+void BallIndex::add_level(const std::vector<Bbox>& boxes) {
+    std::vector<Boxes> level((boxes.size() + kFanout - 1) / kFanout);
+    for (std::size_t i = 0; i < boxes.size(); ++i) level[i / kFanout].set(i % kFanout, boxes[i]);
+    levels_.push_back(std::move(level));
+}
+
+/// Bit i: box i holds the point, whose coordinates were rounded both ways.
+std::uint64_t BallIndex::holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up) {
+    using Lanes = stdx::simd<float, stdx::simd_abi::deduce_t<float, kFanout>>;
+    typename Lanes::mask_type holds(true);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Lanes lo(boxes.lo[axis].data(), stdx::element_aligned);
+        const Lanes hi(boxes.hi[axis].data(), stdx::element_aligned);
+        holds = holds && lo <= Lanes(p_up[axis]) && hi >= Lanes(p_down[axis]);
+    }
+    return lane_bits(holds);
 }
 
 void BallIndex::supporters(const Vec3d& p, std::vector<const Surfel*>& out) const {
     out.clear();
+    if (leaves_.empty()) return;
+    const Vec3f down{rounded_down(p.x), rounded_down(p.y), rounded_down(p.z)};
+    const Vec3f up{rounded_up(p.x), rounded_up(p.y), rounded_up(p.z)};
     struct Entry {
         std::size_t level, index;
     };
-    Entry stack[128];
+    Entry stack[256];  // at most 7 wait on each of 22 levels
     std::size_t depth = 0;
-    for (std::size_t i = levels_.back().size(); i-- > 0;) stack[depth++] = {levels_.size() - 1, i};
+    stack[depth++] = {levels_.size() - 1, 0};
     while (depth > 0) {
         const Entry e = stack[--depth];
-        if (!contains(levels_[e.level][e.index], p)) continue;
+        std::uint64_t bits = holding(levels_[e.level][e.index], down, up);
+        const std::size_t first = e.index * kFanout;
         if (e.level == 0) {
-            const Surfel& s = leaves_[e.index];
-            if (sq_length(p - s.center) < s.support_radius * s.support_radius) out.push_back(&s);
+            for (; bits != 0; bits &= bits - 1) {
+                const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+                if (sq_length(p - balls_[i].center) < balls_[i].sq_radius) out.push_back(&leaves_[i]);
+            }
             continue;
         }
-        const std::size_t first = e.index * kFanout;
-        const std::size_t last = std::min(first + kFanout, levels_[e.level - 1].size());
-        for (std::size_t c = last; c-- > first;) stack[depth++] = {e.level - 1, c};
+        // The last one first, so that the leaves come in order.
+        while (bits != 0) {
+            const int last = 63 - std::countl_zero(bits);
+            stack[depth++] = {e.level - 1, first + static_cast<std::size_t>(last)};
+            bits ^= std::uint64_t{1} << last;
+        }
     }
 }
 

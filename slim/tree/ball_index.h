@@ -4,13 +4,14 @@
 #include "slim/model/surfel.h"
 #include "slim/model/surfel_tree.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace slim {
 
 /// The leaves of a model, decoded, under an implicit tree of boxes: which of them hold a point?
-/// For measuring and smoothing, which ask at millions of points. 250 bytes a leaf.
+/// For measuring and smoothing, which ask at millions of points. 280 bytes a leaf.
 class BallIndex {
 public:
     explicit BallIndex(const SurfelTree& tree);
@@ -18,12 +19,27 @@ public:
     std::size_t n_leaves() const { return leaves_.size(); }
 
     /// Writes the leaves with |p - c| < rho to `out`, in the index's order (deterministic).
+    /// Cost: about 0.25 us where five of 10,000 leaves hold the point.
     void supporters(const Vec3d& p, std::vector<const Surfel*>& out) const;
 
 private:
-    static constexpr std::size_t kFanout = 4;
-    std::vector<Surfel> leaves_;            // along a Morton curve
-    std::vector<std::vector<Bbox>> levels_; // 0: one box a leaf
+    static constexpr std::size_t kFanout = 8;
+    /// Boxes side by side, for lanes; rounded outwards to floats. A place without a box holds nothing.
+    struct Boxes {
+        std::array<std::array<float, kFanout>, 3> lo, hi;
+        Boxes();
+        void set(std::size_t i, const Bbox& box);
+    };
+    struct Ball {
+        Vec3d center;
+        double sq_radius;
+    };
+    static std::uint64_t holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up);
+    void add_level(const std::vector<Bbox>& boxes);
+
+    std::vector<Surfel> leaves_;              // along a Morton curve
+    std::vector<Ball> balls_;                 // of the leaves
+    std::vector<std::vector<Boxes>> levels_;  // 0: a place for each leaf; above, one for each Boxes; the last is one
 };
 
 }  // namespace slim
