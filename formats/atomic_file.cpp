@@ -74,8 +74,11 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const char* doing) const {
-    throw IoError(message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(errno)),
-                  ExitCode::resource);
+    const int error = errno;
+    const char* const hint = error == EFBIG ? " (see `ulimit -f`)" : "";
+    throw IoError(
+        message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(error), hint),
+        ExitCode::resource);
 }
 
 void AtomicFile::put(std::uint64_t offset, const char* data, std::size_t n) {
@@ -104,7 +107,8 @@ void AtomicFile::write(const void* data, std::size_t n) {
         put(end_, bytes, n);
         end_ += n;
     } else {
-        buffer_.reserve(kBufferSize);  // not before: hundreds of slices are open at once and never write here
+        // not before: hundreds of slices are open at once and never write here
+        buffer_.reserve(kBufferSize);
         buffer_.insert(buffer_.end(), bytes, bytes + n);
     }
 }

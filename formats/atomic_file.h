@@ -8,8 +8,8 @@
 
 namespace slim {
 
-/// What half-written files of this process end with: ".tmp.<host>.<pid>.<random>". Tasks of an array job
-/// on several hosts write into one folder, where process ids alone would collide.
+/// What half-written files of this process end with: ".tmp.<host>.<pid>.<random>". Tasks of an
+/// array job on several hosts write into one folder, where process ids alone would collide.
 const std::string& temporary_suffix();
 
 /// An output replaces the file of its name; a device, a pipe or a folder is none.
@@ -20,12 +20,12 @@ void check_replaceable(const std::string& path);
 /// shows by a checksum, need not: waiting for the disk takes longer than making them.
 enum class Outlasts { power_cut, process };
 
-/// A file that appears under its name whole or not at all: written as `name` + temporary_suffix() in the
-/// same directory, then flushed to disk (unless it may be lost) and renamed by commit(). Without
-/// commit() the destructor removes it.
+/// A file that appears under its name whole or not at all: written as `name` + temporary_suffix()
+/// in the same directory, then flushed to disk (unless it may be lost) and renamed by commit().
+/// Without commit() the destructor removes it.
 ///
-/// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage` when
-/// the place cannot be written to at all
+/// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage`
+/// when the place cannot be written to at all
 /// cost   one buffer of 1 MiB
 class AtomicFile {
 public:

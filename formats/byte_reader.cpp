@@ -164,7 +164,8 @@ bool ByteReader::read_line(std::string_view& line) {
         const std::size_t size = end_ - begin_;
         const void* hit =
             size > searched ? std::memchr(from + searched, line_end_, size - searched) : nullptr;
-        std::size_t length = hit ? static_cast<std::size_t>(static_cast<const char*>(hit) - from) : size;
+        std::size_t length =
+            hit ? static_cast<std::size_t>(static_cast<const char*>(hit) - from) : size;
         if (length > kLongestLine)
             throw FormatError(message(path_, ": line ", line_number_ + 1, ": longer than ",
                                       kLongestLine >> 20, " MiB; this is not text"));

@@ -12,8 +12,8 @@ namespace slim {
 
 /// Bytes of a file from front to back through one buffer; a gzip file is unpacked on the way.
 ///
-/// throws IoError if the file cannot be opened or read, FormatError if its gzip stream is damaged or
-///        a line is longer than 16 MiB
+/// throws IoError if the file cannot be opened or read, FormatError if its gzip stream is damaged
+///        or a line is longer than 16 MiB
 /// cost   a buffer of 1 MiB, more only for a longer line or peek
 class ByteReader {
 public:

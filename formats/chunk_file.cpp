@@ -127,7 +127,8 @@ void ChunkFile::State::check_entry(const ChunkEntry& e) const {
     const bool fits = e.element_size > 0 && e.offset % kChunkAlignment == 0 &&
                       e.offset >= sizeof(ChunkFileHeader) && e.offset <= header.table_offset &&
                       e.count <= (header.table_offset - e.offset) / e.element_size;
-    if (!fits) fail(header.table_offset, message("damaged: chunk ", name_of(e), " is out of bounds"));
+    if (!fits)
+        fail(header.table_offset, message("damaged: chunk ", name_of(e), " is out of bounds"));
 }
 
 /// No checksum covers the bytes between chunks, so they must be zero: no flipped bit goes unseen.
@@ -207,8 +208,8 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
     XXH3_state_t hash;
     XXH3_64bits_reset(&hash);
     const std::size_t step = std::max<std::size_t>(1, kPieceBytes / element_size);
-    // The system maps pages around the one that is asked for, also of pieces that were let go: a quarter of a
-    // file of 70 MB stayed.
+    // The system maps pages around the one that is asked for, also of pieces that were let go: a
+    // quarter of a file of 70 MB stayed.
     const std::size_t behind = 2 * step;
     for (std::size_t first = 0; first < e.count; first += step) {
         const std::size_t n = std::min<std::size_t>(step, e.count - first);

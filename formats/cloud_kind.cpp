@@ -135,8 +135,9 @@ CloudKind cloud_kind(const std::string& path, std::string_view head) {
     for (const KnownFormat& format : kExtensions)
         if (extension == format.key) refuse(path, format.name, format.advice);
     if (extension == "ply")
-        throw FormatError(message(path, ": byte 0: expected a PLY header, its first line 'ply', found "
-                                        "something else"));
+        throw FormatError(message(path,
+                                  ": byte 0: expected a PLY header, its first line 'ply', found "
+                                  "something else"));
     refuse_binary(path, head);
     return CloudKind::text;
 }

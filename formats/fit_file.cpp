@@ -31,10 +31,13 @@ struct Record {
     std::uint32_t n_points;
     std::uint8_t degree;  ///< and above its two bits the direction of the rim
     std::uint8_t level, flags;
-    std::uint8_t sharp;  ///< further sheets, + 4 if the outer join is min, + 8 if the inner one is, + 16 reach of the rim
+    /// further sheets, + 4 if the outer join is min, + 8 if the inner one is, + 16 reach of the rim
+    std::uint8_t sharp;
 
     int degree_bits() const { return degree & 3; }
-    PackedRim rim() const { return static_cast<PackedRim>((degree >> 2 & 31) << 3 | (sharp >> 4 & 7)); }
+    PackedRim rim() const {
+        return static_cast<PackedRim>((degree >> 2 & 31) << 3 | (sharp >> 4 & 7));
+    }
 };
 static_assert(sizeof(Record) == 8 * (3 + 1 + 9 + kMaxCoefficients + 2) + 8);
 
@@ -242,7 +245,8 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
         for (std::size_t i = 0; i < piece.size(); ++i) take_record(first + i, piece[i]);
     });
     if (!sheets.empty())
-        throw FormatError(message(file_.path(), ": ", sheets.size(), " sheets belong to no surfel"));
+        throw FormatError(
+            message(file_.path(), ": ", sheets.size(), " sheets belong to no surfel"));
 }
 
 std::vector<std::uint64_t> FitReader::dropped() const {

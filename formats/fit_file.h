@@ -13,16 +13,17 @@
 
 namespace slim {
 
-/// What a fit leaves for the tree: surfels in its own order, and a JSON text about the fit as a whole
-/// (the library does not look into it).
+/// What a fit leaves for the tree: surfels in its own order, and a JSON text about the fit as a
+/// whole (the library does not look into it).
 struct FitFile {
     std::string header_json;
     std::vector<FittedSurfel> surfels;
-    std::vector<std::uint64_t> dropped;  ///< ids of points that belong to no surfel, for the fits after this one
+    /// ids of points that belong to no surfel, for the fits after this one
+    std::vector<std::uint64_t> dropped;
 };
 
-/// Writes a fit whose surfels come one by one and need not stay in memory. Without commit() no file is left.
-/// Throws as AtomicFile.
+/// Writes a fit whose surfels come one by one and need not stay in memory. Without commit() no file
+/// is left. Throws as AtomicFile.
 class FitWriter {
 public:
     explicit FitWriter(const std::string& path);
@@ -42,8 +43,8 @@ private:
 void write_fit(const std::string& path, std::span<const FittedSurfel> surfels,
                const std::string& header_json, std::span<const std::uint64_t> dropped = {});
 
-/// A fit whose surfels pass one by one: for fits larger than memory. Stays the file that was opened, should
-/// another one take its name meanwhile.
+/// A fit whose surfels pass one by one: for fits larger than memory. Stays the file that was
+/// opened, should another one take its name meanwhile.
 class FitReader {
 public:
     /// throws FormatError naming file, place and reason; IoError
@@ -51,8 +52,8 @@ public:
 
     const std::string& header_json() const { return header_json_; }
     std::size_t n_surfels() const;
-    /// Calls visit for every surfel in the file's order, as often as this is called; leaves no page of them
-    /// mapped. A surfel is seen before the checksum of all is: the end of the call tells.
+    /// Calls visit for every surfel in the file's order, as often as this is called; leaves no page
+    /// of them mapped. A surfel is seen before the checksum of all is: the end of the call tells.
     /// throws FormatError
     void for_each(const std::function<void(FittedSurfel&&)>& visit) const;
     std::vector<std::uint64_t> dropped() const;

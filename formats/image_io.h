@@ -19,7 +19,8 @@ using ImageMatrices = std::map<std::string, std::array<float, 16>>;
 
 enum class ChannelType { half_float, float32, uint32 };
 
-/// One plane of an EXR, width * height values; floats for half_float and float32, integers for uint32.
+/// One plane of an EXR, width * height values; floats for half_float and float32, integers for
+/// uint32.
 struct ExrChannel {
     std::string name;  ///< CONVENTIONS 1.1: "R", "Z", "N.X", "curvature.mean", "surfel.id", ...
     ChannelType type = ChannelType::float32;
@@ -27,7 +28,8 @@ struct ExrChannel {
     std::span<const std::uint32_t> integers{};
 };
 
-/// Writes an 8-bit PNG marked sRGB, atomically (a temporary file in the same folder, then a rename).
+/// Writes an 8-bit PNG marked sRGB, atomically (a temporary file in the same folder, then a
+/// rename).
 ///
 /// rgba    straight alpha, row-major from the top left; written as RGB if every alpha is 255
 /// throws  IoError naming the file: exit 4 when it cannot be written
@@ -35,7 +37,8 @@ struct ExrChannel {
 void write_png_srgb8(const std::string& path, int width, int height,
                      std::span<const std::uint8_t> rgba, const ImageMetadata& metadata = {});
 
-/// Writes a single-part scanline EXR, zip compressed, with the chromaticities of Rec.709, atomically.
+/// Writes a single-part scanline EXR, zip compressed, with the chromaticities of Rec.709,
+/// atomically.
 ///
 /// channels  any order, unique names; R G B A are premultiplied linear colour
 /// metadata  string attributes; "DateTime" becomes capDate, "ImageDescription" comments, "Copyright" owner

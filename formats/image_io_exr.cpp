@@ -1,5 +1,5 @@
-// EXR through OpenEXR itself rather than OpenImageIO: planes are written as they lie, each in its own
-// type, and the header holds what we put there and nothing else (no clock).
+// EXR through OpenEXR itself rather than OpenImageIO: planes are written as they lie, each in its
+// own type, and the header holds what we put there and nothing else (no clock).
 
 #include "formats/image_io.h"
 
@@ -73,7 +73,8 @@ Imf::Header make_header(int width, int height, std::span<const ExrChannel> chann
     return header;
 }
 
-/// A slice of contiguous rows of T; the library only reads through the pointer when it writes a file.
+/// A slice of contiguous rows of T; the library only reads through the pointer when it writes a
+/// file.
 template <class T>
 Imf::Slice plane(Imf::PixelType type, const T* values, int width) {
     return Imf::Slice(type, reinterpret_cast<char*>(const_cast<T*>(values)), sizeof(T),

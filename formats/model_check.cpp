@@ -87,7 +87,8 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
     if (rims.second != 0 && !rims.any())
         return fault("second rim ", int{rims.second}, " of a surfel without a first");
     if (node.n_children == 0) return {};
-    if (node.first_child <= i) return fault("child ", node.first_child, " does not follow its parent");
+    if (node.first_child <= i)
+        return fault("child ", node.first_child, " does not follow its parent");
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
     if (end > tree.n_nodes())
         return fault("children up to ", end, ", but there are ", tree.n_nodes(), " nodes");

@@ -13,10 +13,11 @@ struct ModelFault {
     std::string reason;
 };
 
-/// Checks what rendering relies on: the arrays fit together; children lie in bounds and behind their
-/// parent, every node but the root has exactly one (so there is no cycle); records are finite, radii
-/// positive, every bound holds its ball and its children's bounds; level and degree in range; as many
-/// leaves as the header says; further sheets are those of the nodes flagged sharp, in order.
+/// Checks what rendering relies on: the arrays fit together; children lie in bounds and behind
+/// their parent, every node but the root has exactly one (so there is no cycle); records are
+/// finite, radii positive, every bound holds its ball and its children's bounds; level and degree
+/// in range; as many leaves as the header says; further sheets are those of the nodes flagged
+/// sharp, in order.
 /// cost O(nodes), reads every record
 ModelFault check_model(const SurfelTree& tree);
 

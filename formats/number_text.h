@@ -9,7 +9,9 @@
 
 namespace slim {
 
-inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+inline bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
 
 /// Takes the next word off the front of `line`; empty at its end.
 inline std::string_view next_word(std::string_view& line) {
@@ -29,7 +31,8 @@ inline bool parse_number(std::string_view word, double& value) {
     if (!word.empty() && word[0] == '+') word.remove_prefix(1);
     const char* end = word.data() + word.size();
     const auto [stop, status] = std::from_chars(word.data(), end, value);
-    if (status == std::errc::result_out_of_range) value = std::strtod(std::string(word).c_str(), nullptr);
+    if (status == std::errc::result_out_of_range)
+        value = std::strtod(std::string(word).c_str(), nullptr);
     else if (status != std::errc{}) return false;
     if (stop == end) return true;
     if (*stop != '#') return false;

@@ -50,8 +50,8 @@ void PlyFaceNormals::find_middle() {
     reach_ = box.diagonal() / 2;
 }
 
-/// The middle may move by reach_ without changing the sign: range images, which enclose nothing, stay as
-/// they are, and meshes with small holes are told.
+/// The middle may move by reach_ without changing the sign: range images, which enclose nothing,
+/// stay as they are, and meshes with small holes are told.
 bool PlyFaceNormals::wound_inwards() const { return volume_ < -reach_ * length(area_); }
 
 void PlyFaceNormals::add_faces() {

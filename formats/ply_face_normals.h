@@ -9,8 +9,8 @@
 namespace slim {
 
 /// A PLY with faces and no normals: the whole mesh is read at once, and every vertex gets the
-/// area-weighted mean of its faces' normals, of unit length; zero if no face uses it. Those of a closed mesh
-/// point outwards, however its faces are wound.
+/// area-weighted mean of its faces' normals, of unit length; zero if no face uses it. Those of a
+/// closed mesh point outwards, however its faces are wound.
 /// throws FormatError naming the face and the index when an index is out of range
 class PlyFaceNormals : public PointSource {
 public:
@@ -30,7 +30,8 @@ private:
     std::vector<std::size_t> polygon_;
     std::size_t n_given_ = 0;
     Vec3d area_;         ///< twice the sum of the faces' area vectors: zero if they close
-    double volume_ = 0;  ///< six times what they enclose, seen from middle_; negative if wound inwards
+    /// six times what they enclose, seen from middle_; negative if wound inwards
+    double volume_ = 0;
     Vec3d middle_;
     double reach_ = 0;   ///< of the points from middle_
 };

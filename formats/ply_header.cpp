@@ -40,7 +40,8 @@ PlyEncoding parse_encoding(const ByteReader& in, std::string_view line) {
     if (name == "ascii") return PlyEncoding::ascii;
     if (name == "binary_little_endian") return PlyEncoding::little_endian;
     if (name == "binary_big_endian") return PlyEncoding::big_endian;
-    fail(in, message("expected ascii, binary_little_endian or binary_big_endian, found '", name, "'"));
+    fail(in,
+         message("expected ascii, binary_little_endian or binary_big_endian, found '", name, "'"));
 }
 
 PlyElement parse_element(const ByteReader& in, std::string_view line) {

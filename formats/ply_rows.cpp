@@ -43,7 +43,8 @@ double load_ply_number(const char* bytes, PlyType type, PlyEncoding encoding) {
     return 0;
 }
 
-PlyRows::PlyRows(ByteReader& in, const PlyHeader& header, const PlyElement& element, int wanted_list)
+PlyRows::PlyRows(ByteReader& in, const PlyHeader& header, const PlyElement& element,
+                 int wanted_list)
     : in_(in),
       element_(element),
       encoding_(header.encoding),
@@ -61,9 +62,9 @@ void PlyRows::fail(const std::string& text) const {
 }
 
 void PlyRows::fail_truncated() const {
-    throw FormatError(message(in_.path(), ": byte ", in_.offset(), ": the file ends after ", n_read_,
-                              " of the ", element_.count, " rows that element ", element_.name,
-                              " declares"));
+    throw FormatError(message(in_.path(), ": byte ", in_.offset(), ": the file ends after ",
+                              n_read_, " of the ", element_.count, " rows that element ",
+                              element_.name, " declares"));
 }
 
 bool PlyRows::next() {

@@ -22,7 +22,8 @@ double load_ply_number(const char* bytes, PlyType type, PlyEncoding encoding);
 class PlyRows {
 public:
     /// wanted_list: index of the list property to keep, or -1.
-    PlyRows(ByteReader& in, const PlyHeader& header, const PlyElement& element, int wanted_list = -1);
+    PlyRows(ByteReader& in, const PlyHeader& header, const PlyElement& element,
+            int wanted_list = -1);
 
     /// Decodes the next row; false after the last.
     bool next();

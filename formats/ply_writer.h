@@ -18,14 +18,16 @@ struct PlyLayout {
     bool normals = false;           ///< float nx ny nz
     bool colours = false;           ///< uchar red green blue
     bool scan = false;              ///< ushort scan
-    std::vector<std::string> scalars;  ///< float; names as they shall stand ("scalar_k1", "quality", "radius")
-    std::optional<Vec3d> origin;    ///< `comment slim origin X Y Z`; positions are given local to it
+    /// float; names as they shall stand ("scalar_k1", "quality", "radius")
+    std::vector<std::string> scalars;
+    /// `comment slim origin X Y Z`; positions are given local to it
+    std::optional<Vec3d> origin;
     std::vector<std::string> comments;
     bool ascii = false;             ///< else binary little endian
 };
 
-/// Columns of some consecutive points; those that the layout does not name are ignored, those that it
-/// names must have as many entries as there are positions (a SLIM_CHECK).
+/// Columns of some consecutive points; those that the layout does not name are ignored, those that
+/// it names must have as many entries as there are positions (a SLIM_CHECK).
 struct PlyPoints {
     std::span<const Vec3d> position;  ///< local to the layout's origin
     std::span<const Vec3f> normal;

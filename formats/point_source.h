@@ -17,13 +17,15 @@ enum class CoordinateType { float32, float64, integer, text };
 /// What is known of a cloud before its points are read.
 struct CloudInfo {
     std::string path;
-    std::string format;                     ///< "PLY ascii", "PLY binary little endian", "XYZ text", ... (+ " gzip")
+    /// "PLY ascii", "PLY binary little endian", "XYZ text", ... (+ " gzip")
+    std::string format;
     std::optional<std::uint64_t> n_points;  ///< as declared; nothing if the file does not say
     bool has_normals = false;               ///< read or made from faces
     bool has_scan = false;
     bool has_faces = false;
     bool normals_from_faces = false;
-    bool faces_turned = false;              ///< a closed mesh wound inwards: its normals were turned
+    /// a closed mesh wound inwards: its normals were turned
+    bool faces_turned = false;
     std::vector<std::string> carried;       ///< names of properties that are read
     std::vector<std::string> skipped;       ///< names of properties of a point that are passed over
     CoordinateType coordinates = CoordinateType::float64;
@@ -50,7 +52,8 @@ class PointSource {
 public:
     virtual ~PointSource() = default;
     const CloudInfo& info() const { return info_; }
-    /// Replaces `out` by the next points, at most max_points; false (and empty) when there are no more.
+    /// Replaces `out` by the next points, at most max_points; false (and empty) when there are no
+    /// more.
     /// throws FormatError naming the file, the byte or line, what was expected and what was found
     virtual bool read(PointChunk& out, std::size_t max_points) = 0;
     /// Bytes of the file taken in so far, of info().file_size.
@@ -60,9 +63,10 @@ protected:
     CloudInfo info_;
 };
 
-/// Opens a PLY (ascii, either byte order) or a text of coordinates (.xyz .txt .asc .pts .csv), packed
-/// with gzip or not; what it is, is seen in its first bytes.
-/// throws IoError if it cannot be read; FormatError for any other format, naming those that are read
+/// Opens a PLY (ascii, either byte order) or a text of coordinates (.xyz .txt .asc .pts .csv),
+/// packed with gzip or not; what it is, is seen in its first bytes.
+/// throws IoError if it cannot be read; FormatError for any other format, naming those that are
+/// read
 /// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex
 std::unique_ptr<PointSource> open_cloud(const std::string& path);
 

@@ -35,8 +35,8 @@ void write_slice(const std::string& path, const PointBlock& block);
 /// throws FormatError naming file, place and reason; IoError
 PointBlock read_slice(const std::string& path);
 
-/// Appends the points of a slice whose positions are wanted to `out`, in its order; a bit a point of the slice
-/// besides. An empty block takes over the slice's origin and columns.
+/// Appends the points of a slice whose positions are wanted to `out`, in its order; a bit a point
+/// of the slice besides. An empty block takes over the slice's origin and columns.
 /// throws as read_slice; FormatError if the columns are others than those of `out`
 void append_slice_part(const std::string& path,
                        const std::function<bool(const Vec3d&)>& is_wanted, PointBlock& out);

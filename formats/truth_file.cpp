@@ -1,5 +1,6 @@
 #include "formats/truth_file.h"
 
+#include "formats/extension.h"
 #include "formats/message.h"
 #include "slim/base/error.h"
 
@@ -12,7 +13,7 @@ namespace slim {
 
 std::string truth_path(const std::string& cloud_path) {
     std::filesystem::path path(cloud_path);
-    if (path.extension() == ".gz") path.replace_extension();
+    if (lower_extension(cloud_path) == ".gz") path.replace_extension();
     return path.replace_extension(".truth").string();
 }
 

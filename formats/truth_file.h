@@ -21,7 +21,8 @@ static_assert(sizeof(PointTruth) == 40);
 /// cloud.ply -> cloud.truth, beside it (`.gz` is dropped first).
 std::string truth_path(const std::string& cloud_path);
 
-/// Writes `cloud.truth`: no header, five little-endian doubles nx ny nz k1 k2 a point, in file order.
+/// Writes `cloud.truth`: no header, five little-endian doubles nx ny nz k1 k2 a point, in file
+/// order.
 class TruthWriter {
 public:
     explicit TruthWriter(const std::string& path) : file_(path) {}

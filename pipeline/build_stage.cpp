@@ -64,8 +64,8 @@ struct BuildState {
     HandedPoints handed;
 };
 
-/// Runs one stage with a context of its own; its result, with its seconds, those of all its threads and its
-/// peak memory, goes under its name.
+/// Runs one stage with a context of its own; its result, with its seconds, those of all its threads
+/// and its peak memory, goes under its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
                        BuildState& state, nlohmann::json& stages) {
@@ -161,8 +161,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     return stamp.commit({config.output}, result);
 }
 
-/// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called while
-/// `error` is handled.
+/// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called
+/// while `error` is handled.
 [[noreturn]] void give_up(const BuildConfig& config, const std::string& work, const Error& error) {
     const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
     const bool stopped =

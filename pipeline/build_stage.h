@@ -34,7 +34,8 @@ struct BuildConfig : FitOptions {
                      {"auto", "keep", "estimate"});
         field.path("sensors", sensors,
                    "JSON with sensor positions per scan; default: <input>.scans.json, if there");
-        field("memory", memory, "memory for points, at least 64MiB: a larger cloud is cut into slices");
+        field("memory", memory,
+              "memory for points, at least 64MiB: a larger cloud is cut into slices");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
         field.path("work", work,
@@ -43,8 +44,8 @@ struct BuildConfig : FitOptions {
     }
 };
 
-/// Cloud to model. A killed build resumes at the last stage (of the last slice) that ended; a second one into
-/// the same work folder fails at once (75). context.text: a short summary.
+/// Cloud to model. A killed build resumes at the last stage (of the last slice) that ended; a
+/// second one into the same work folder fails at once (75). context.text: a short summary.
 /// throws what the stages throw
 nlohmann::json run_build(const BuildConfig& config, StageContext& context);
 

@@ -75,13 +75,16 @@ std::string build_summary(const std::string& model, const std::vector<std::strin
     const double noise = std::sqrt(result.value("noise_variance", 0.0)) /
                          result.at("stages").at("slice").at("diagonal").get<double>();
     std::string text = fmt::format(
-        "{}: {} points, {} leaves, {}; of the diagonal: fit error {:.2g} (RMS), noise {:.2g}\n",
+        "{}: {} points, {} leaves, {}; of the diagonal: fit error {:.2g} (RMS of each leaf alone), "
+        "noise {:.2g}\n",
         model, count(result, "points"), count(result, "leaves"),
         memory_size_text(count(result, "bytes")), result.value("leaf_error_rms", 0.0), noise);
     text += costs(result.at("stages")) + remarks(result);
     const std::string picture = std::filesystem::path(model).replace_extension(".png").string();
-    return text + fmt::format("next: slim render {0} -o {1}\n      slim measure {0} {2}\n", model,
-                              picture, clouds.at(0));
+    text += fmt::format("next: slim render {} -o {}\n", model, picture);
+    return text + fmt::format("      slim measure {} {}   (l2: RMS distance of the points to the "
+                              "leaves as they blend)\n",
+                              model, clouds.at(0));
 }
 
 }  // namespace slim

@@ -11,12 +11,10 @@
 #include <cstring>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char** environ;
 
 namespace slim {
 namespace {
@@ -26,31 +24,63 @@ namespace {
                   ExitCode::internal);
 }
 
-/// posix_spawn with stdout to a pipe and the default signals, which watch_signals blocked for us.
+struct Pipe {
+    Pipe() {
+        if (pipe2(ends, O_CLOEXEC) != 0) fail("pipe", errno);
+    }
+    ~Pipe() {
+        close(ends[0]);
+        close_in();
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+    int out() const { return ends[0]; }
+    int in() const { return ends[1]; }
+    void close_in() {
+        if (ends[1] >= 0) close(ends[1]);
+        ends[1] = -1;
+    }
+    int ends[2];
+};
+
+/// The child after fork: other threads may have held locks, so system calls only. Stdout to `out`,
+/// the signals that watch_signals blocked and ignored as they were; why it could not start goes to
+/// `said`.
+[[noreturn]] void become(char* const* argv, int out, int said, pid_t parent) {
+    // The child works for its parent alone: were that killed, it would go on and hold the folder's
+    // lock.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(static_cast<int>(ExitCode::internal));  // it ended before
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, nullptr);
+    std::signal(SIGPIPE, SIG_DFL);
+    if (dup2(out, STDOUT_FILENO) >= 0) execv(argv[0], argv);
+    const int error = errno;
+    [[maybe_unused]] const ssize_t written = write(said, &error, sizeof error);
+    _exit(static_cast<int>(ExitCode::internal));
+}
+
+/// Call in the main thread: the kernel takes the end of the thread that forked for the parent's
+/// end.
 pid_t spawn(const std::vector<std::string>& arguments, int out) {
     std::vector<char*> argv;
     for (const std::string& word : arguments) argv.push_back(const_cast<char*>(word.c_str()));
     argv.push_back(nullptr);
 
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t none, pipe_signal;
-    sigemptyset(&none);
-    sigemptyset(&pipe_signal);
-    sigaddset(&pipe_signal, SIGPIPE);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &pipe_signal);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-
-    pid_t pid = 0;
-    const int error = posix_spawn(&pid, argv[0], &actions, &attributes, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    if (error) fail(arguments[0], error);
-    return pid;
+    Pipe trouble;  // closed by exec: nothing to read then
+    const pid_t parent = getpid();
+    const pid_t pid = fork();
+    if (pid == 0) become(argv.data(), out, trouble.in(), parent);
+    if (pid < 0) fail(arguments[0], errno);
+    trouble.close_in();
+    int error = 0;
+    ssize_t n = 0;
+    while ((n = read(trouble.out(), &error, sizeof error)) < 0 && errno == EINTR) {
+    }
+    if (n != sizeof error) return pid;
+    waitpid(pid, nullptr, 0);
+    fail(arguments[0], error);
 }
 
 std::string read_all(int in) {
@@ -71,22 +101,13 @@ std::filesystem::path program_folder() {
 }
 
 ChildResult run_child(const std::vector<std::string>& arguments) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) fail(arguments[0], errno);
+    Pipe output;
     const auto start = std::chrono::steady_clock::now();
-    pid_t pid = 0;
-    try {
-        pid = spawn(arguments, ends[1]);
-    } catch (...) {
-        close(ends[0]);
-        close(ends[1]);
-        throw;
-    }
-    close(ends[1]);
+    const pid_t pid = spawn(arguments, output.in());
+    output.close_in();
     watch_child(pid);
     ChildResult result;
-    result.output = read_all(ends[0]);
-    close(ends[0]);
+    result.output = read_all(output.out());
     int status = 0;
     rusage usage{};
     while (wait4(pid, &status, 0, &usage) < 0 && errno == EINTR) {

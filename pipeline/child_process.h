@@ -18,8 +18,9 @@ struct ChildResult {
 /// The folder this executable lies in; its siblings slim-<verb> lie there too.
 std::filesystem::path program_folder();
 
-/// Runs a program to its end, its stdout captured, its stderr and stdin ours. It gets our SIGINT and
-/// SIGTERM. IoError if it cannot be started.
+/// Runs a program to its end, its stdout captured, its stderr and stdin ours. It gets our SIGINT
+/// and SIGTERM, and SIGKILL at our end if that comes first: call in the main thread. IoError if it
+/// cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments);
 
 }  // namespace slim

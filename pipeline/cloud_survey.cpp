@@ -46,7 +46,8 @@ public:
         survey_.gathered = GatheredPoints(most_gathered);
     }
 
-    void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t i, const CloudInfo& info) {
+    void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
+              const CloudInfo& info) {
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
         const Bbox box = take_positions(chunk, input);
@@ -57,7 +58,8 @@ public:
         }
         if (!is_gathering_) count_cells(chunk.position);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
-        for (const std::uint16_t s : chunk.scan) end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
+        for (const std::uint16_t s : chunk.scan)
+            end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
         if (end_scan_ > 0x10000u)
             throw DataError(fmt::format("{}: the scans of all inputs together are more than 65536",
                                         input.path));

@@ -23,7 +23,8 @@ public:
     explicit InputWatch(std::vector<std::string> paths);
     /// throws DataError naming the file whose size or time of change is another than at the start
     void check() const;
-    /// Does the work and checks, also when the work throws: what it says then is only a consequence.
+    /// Does the work and checks, also when the work throws: what it says then is only a
+    /// consequence.
     template <class Work>
     void over(Work&& work) const {
         try {
@@ -53,14 +54,15 @@ struct CloudSurvey {
     double coordinate_quantum = 0;
 };
 
-/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a point
-/// without finite coordinates is a DataError naming it.
+/// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a
+/// point without finite coordinates is a DataError naming it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
                           std::uint64_t most_gathered, Reporter& reporter);
 
-/// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all points.
+/// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all
+/// points.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t first_id,

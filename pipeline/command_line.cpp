@@ -31,7 +31,8 @@ void add_common(CLI::App& app, CommonOptions& common) {
 
 void add_field(CLI::App& app, const Field& field, Given& given) {
     if (field.is_flag()) {
-        given.option = app.add_flag(field.option() + ",!--no-" + field.option().substr(2), given.flag);
+        given.option =
+            app.add_flag(field.option() + ",!--no-" + field.option().substr(2), given.flag);
         return;
     }
     std::string names = field.option();
@@ -136,10 +137,13 @@ std::string field_help(const Field& field) {
     if (!range.empty()) text += ", " + range;
     if (!field.empty()) {
         std::string value = fmt::format("{}", fmt::join(field.items(), ","));
-        text += fmt::format(" (default: {})", field.is_flag() ? (value == "true" ? "on" : "off") : value);
+        text += fmt::format(" (default: {})",
+                            field.is_flag() ? (value == "true" ? "on" : "off") : value);
     }
-    if (field.is_flag() && !field.empty() && field.items()[0] == "true")
+    if (field.is_flag() && field.items()[0] == "true") {
         name = "--no-" + field.option().substr(2);
+        text = "turns off what is on by default: " + field.help;
+    }
     return fmt::format("  {:<22} {}\n", name, text);
 }
 

@@ -21,9 +21,9 @@ struct CommonOptions {
     std::vector<std::string> set;  ///< key=value
 };
 
-/// Fills the fields from --config FILE, then --set, then the options and words themselves (the later
-/// win); checks nothing if help or version is asked. ConfigError naming the argument and, if it is
-/// unknown, the nearest one.
+/// Fills the fields from --config FILE, then --set, then the options and words themselves (the
+/// later win); checks nothing if help or version is asked. ConfigError naming the argument and, if
+/// it is unknown, the nearest one.
 CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields);
 
 /// What --help prints: usage, the fields with defaults and ranges, common options, examples.

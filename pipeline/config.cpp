@@ -39,7 +39,8 @@ bool parse_number(const std::string& text, T& out) {
     if constexpr (std::is_integral_v<T>) {
         double real = 0;
         const auto exponent = std::from_chars(text.data(), end, real);
-        if (exponent.ec != std::errc() || exponent.ptr != end || real != std::floor(real)) return false;
+        if (exponent.ec != std::errc() || exponent.ptr != end || real != std::floor(real))
+            return false;
         if (std::abs(real) > 0x1p53 || real < static_cast<double>(std::numeric_limits<T>::min()) ||
             real > static_cast<double>(std::numeric_limits<T>::max()))
             return false;
@@ -99,7 +100,8 @@ std::string join(const std::vector<std::string>& words) {
 
 void check_range(const Field& field, const std::string& item, const std::string& where) {
     if (!field.choices.empty()) {
-        if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end()) return;
+        if (std::find(field.choices.begin(), field.choices.end(), item) != field.choices.end())
+            return;
         const bool is_letter = item.size() < 2;  // near to everything
         throw ConfigError(fmt::format("{}: expected one of {}; found '{}'{}", where,
                                       join(field.choices), item,
@@ -145,7 +147,8 @@ Field::Kind Field::kind() const {
 
 bool Field::is_list() const {
     return std::visit(
-        [](auto* target) { return ItemOf<std::remove_pointer_t<decltype(target)>>::list; }, target_);
+        [](auto* target) { return ItemOf<std::remove_pointer_t<decltype(target)>>::list; },
+        target_);
 }
 
 bool Field::empty() const {

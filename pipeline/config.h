@@ -51,7 +51,8 @@ public:
     std::string option() const;
 
     /// Parses, checks the range or the choices, and stores. A list takes all items, anything else
-    /// exactly one. `where` ("--t-mdl" or "job.toml:3: t_mdl") begins the message of the ConfigError.
+    /// exactly one. `where` ("--t-mdl" or "job.toml:3: t_mdl") begins the message of the
+    /// ConfigError.
     void set(const std::vector<std::string>& items, const std::string& where) const;
     std::vector<std::string> items() const;  ///< the value as text, numbers exact
     std::string toml() const;                ///< the value as TOML
@@ -109,8 +110,8 @@ public:
     void input(std::string key, T& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::input));
     }
-    /// --key: which part of the work this call does; not part of the hash, as all parts together make
-    /// the same.
+    /// --key: which part of the work this call does; not part of the hash, as all parts together
+    /// make the same.
     void part(std::string key, bool& member, std::string help) {
         add(std::move(key), &member, std::move(help), FieldRole::option).is_part = true;
     }
@@ -167,8 +168,8 @@ void check_required(const FieldList& fields);
 
 /// The resolved configuration as TOML, a comment with help and range above each key.
 std::string print_config(const FieldList& fields);
-/// One `key = value` line for each field that counts (all but paths and parts): what the config hash
-/// is of.
+/// One `key = value` line for each field that counts (all but paths and parts): what the config
+/// hash is of.
 std::string canonical_config(const FieldList& fields);
 
 /// " (did you mean 'degree'?)", or "" when no known name is near.

@@ -10,8 +10,9 @@ namespace slim {
 namespace {
 
 constexpr int kFinestLevel = 40;
-/// Radii, in spacings of the sample: of the smallest leaf that is kept (8 times the finest ball's 3.3), and
-/// of the last level that can still find one where the sample is 2.6 times as dense as usual.
+/// Radii, in spacings of the sample: of the smallest leaf that is kept (8 times the finest ball's
+/// 3.3), and of the last level that can still find one where the sample is 2.6 times as dense as
+/// usual.
 constexpr double kResolved = 26, kLastResolved = 10;
 
 constexpr double kFewestSampled = 20000;
@@ -66,7 +67,8 @@ FitDivision divide_fit(const SlicePlan& plan, std::uint64_t memory_bytes) {
     const auto fits = [&](const FitDivision& d) { return points_held(plan, d) <= held; };
     FitDivision best = division_for(plan, largest);
     // Where all points fit, all are the sample.
-    for (double share = largest / 2; largest < 1 && share * n_points >= kFewestSampled; share /= 2) {
+    for (double share = largest / 2; largest < 1 && share * n_points >= kFewestSampled;
+         share /= 2) {
         const FitDivision other = division_for(plan, share);
         if (fits(other) && (!fits(best) || points_read(plan, other) < points_read(plan, best)))
             best = other;

@@ -24,7 +24,8 @@
 namespace slim {
 namespace {
 
-constexpr double kFewEstimated = 0.01;  // of the normals: estimated ones tell nothing new of the points
+// of the normals: estimated ones tell nothing new of the points
+constexpr double kFewEstimated = 0.01;
 
 nlohmann::json counts_json(const CoverCounts& c) {
     nlohmann::json fallbacks, degrees;
@@ -62,8 +63,8 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.mdl_threshold = config.t_mdl;
     rules.diagonal = plan.diagonal;
     rules.noise_variance = noise.noise_variance;
-    rules.least_radius =
-        std::max(2 * plan.coordinate_quantum, plan.diagonal * std::numeric_limits<double>::epsilon());
+    rules.least_radius = std::max(2 * plan.coordinate_quantum,
+                                  plan.diagonal * std::numeric_limits<double>::epsilon());
     rules.seed = config.seed;
     rules.windows = config.radius_rule == "windows";
     rules.weight = config.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
@@ -132,7 +133,8 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     return stamp.commit({output}, result, Outlasts::process);
 }
 
-/// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and its halo.
+/// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and
+/// its halo.
 FitFile read_coarse_near(const FitConfig& config, const SlicePlan& plan, std::size_t slice,
                          double halo) {
     const Bbox region = plan.slices[slice].region;
@@ -157,21 +159,24 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     if (sliced) {
         coarse = read_coarse_near(config, plan, slice, division.halo);
         rules.rungs_above = kHaloRungs;
-        rules.owns = [region = plan.slices[slice].region](const Vec3d& p) { return is_in(region, p); };
+        rules.owns = [region = plan.slices[slice].region](const Vec3d& p) {
+            return is_in(region, p);
+        };
     }
     rules.first_level = division.first_fine;
     rules.done = source_of(coarse.surfels);
     rules.dropped = coarse.dropped;
     std::optional<PointBlock> handed;
-    if (context.handed) handed = context.handed->take(oriented_points_path(config.work, slice).string());
+    if (context.handed)
+        handed = context.handed->take(oriented_points_path(config.work, slice).string());
     const PointBlock block =
         handed ? std::move(*handed) : read_with_halo(config.work, plan, slice, division.halo);
     const CoverCounts counts = write_cover(output, block, rules, context);
     return stamp.commit({output}, counts_json(counts), Outlasts::process);
 }
 
-/// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so far.
-/// A slice that needed fewer neighbours than others stays as it is at its last: flat.
+/// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
+/// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
 void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
     if (slice.empty()) return;
     if (sums.size() < slice.size())
@@ -195,7 +200,8 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
     }
 }
 
-/// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job (NUMERICS 3.2).
+/// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job (NUMERICS
+/// 3.2).
 NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
     for (const NoiseVariance& n : noise)
         if (n.flatness <= kFlat) return n;

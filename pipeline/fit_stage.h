@@ -23,11 +23,13 @@ struct FitConfig : FitOptions {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice` and `slim normals`");
-        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1,
+                   100000);
         field.part("coarse", coarse,
                    "only the coarse levels that all slices share: once before an array job over slices");
         FitOptions::visit(field);
-        field("memory", memory, "bounds the sample that coarse levels of a job in slices are fitted from");
+        field("memory", memory,
+              "bounds the sample that coarse levels of a job in slices are fitted from");
         field("seed", seed, "chooses among equally good centres");
     }
 };
@@ -36,13 +38,15 @@ struct FitConfig : FitOptions {
 std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice);
 std::filesystem::path coarse_fit_path(const std::filesystem::path& work);
 
-/// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's manifests.
+/// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's
+/// manifests.
 struct GlobalNoise {
     double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
     double spacing = 0;         ///< square root of the area that a point usually has
     bool floored = false;
-    bool normals_inform = false;  ///< the cloud's own normals tell more of its shape than its positions
+    /// the cloud's own normals tell more of its shape than its positions
+    bool normals_inform = false;
 };
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
@@ -50,9 +54,9 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 /// throws ConfigError if options do not go together: the windows know neither prices nor edges
 void check_fit_config(const FitConfig& config);
 
-/// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once, from a
-/// sample of all slices (coarse.fit); then slices are independent of each other: each reads its own
-/// points and those of others in its halo (slice_points.h). With `coarse` it ends after
+/// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once,
+/// from a sample of all slices (coarse.fit); then slices are independent of each other: each reads
+/// its own points and those of others in its halo (slice_points.h). With `coarse` it ends after
 /// coarse.fit; a job of one slice has none.
 /// throws DataError if there are fewer than 3 points or all coincide
 nlohmann::json run_fit(const FitConfig& config, StageContext& context);

@@ -108,7 +108,8 @@ std::string table_of(const std::vector<StepOutcome>& outcomes, const std::string
     return "<table>\n<tr><th></th>" + head + "</tr>\n" + rows + "</table>\n";
 }
 
-std::string cost_row(const std::string& name, double seconds, double bytes, const std::string& note) {
+std::string cost_row(const std::string& name, double seconds, double bytes,
+                     const std::string& note) {
     return fmt::format("<tr><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td></tr>\n", name, seconds,
                        memory_size_text(static_cast<std::uint64_t>(bytes)), note);
 }
@@ -124,8 +125,9 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
         const json& stages = outcome.result.at("stages");
         for (const char* name : {"slice", "normals", "fit", "tree"})
             if (stages.contains(name))
-                text += cost_row(std::string("&emsp;") + name, stages.at(name).value("seconds", 0.0),
-                                 stages.at(name).value("peak_memory_bytes", 0.0), "");
+                text +=
+                    cost_row(std::string("&emsp;") + name, stages.at(name).value("seconds", 0.0),
+                             stages.at(name).value("peak_memory_bytes", 0.0), "");
     }
     return text + "</table>\n";
 }
@@ -141,9 +143,10 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
                                 url_of(relative.string()), escaped(path.filename().string()));
         if (path.extension() != ".png") continue;
         const std::string caption = path.stem().string();
-        text += fmt::format("<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"
-                            "<figcaption>{1}</figcaption></figure>\n",
-                            url_of(relative.string()), escaped(caption));
+        text += fmt::format(
+            "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"
+            "<figcaption>{1}</figcaption></figure>\n",
+            url_of(relative.string()), escaped(caption));
     }
     return text + "</div>\n";
 }

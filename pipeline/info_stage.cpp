@@ -127,7 +127,9 @@ json model_info(const std::string& path) {
             {"leaves_by_degree", degrees.to_json()},
             {"sharp_leaves_by_sheets", sheets.to_json()},
             {"health",
-             {{"checksums", "ok"}, {"radius_at_the_largest", saturated}, {"radius_not_chosen", forced}}},
+             {{"checksums", "ok"},
+              {"radius_at_the_largest", saturated},
+              {"radius_not_chosen", forced}}},
             {"fit", said.at("fit")},
             {"fallbacks", said.at("fallbacks")},
             {"provenance", provenance}};
@@ -197,7 +199,10 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
                 {"bounds", bounds_json(totals.box)},
                 {"attributes", attributes},
                 {"skipped", info.skipped},
-                {"normals", info.faces_turned ? "from faces, turned outwards" : info.normals_from_faces ? "from faces" : info.has_normals ? "yes" : "no"},
+                {"normals", info.faces_turned         ? "from faces, turned outwards"
+                            : info.normals_from_faces ? "from faces"
+                            : info.has_normals        ? "yes"
+                                                      : "no"},
                 {"truth", fs::exists(truth_path(info.path))},
                 {"health", {{"not_finite", totals.not_finite}}}};
     if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;
@@ -228,7 +233,8 @@ json json_info(const std::string& path) {
     std::ifstream in(path);
     try {
         json contents = json::parse(in);
-        return {{"kind", "json"}, {"bytes", fs::file_size(path)}, {"contents", std::move(contents)}};
+        return {
+            {"kind", "json"}, {"bytes", fs::file_size(path)}, {"contents", std::move(contents)}};
     } catch (const json::parse_error& error) {
         throw FormatError(fmt::format("{}: byte {}: not JSON: {}", path, error.byte, error.what()));
     }

@@ -1,5 +1,6 @@
 #include "pipeline/input_kind.h"
 
+#include "formats/extension.h"
 #include "formats/point_source.h"
 #include "slim/base/error.h"
 
@@ -45,7 +46,7 @@ void require_model(const std::string& path) {
                           ": is a folder; expected a model (model.slim), as `slim build` writes");
     if (kind != InputKind::cloud) return;
     fs::path model = fs::path(path).filename();
-    if (model.extension() == ".gz") model.replace_extension();
+    if (lower_extension(path) == ".gz") model.replace_extension();
     model.replace_extension(".slim");
     throw FormatError(
         fmt::format("{0}: a point cloud, not a model; build it first: slim build {0} -o {1}", path,

@@ -72,8 +72,8 @@ void append_option(const Field& field, std::vector<std::string>& out) {
     }
 }
 
-/// Checks a table against the fields of a verb and of the job's own part of it, and returns the verb's
-/// as command-line options. `owned` are the verb's keys that the job fills in itself.
+/// Checks a table against the fields of a verb and of the job's own part of it, and returns the
+/// verb's as command-line options. `owned` are the verb's keys that the job fills in itself.
 template <class Config, class Own>
 std::vector<std::string> read_options(const TomlTable& table, const fs::path& file, Own& own,
                                       const std::set<std::string>& owned) {
@@ -137,8 +137,8 @@ private:
     void check_tables(const TomlTable& in, const std::vector<std::string>& known) const {
         for (const TomlTable& table : in.tables)
             if (std::find(known.begin(), known.end(), table.name) == known.end())
-                throw ConfigError(fmt::format("{}: unknown table [{}]{}", place(file_, table), table.name,
-                                              suggestion(table.name, known)));
+                throw ConfigError(fmt::format("{}: unknown table [{}]{}", place(file_, table),
+                                              table.name, suggestion(table.name, known)));
     }
 
     void read_output() {
@@ -147,7 +147,8 @@ private:
             apply_table(*table, fields_of(output_), file_);
         }
         const fs::path stem = file_.stem();
-        job_.folder = output_.dir.empty() ? file_.parent_path() / "out" / stem : fs::path(output_.dir);
+        job_.folder =
+            output_.dir.empty() ? file_.parent_path() / "out" / stem : fs::path(output_.dir);
         job_.title = output_.title.empty() ? stem.string() : output_.title;
         job_.html = output_.html;
     }
@@ -268,7 +269,8 @@ private:
     void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
         check_tables(table, {});
         ViewTable view;
-        const std::vector<std::string> own = read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        const std::vector<std::string> own =
+            read_options<RenderConfig>(table, file_, view, kOwnedByView);
         RenderConfig render = render_;
         check_view(table, render);
         if (view.aovs.empty()) view.aovs = output_.aovs;
@@ -302,7 +304,8 @@ private:
         return files;
     }
 
-    /// What slim-render would refuse of these keys after the whole build is refused here, with its line.
+    /// What slim-render would refuse of these keys after the whole build is refused here, with its
+    /// line.
     void check_view(const TomlTable& table, RenderConfig& config) const {
         const auto checked = [&](const char* key, auto&& check) {
             for (const TomlValue& value : table.values) {

@@ -11,7 +11,8 @@ struct JobStep {
     std::string name;  ///< "scan", "build", "measure cloud.ply", "view front"
     std::string verb;
     std::vector<std::string> arguments;
-    std::vector<std::filesystem::path> inputs;  ///< files it reads (outputs of earlier steps among them)
+    /// files it reads (outputs of earlier steps among them)
+    std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;               ///< what -o names
     std::filesystem::path target;               ///< its manifest, written last
     std::vector<std::filesystem::path> products;  ///< files that must be there when it is done
@@ -39,8 +40,8 @@ struct Job {
 
 /// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken
 /// from the file's folder. ConfigError with file:line for an unknown table or key (and the nearest
-/// name), a wrong type, a value out of range, no input, or two views of one name; IoError if the file
-/// cannot be read.
+/// name), a wrong type, a value out of range, no input, or two views of one name; IoError if the
+/// file cannot be read.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
 /// Where the page's step leaves its manifest.

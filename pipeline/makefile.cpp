@@ -84,8 +84,8 @@ public:
         return words;
     }
 
-    /// The rule that makes the stamp of these options; returns the stamp. `id` is the step's, alike for
-    /// every slice of a stage.
+    /// The rule that makes the stamp of these options; returns the stamp. `id` is the step's, alike
+    /// for every slice of a stage.
     fs::path stamp(std::string id, const std::string& options) {
         std::replace(id.begin(), id.end(), '/', '_');
         const fs::path folder = marks_ / id;
@@ -102,7 +102,8 @@ public:
         add(rule);
     }
 
-    /// A step that is up to date leaves its manifest as it was: touched, it is newer than its inputs.
+    /// A step that is up to date leaves its manifest as it was: touched, it is newer than its
+    /// inputs.
     void add(const Rule& rule) {
         text_ += "\n" + make_path(rule.target) + ":";
         for (const fs::path& need : rule.needs) text_ += " " + make_path(need);
@@ -235,7 +236,8 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
         oriented.push_back(add("normals", stages.normals, fmt::format("--slice={}", i),
                                oriented_points_path(stages.work, i), needs, normals_mark));
     }
-    // lambda is a mean over all slices: the coarse levels wait for all normals, and every slice for them.
+    // lambda is a mean over all slices: the coarse levels wait for all normals, and every slice for
+    // them.
     if (plan.slices.size() > 1)
         fits.push_back(
             add("fit", stages.fit, "--coarse", coarse_fit_path(stages.work), oriented, fit_mark));

@@ -31,7 +31,8 @@ constexpr std::size_t kReadSize = std::size_t{1} << 20;
 
 class OpenFile {
 public:
-    explicit OpenFile(const fs::path& file) : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    explicit OpenFile(const fs::path& file)
+        : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
         if (descriptor_ < 0) fail(file, "read");
     }
     ~OpenFile() { close(descriptor_); }

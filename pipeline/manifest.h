@@ -14,8 +14,8 @@
 
 namespace slim {
 
-/// Where the manifest of an output lies: `<output>.done.json` beside a file; `<dir>/<stage>.done.json`
-/// in a folder of many outputs.
+/// Where the manifest of an output lies: `<output>.done.json` beside a file;
+/// `<dir>/<stage>.done.json` in a folder of many outputs.
 std::filesystem::path manifest_path(const std::filesystem::path& output);
 std::filesystem::path manifest_path(const std::filesystem::path& folder, const std::string& stage);
 
@@ -43,9 +43,9 @@ public:
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
 
-    /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run under
-    /// "recorded", if the manifest fits program, stage, config and inputs, and every output is there
-    /// with its recorded bytes. Empty with --force.
+    /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run
+    /// under "recorded", if the manifest fits program, stage, config and inputs, and every output
+    /// is there with its recorded bytes. Empty with --force.
     std::optional<nlohmann::json> up_to_date() const;
 
     /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.

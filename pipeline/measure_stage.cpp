@@ -27,7 +27,8 @@ constexpr std::size_t kGrain = 2048;
 /// Sums over points; those of a block are added in order, so threads do not matter.
 struct Sums {
     std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0;
-    double sq_distance = 0, max = -1 /* none yet */, sq_angle = 0, sq_k1 = 0, sq_k2 = 0, sq_mean = 0;
+    double sq_distance = 0, max = -1 /* none yet */, sq_angle = 0, sq_k1 = 0, sq_k2 = 0,
+           sq_mean = 0;
     std::uint64_t n_angles = 0;
     Vec3d max_at;  // world; the first point of the greatest distance
 
@@ -87,8 +88,8 @@ public:
     }
 
 private:
-    /// A supported point whose normal runs along the surface, as scans have at depth edges: its line meets
-    /// nothing near. The model's normal serves instead.
+    /// A supported point whose normal runs along the surface, as scans have at depth edges: its
+    /// line meets nothing near. The model's normal serves instead.
     std::optional<Projection> along_models_normal(const Vec3d& p, bool curved) const {
         const std::optional<Vec3d> n = normal_at(p, found_);
         if (!n) return std::nullopt;
@@ -146,7 +147,8 @@ Sums measure_cloud(const MeasureConfig& config, const BallIndex& index, const Ve
 
 /// Null where there is nothing to take a mean of: 0 would be the best score.
 nlohmann::json rms(double sum, std::uint64_t n, double unit = 1) {
-    return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit) : nlohmann::json();
+    return n > 0 ? nlohmann::json(std::sqrt(sum / static_cast<double>(n)) / unit)
+                 : nlohmann::json();
 }
 
 /// The result without its record.

@@ -36,7 +36,8 @@ constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr double kWidestRim = 0.05, kRimSpacings = 24;  // of L, and of L / sqrt(n)
 constexpr std::size_t kGrain = 16384;        // points a task
-constexpr double kManyContrary = 0.1;        // beyond this share a cloud's own normals are not to be trusted
+// beyond this share a cloud's own normals are not to be trusted
+constexpr double kManyContrary = 0.1;
 
 /// Counts of one slice, by what became of the normals.
 struct NormalsReport {
@@ -91,9 +92,10 @@ std::filesystem::path rim_of(const NormalsConfig& config, const SlicePlan& plan,
     return path;
 }
 
-/// The parts of the rim: of the slices near this one; where signs carry over, of the one before in any
-/// case, so that all before have theirs.
-std::vector<std::size_t> rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
+/// The parts of the rim: of the slices near this one; where signs carry over, of the one before in
+/// any case, so that all before have theirs.
+std::vector<std::size_t> rims(const NormalsConfig& config, const SlicePlan& plan,
+                              std::size_t slice) {
     std::vector<std::size_t> near;
     for (const std::size_t i : slices_near(plan, slice, rim_width(plan)))
         if (i != slice) near.push_back(i);
@@ -112,13 +114,14 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
     const auto manifest = nlohmann::json::parse(file, nullptr, false);
     const auto said = nlohmann::json::json_pointer("/result/from_above");
     if (!manifest.is_object() || !manifest.contains(said) || !manifest.at(said).is_boolean())
-        throw FormatError(fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
-                                      path.string(), config.work));
+        throw FormatError(
+            fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
+                        path.string(), config.work));
     return manifest.at(said).get<bool>();
 }
 
-/// Appends the points of another slice near this one's region. Strictly outside it, as drop_rims tells them apart:
-/// a coordinate of the slice may round to the cut.
+/// Appends the points of another slice near this one's region. Strictly outside it, as drop_rims
+/// tells them apart: a coordinate of the slice may round to the cut.
 void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
                 PointBlock& points) {
     const Bbox& region = plan.slices[slice].region;
@@ -128,8 +131,8 @@ void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::s
     }, points);
 }
 
-/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where all are estimated but
-/// for those of slices before.
+/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where
+/// all are estimated but for those of slices before.
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
                           std::optional<PointBlock> handed) {
     PointBlock points = handed ? std::move(*handed)
@@ -137,7 +140,8 @@ PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, st
     const auto near = rims(config, plan, slice);
     const auto append = [&](bool before) {
         for (const std::size_t i : near)
-            if ((i < slice) == before) append_rim(rim_of(config, plan, i, slice), plan, slice, points);
+            if ((i < slice) == before)
+                append_rim(rim_of(config, plan, i, slice), plan, slice, points);
     };
     append(false);
     if (signs_carry_over(config, plan)) points.normal.assign(points.size(), Vec3f{});
@@ -262,13 +266,14 @@ std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::ve
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
-/// number of neighbours counts is decided for all slices together: a job of several measures each, those
-/// that are rarely wanted only if this slice is not flat before.
+/// number of neighbours counts is decided for all slices together: a job of several measures each,
+/// those that are rarely wanted only if this slice is not flat before.
 std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearch& search,
                                     const std::vector<bool>& own, const SlicePlan& plan) {
     const std::vector<std::uint32_t> samples =
         sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
-    if (plan.slices.size() == 1) return {estimate_noise_variance(search, samples, 0, points.normal)};
+    if (plan.slices.size() == 1)
+        return {estimate_noise_variance(search, samples, 0, points.normal)};
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
         noise.push_back(estimate_noise_variance(search, samples, k, points.normal));
@@ -313,7 +318,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     stamp.input(plan_path(config.work));
     if (!config.sensors.empty()) stamp.input(config.sensors);
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
-    for (const std::size_t i : rims(config, plan, slice)) stamp.input(rim_of(config, plan, i, slice));
+    for (const std::size_t i : rims(config, plan, slice))
+        stamp.input(rim_of(config, plan, i, slice));
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
     if (auto done = stamp.up_to_date()) return *done;
@@ -326,8 +332,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     // A slice's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
-    const NormalsReport report =
-        give_normals(points, search, own, center, config, plan, sensors, from_above, context.reporter);
+    const NormalsReport report = give_normals(points, search, own, center, config, plan, sensors,
+                                              from_above, context.reporter);
     std::vector<NoiseVariance> noise;
     if (plan.slices.size() > 1) {
         noise = noise_of(points, search, own, plan);

@@ -21,12 +21,14 @@ struct NormalsConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice`");
-        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1, 100000);
+        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1,
+                   100000);
         field.choice("normals", normals,
                      "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
                      "those that oppose their neighbours, estimate missing ones",
                      {"auto", "keep", "estimate"});
-        field("neighbors", neighbors, "neighbours of a point that its normal is estimated from", 4, 200);
+        field("neighbors", neighbors, "neighbours of a point that its normal is estimated from", 4,
+              200);
         field.path("sensors", sensors,
                    "JSON with the position of each scan's sensor, or the direction to it (as `slim scan` writes); default: "
                    "<input>.scans.json beside an input, if there");

@@ -7,11 +7,12 @@
 
 namespace slim {
 
-/// The largest resident memory of this process while the meter lives, in bytes, mapped pages included.
-/// The outermost meter reads the kernel's high-water mark, which counts from the start of the process. Meters
-/// within it (a build holds those of its stages) read it where it rises in their life; where an earlier
-/// stage took more, the largest of a sample every few milliseconds. The mark is never reset: it is what
-/// `/usr/bin/time -v` and a batch system see. Not for concurrent use.
+/// The largest resident memory of this process while the meter lives, in bytes, mapped pages
+/// included. The outermost meter reads the kernel's high-water mark, which counts from the start of
+/// the process. Meters within it (a build holds those of its stages) read it where it rises in
+/// their life; where an earlier stage took more, the largest of a sample every few milliseconds.
+/// The mark is never reset: it is what `/usr/bin/time -v` and a batch system see. Not for
+/// concurrent use.
 class PeakMeter {
 public:
     PeakMeter();
@@ -33,10 +34,11 @@ private:
     std::thread sampler_;
 };
 
-/// What becomes of freed blocks from now on. With several slices large ones go back to the system at once:
-/// else the allocator keeps those of one slice in a heap that has no room for the next one's, half as much
-/// memory again. With one slice they are kept: the system clears every page that it gives anew, a tenth of
-/// the processor time of a build (happy_stand_raw: 1.93 to 1.79 s at 170 to 190 MiB).
+/// What becomes of freed blocks from now on. With several slices large ones go back to the system
+/// at once: else the allocator keeps those of one slice in a heap that has no room for the next
+/// one's, half as much memory again. With one slice they are kept: the system clears every page
+/// that it gives anew, a tenth of the processor time of a build (happy_stand_raw: 1.93 to 1.79 s at
+/// 170 to 190 MiB).
 void keep_freed_memory(bool keep);
 
 /// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps

@@ -9,7 +9,8 @@ namespace slim {
 std::string explanation_of(const Job& job) {
     std::string text = "`slim run` does, in this order:\n";
     for (const JobStep& step : job.steps)
-        text += fmt::format("  {}: slim {} {}\n", step.name, step.verb, fmt::join(step.arguments, " "));
+        text +=
+            fmt::format("  {}: slim {} {}\n", step.name, step.verb, fmt::join(step.arguments, " "));
     if (job.html)
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";

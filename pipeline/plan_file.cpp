@@ -15,7 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-/// Version 2 has blocks where version 1 had slabs: older plans are not read, the slices are made anew.
+/// Version 2 has blocks where version 1 had slabs: older plans are not read, the slices are made
+/// anew.
 constexpr int kVersion = 2;
 
 json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
@@ -164,11 +165,13 @@ SlicePlan read_plan(const std::filesystem::path& work) {
     try {
         const json j = json::parse(in);
         if (version_of(j) > kVersion)
-            throw FormatError(fmt::format("written by a newer slim: version {}, this one reads up to {}",
-                                          version_of(j), kVersion));
+            throw FormatError(
+                fmt::format("written by a newer slim: version {}, this one reads up to {}",
+                            version_of(j), kVersion));
         if (version_of(j) < kVersion)
-            throw FormatError(fmt::format("of an older slim: version {}, this one reads {}: run `slim slice` again",
-                                          version_of(j), kVersion));
+            throw FormatError(fmt::format(
+                "of an older slim: version {}, this one reads {}: run `slim slice` again",
+                version_of(j), kVersion));
         return plan_from(j);
     } catch (const json::exception& error) {
         throw FormatError(fmt::format("{}: not a slice plan: {}", path, error.what()));

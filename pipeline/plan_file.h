@@ -31,8 +31,8 @@ struct PlanSlice {
     Bbox region;  ///< what it owns, local frame: half open, infinite outwards
 };
 
-/// What the slice stage decided for a whole job: plan.json in the work folder. Lengths in model units;
-/// "local" is world minus origin.
+/// What the slice stage decided for a whole job: plan.json in the work folder. Lengths in model
+/// units; "local" is world minus origin.
 struct SlicePlan {
     std::vector<PlanInput> inputs;
     Vec3d origin;
@@ -43,7 +43,8 @@ struct SlicePlan {
     double spacing = 0;         ///< square root of the area of one point
     std::vector<PlanSlice> slices;
     bool slices_given = false;  ///< their number was asked for: the memory did not decide
-    std::vector<std::uint64_t> most_within;  ///< points of the fullest slice with each of possible_halos()
+    /// points of the fullest slice with each of possible_halos()
+    std::vector<std::uint64_t> most_within;
     std::vector<std::uint64_t> all_within;   ///< and of all slices, each with its halo, added up
     bool has_normals = false;   ///< slices carry them; zero where an input had none
     bool has_scans = false;

@@ -81,7 +81,8 @@ Picture paint_map(const GBuffer& b, const RowRange& rows, const Legend& legend,
 
 Picture paint_normals(const GBuffer& b, const RowRange& rows) {
     return paint_hits(b, rows, [&](std::size_t i) {
-        return Vec3f{b.normal[0][i], b.normal[1][i], b.normal[2][i]} * 0.5f + Vec3f{0.5f, 0.5f, 0.5f};
+        return Vec3f{b.normal[0][i], b.normal[1][i], b.normal[2][i]} * 0.5f +
+               Vec3f{0.5f, 0.5f, 0.5f};
     });
 }
 
@@ -104,7 +105,8 @@ Vec3f color_of_id(std::uint32_t id) {
     const double hue = 6 * unit_interval(hash), value = 0.55 + 0.4 * unit_interval(mix64(hash));
     const auto channel = [&](double shift) {
         const double h = std::fmod(hue + shift, 6.0);
-        return static_cast<float>(value * (0.40 + 0.60 * std::clamp(std::abs(h - 3) - 1, 0.0, 1.0)));
+        return static_cast<float>(value *
+                                  (0.40 + 0.60 * std::clamp(std::abs(h - 3) - 1, 0.0, 1.0)));
     };
     return {channel(0), channel(4), channel(2)};
 }

@@ -35,9 +35,9 @@ struct RenderedFrame {
     std::vector<FeatureLine> lines;     ///< those asked for, in the order of drawing
 };
 
-/// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in the
-/// world), positive outside. Parallel over pixels. Throws ConfigError for an unknown shape or a bad
-/// offset. Cost: about five evaluations of the shape per hit.
+/// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in
+/// the world), positive outside. Parallel over pixels. Throws ConfigError for an unknown shape or a
+/// bad offset. Cost: about five evaluations of the shape per hit.
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& buffer);
 
@@ -45,15 +45,16 @@ std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& mode
 struct AovPicture {
     Picture picture;
     std::optional<Legend> legend;           ///< of a map
-    std::shared_ptr<const ColorMap> own_map;  ///< what the legend points to, if made for this picture
+    /// what the legend points to, if made for this picture
+    std::shared_ptr<const ColorMap> own_map;
 };
 
 /// Draws an AOV; a frame larger than `size` is averaged.
 AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
                     const Bbox& bounds, const PictureSize& size);
 
-/// Share of the picture's width that the widest legend burned into these AOVs will take at the right;
-/// 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
+/// Share of the picture's width that the widest legend burned into these AOVs will take at the
+/// right; 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
 double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
                    const PictureSize& size);
 

@@ -37,21 +37,25 @@ struct RenderConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("model", model, "model to draw (model.slim)");
-        field.output("output", output, "x.png, x.exr (with x.png as its preview), or a folder (<view>.<aov>.png in it)");
+        field.output(
+            "output", output,
+            "x.png, x.exr (with x.png as its preview), or a folder (<view>.<aov>.png in it)");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
               "front, back, left, right, top, bottom, iso, or ex,ey,ez,tx,ty,tz,ux,uy,uz (world)");
         field("name", name, "name of the view in file names (default: the camera's)");
-        field("fov", fov, "angle of view from top to bottom, degrees (a named camera frames the whole at any angle: --zoom "
-              "enlarges)",
+        field("fov", fov,
+              "angle of view from top to bottom, degrees (a named camera frames the whole at any "
+              "angle: --zoom enlarges)",
               0.01, 175);
         field("ortho", ortho, "orthographic instead of perspective");
-        field("ortho_width", ortho_width, "orthographic, this wide in model units (0: as --ortho)", 0,
-              1e30);
+        field("ortho_width", ortho_width, "orthographic, this wide in model units (0: as --ortho)",
+              0, 1e30);
         field.choice("up", up, "axis that named cameras hold upright",
                      {"y", "z", "x", "-y", "-z", "-x"});
-        field("zoom", zoom, "enlarges about the picture's middle: 2 shows half of what the camera shows",
-              0.001, 1000);
+        field("zoom", zoom,
+              "enlarges about the picture's middle: 2 shows half of what the camera shows", 0.001,
+              1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth", "position", "id",
                       "error", "level", "coverage", "truth_distance", "lines", "all"});

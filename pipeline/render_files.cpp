@@ -1,5 +1,6 @@
 #include "pipeline/render_files.h"
 
+#include "formats/extension.h"
 #include "pipeline/version.h"
 #include "raytrace/lines/stroke.h"
 #include "slim/base/error.h"
@@ -25,10 +26,10 @@ bool is_folder(const fs::path& output) {
 /// True for an EXR, checked against --format.
 bool wants_exr(const RenderConfig& config, const fs::path& output, bool folder) {
     if (folder) return config.format == "exr";
-    const std::string extension = output.extension().string();
+    const std::string extension = lower_extension(output);
     if (extension != ".png" && extension != ".exr")
         throw ConfigError("output " + config.output + ": expected .png, .exr or a folder, found " +
-                          extension);
+                          output.extension().string());
     if (config.format != "auto" && "." + config.format != extension)
         throw ConfigError("output " + config.output + " contradicts format " + config.format);
     return extension == ".exr";
@@ -112,13 +113,13 @@ std::array<float, 16> rows(const double (&m)[4][4]) {
 }  // namespace
 
 fs::path OutputPlan::legend(const std::string& aov) const {
-    const bool named = stem.extension() == "." + aov;  // x.mean of x.mean.png
-    return fs::path(stem.string() + (named ? "" : "." + aov) + ".legend.svg");
+    const bool has_aov = stem.extension() == "." + aov;  // x.mean of x.mean.png
+    return fs::path(stem.string() + (has_aov ? "" : "." + aov) + ".legend.svg");
 }
 
 fs::path OutputPlan::lines_svg() const {
-    const bool named = drawn.size() == 1 && stem.extension() == "." + drawn[0];
-    return fs::path((named ? fs::path(stem).replace_extension() : stem).string() + ".lines.svg");
+    const bool has_aov = drawn.size() == 1 && stem.extension() == "." + drawn[0];
+    return fs::path((has_aov ? fs::path(stem).replace_extension() : stem).string() + ".lines.svg");
 }
 
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {
@@ -128,15 +129,17 @@ OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::strin
     OutputPlan plan;
     plan.stem = folder ? output / view_name(config) : fs::path(output).replace_extension();
     const std::string stem = plan.stem.string();
+    const std::string extension = !folder ? output.extension().string() : exr ? ".exr" : ".png";
+    plan.named = stem + extension;
     if (exr) {
-        plan.exr = stem + ".exr";
+        plan.exr = plan.named;
         plan.drawn = {aovs.front()};
         plan.pngs = {stem + ".png"};
         return plan;
     }
     plan.drawn = aovs;
     for (const std::string& aov : aovs)
-        plan.pngs.push_back(!folder && aovs.size() == 1 ? stem + ".png" : stem + "." + aov + ".png");
+        plan.pngs.push_back(stem + (folder || aovs.size() > 1 ? "." + aov : "") + extension);
     return plan;
 }
 
@@ -150,8 +153,9 @@ void make_folder(const OutputPlan& plan) {
                       ExitCode::usage);
 }
 
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
-                                     const Picture& shaded, std::span<const LineKind> lines,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
+                                     const RenderedFrame& frame, const Picture& shaded,
+                                     std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
     planes.reserve(4 + lines.size() + 1);  // the channels look at the planes' values, which moving a vector keeps

@@ -18,6 +18,7 @@ namespace slim {
 ///     -o x.png, one AOV     x.png
 ///     -o x.png, several     x.<aov>.png
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
+///     -o x.PNG, x.EXR       the same, their extension as given
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
@@ -25,7 +26,8 @@ struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
     std::vector<std::string> drawn;           ///< those AOVs
-    std::filesystem::path stem;               ///< without extension: manifest and legends
+    std::filesystem::path stem;               ///< without extension: legends
+    std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
     std::filesystem::path lines_svg() const;
 };
@@ -39,12 +41,13 @@ void make_folder(const OutputPlan& plan);
 /// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
 /// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. `planes` keeps what had to be
 /// rearranged and must outlive the result.
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
-                                     const Picture& shaded, std::span<const LineKind> lines,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
+                                     const RenderedFrame& frame, const Picture& shaded,
+                                     std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes);
 
-/// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths stay
-/// out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
+/// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths
+/// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
 ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
                             const std::string& model_hash, const ModelHeader& model,
                             const Camera& camera);

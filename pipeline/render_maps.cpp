@@ -53,8 +53,10 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 [[noreturn]] void bad_range(const std::string& entry) {
-    throw ConfigError("range: expected A > 0, AOV=A or AOV=LO:HI with LO < HI for one of mean, gauss, "
-                      "k1, k2, depth, error, coverage, truth_distance; found \"" + entry + "\"");
+    throw ConfigError(
+        "range: expected A > 0, AOV=A or AOV=LO:HI with LO < HI for one of mean, gauss, "
+        "k1, k2, depth, error, coverage, truth_distance; found \"" +
+        entry + "\"");
 }
 
 ValueRange parse_range(const std::string& entry, std::string_view value, bool is_signed) {
@@ -64,7 +66,8 @@ ValueRange parse_range(const std::string& entry, std::string_view value, bool is
         if (!a || !(*a > 0)) bad_range(entry);
         return {is_signed ? -*a : 0.0, *a};
     }
-    const auto lo = parse_number(value.substr(0, colon)), hi = parse_number(value.substr(colon + 1));
+    const auto lo = parse_number(value.substr(0, colon)),
+               hi = parse_number(value.substr(colon + 1));
     if (!lo || !hi || !(*lo < *hi)) bad_range(entry);
     return {*lo, *hi};
 }

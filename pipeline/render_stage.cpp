@@ -45,7 +45,8 @@ struct RenderJob {
 };
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
 }
 
 double median(std::vector<double> values) {
@@ -54,11 +55,18 @@ double median(std::vector<double> values) {
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-Picture shaded_picture(const RenderedFrame& frame, const PictureSize& size) {
+/// A frame drawn again keeps the memory of its picture.
+void shade_frame(const PictureSize& size, RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
-    return paint_in_bands(frame.size, size, [&](const RowRange& rows) {
-        return shade_rows(b.width, b.height, frame.view, {b.normal[0], b.normal[1], b.normal[2]},
-                          b.hit, rows);
+    const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
+    const auto rows_into = [&](const RowRange& rows, Picture& out) {
+        shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
+    };
+    if (frame.size.width == size.width) return rows_into({0, b.height}, frame.shaded);
+    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+        Picture band;
+        rows_into(rows, band);
+        return band;
     });
 }
 
@@ -73,7 +81,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
-    if (with_shading) frame.shaded = shaded_picture(frame, job.size);
+    if (with_shading) shade_frame(job.size, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
     return stats;
@@ -239,8 +247,8 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
     Json result = {{"files", files},
             {"width", job.size.width},
             {"height", job.size.height},
-            {"rendered_pixels", static_cast<std::int64_t>(job.size.width) * job.size.height * factor *
-                                    factor},
+            {"rendered_pixels",
+             static_cast<std::int64_t>(job.size.width) * job.size.height * factor * factor},
             {"covered_pixels", s.covered_pixels},
             {"surfels_drawn", s.surfels_drawn},
             {"loose_hidden", s.loose_hidden},
@@ -282,7 +290,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
 
     require_model(config.model);
 
-    Stamp stamp(context, manifest_path(plan.stem.string() + (plan.exr.empty() ? ".png" : ".exr")));
+    Stamp stamp(context, manifest_path(plan.named.string()));
     stamp.input(config.model);
     stamp.depends("drawn as " + plan.stem.filename().string());
     for (const std::string& file : {config.lines_ply, config.lines_obj}) stamp.depends("lines to " + file);

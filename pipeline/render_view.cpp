@@ -71,7 +71,9 @@ Background solid(const Vec3f& color) { return {color, color, 1}; }
 
 Background gradient() { return {*parse_hex("#eef0f2"), *parse_hex("#b4b9c1"), 1}; }
 
-std::string text_of(const Vec3d& v) { return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z); }
+std::string text_of(const Vec3d& v) {
+    return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+}
 
 }  // namespace
 
@@ -125,9 +127,9 @@ std::string view_name(const RenderConfig& config) {
 }
 
 std::string describe(const Camera& camera, const Vec3d& origin) {
-    const std::string lens = camera.orthographic
-                                 ? fmt::format("orthographic, width {:.17g}", camera.width)
-                                 : fmt::format("perspective, fov {:.17g} degrees", camera.fov_y_deg);
+    const std::string lens =
+        camera.orthographic ? fmt::format("orthographic, width {:.17g}", camera.width)
+                            : fmt::format("perspective, fov {:.17g} degrees", camera.fov_y_deg);
     return fmt::format("eye {} target {} up {} ({})", text_of(camera.eye + origin),
                        text_of(camera.target + origin), text_of(camera.up), lens);
 }

@@ -18,8 +18,8 @@ struct PictureSize {
 PictureSize parse_size(const std::string& text);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame the
-/// model's bounds, clear of the `free_right` share of the picture's width unless --ortho-width fixes the
-/// scale; numbers are world coordinates (origin + local). Throws ConfigError.
+/// model's bounds, clear of the `free_right` share of the picture's width unless --ortho-width
+/// fixes the scale; numbers are world coordinates (origin + local). Throws ConfigError.
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 
@@ -32,8 +32,8 @@ std::string describe(const Camera& camera, const Vec3d& origin);
 /// The camera as shading sees it.
 ShadeView shade_view(const Camera& camera, const PictureSize& size);
 
-/// --background; "auto" is a grey gradient behind a rendered object (shaded, normal) and white behind a
-/// map. Throws ConfigError.
+/// --background; "auto" is a grey gradient behind a rendered object (shaded, normal) and white
+/// behind a map. Throws ConfigError.
 Background parse_background(const std::string& text, bool is_map);
 
 }  // namespace slim

@@ -51,7 +51,8 @@ StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
 
 StepOutcome run_step(const JobStep& step, const StageContext& context) {
     context.reporter.info(step.name);
-    std::vector<std::string> command = {(program_folder() / ("slim-" + step.verb)).string(), "--json"};
+    std::vector<std::string> command = {(program_folder() / ("slim-" + step.verb)).string(),
+                                        "--json"};
     command.insert(command.end(), context.passed_on.begin(), context.passed_on.end());
     command.insert(command.end(), step.arguments.begin(), step.arguments.end());
     const ChildResult child = run_child(command);
@@ -81,7 +82,8 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
     return text + written.string() + "\n";
 }
 
-/// Pictures beside the job's that no view of it makes any more: those of manifests that no step writes.
+/// Pictures beside the job's that no view of it makes any more: those of manifests that no step
+/// writes.
 void warn_of_old_pictures(const Job& job, Reporter& reporter) {
     std::set<fs::path> known;
     for (const JobStep& step : job.steps) known.insert(step.target.filename());

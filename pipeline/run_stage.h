@@ -21,8 +21,8 @@ struct RunConfig {
     }
 };
 
-/// Runs a job's steps as child processes beside this one, each skipping what is up to date, and writes
-/// its page. Fails as the step that failed, with its exit code.
+/// Runs a job's steps as child processes beside this one, each skipping what is up to date, and
+/// writes its page. Fails as the step that failed, with its exit code.
 nlohmann::json run_job(const RunConfig& config, StageContext& context);
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #include "pipeline/scan_stage.h"
 
+#include "formats/extension.h"
 #include "formats/ply_writer.h"
 #include "formats/truth_file.h"
 #include "pipeline/manifest.h"
@@ -37,7 +38,7 @@ Vec3d offset_of(const ScanConfig& config) {
 }
 
 void check_output(const std::string& output) {
-    if (!output.ends_with(".ply"))
+    if (lower_extension(output) != ".ply")
         throw ConfigError(output + ": the scanner writes PLY; expected a name ending in .ply");
 }
 
@@ -105,9 +106,8 @@ void write_sensors(const std::string& path, const std::vector<Vec3d>& sensors) {
 }  // namespace
 
 std::string scans_path(const std::string& cloud_path) {
-    const std::string suffix = ".ply";
-    const bool ply = cloud_path.ends_with(suffix);
-    return cloud_path.substr(0, cloud_path.size() - (ply ? suffix.size() : 0)) + ".scans.json";
+    const std::size_t suffix = lower_extension(cloud_path) == ".ply" ? 4 : 0;
+    return cloud_path.substr(0, cloud_path.size() - suffix) + ".scans.json";
 }
 
 nlohmann::json run_scan(const ScanConfig& config, StageContext& context) {

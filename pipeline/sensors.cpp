@@ -1,5 +1,6 @@
 #include "pipeline/sensors.h"
 
+#include "formats/extension.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -24,7 +25,8 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
         const auto scans = nlohmann::json::parse(file);  // named: it must outlive the loop
         for (const auto& scan : scans.at("scans")) {
             const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
-            // A scanner that is far away, or known by its view only, is a direction: object to scanner.
+            // A scanner that is far away, or known by its view only, is a direction: object to
+            // scanner.
             const bool far = scan.contains("direction");
             const auto p = scan.at(far ? "direction" : "position").get<std::vector<double>>();
             if (p.size() != 3 || id > 65535)
@@ -47,7 +49,7 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
 
 std::string scans_json_path(const std::string& cloud_path) {
     std::filesystem::path path(cloud_path);
-    if (path.extension() == ".gz") path.replace_extension();
+    if (lower_extension(cloud_path) == ".gz") path.replace_extension();
     return path.replace_extension(".scans.json").string();
 }
 

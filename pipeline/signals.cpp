@@ -49,6 +49,7 @@ void watch_signals() {
     const sigset_t set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // the write then fails, which AtomicFile reports as a full disk
     std::thread(wait_for_signals).detach();
 }
 

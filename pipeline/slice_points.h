@@ -10,8 +10,8 @@
 
 namespace slim {
 
-/// The oriented points of a slice and those of its neighbours within the halo, in the slices' order.
-/// Only what is wanted of the neighbours is held.
+/// The oriented points of a slice and those of its neighbours within the halo, in the slices'
+/// order. Only what is wanted of the neighbours is held.
 PointBlock read_with_halo(const std::string& work, const SlicePlan& plan, std::size_t slice,
                           double halo);
 

@@ -24,10 +24,11 @@ namespace fs = std::filesystem;
 
 // Radii, curvatures and their squares are floats in models and pictures.
 constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
-// Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of the diagonal
-// that is a usual fit's error.
+// Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of
+// the diagonal that is a usual fit's error.
 constexpr double kCoarseQuantum = 2.5e-5;
-// Blocks, over as many as the points alone would fill: with more, every point is read by so many slices.
+// Blocks, over as many as the points alone would fill: with more, every point is read by so many
+// slices.
 constexpr std::uint64_t kMostDearBlocks = 8;
 constexpr double kClearlyDearer = 1.1;  // than fewer blocks: still more will not be cheaper
 
@@ -37,8 +38,8 @@ std::string names_of(const std::vector<std::string>& paths) {
 
 void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
     if (survey.n_points == 0)
-        throw DataError(fmt::format("{}: no points ({} non-finite dropped)", names_of(config.inputs),
-                                    survey.n_dropped));
+        throw DataError(fmt::format("{}: no points ({} non-finite dropped)",
+                                    names_of(config.inputs), survey.n_dropped));
     const Bbox& b = survey.bounds;
     if (!std::isfinite(b.diagonal()))
         throw DataError(fmt::format(
@@ -66,31 +67,49 @@ void set_blocks(const BlockPlan& blocks, const std::vector<Cell>& cells, double 
     plan.all_within = std::move(within.all);
 }
 
-/// As many blocks as leave room for the halo that the fit wants and have it read the fewest points, or if no
-/// reasonable number does, as many as leave room for the widest.
+/// How slices do for the fit.
+struct FitCost {
+    /// infinite where memory leaves no room for the halo that the fit wants
+    double points_read = INFINITY;
+    double excess = INFINITY;       ///< points held at a time beyond those that the memory takes
+    double halo = 0;
+
+    /// Fewer points read; where neither suffices, less excess, then the wider halo.
+    bool better_than(const FitCost& other) const {
+        if (points_read < INFINITY || other.points_read < INFINITY)
+            return points_read < other.points_read;
+        return std::pair(-excess, halo) > std::pair(-other.excess, other.halo);
+    }
+};
+
+FitCost cost_of_fit(const SlicePlan& plan, std::uint64_t memory) {
+    const FitDivision division = divide_fit(plan, memory);
+    const std::uint64_t held = points_held(plan, division), room = points_in_memory(memory);
+    FitCost cost;
+    if (halo_suffices(plan, division) && held <= room)
+        cost.points_read = static_cast<double>(points_read(plan, division));
+    cost.excess = std::max(0.0, static_cast<double>(held) - static_cast<double>(room));
+    cost.halo = division.halo;
+    return cost;
+}
+
+/// As many blocks as leave room for the halo that the fit wants and have it read the fewest points,
+/// or if no reasonable number does, as many as leave room for the widest.
 BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double cell_width, std::uint64_t memory,
                             SlicePlan& plan) {
     const std::uint64_t least = (plan.n_points - 1) / points_in_memory(memory) + 1;
     const std::uint64_t most = least < 2 ? 1 : std::min(kMostDearBlocks * least, kMostBlocks);
     BlockPlan best;
-    double best_cost = INFINITY;
-    std::pair<double, double> widest{-INFINITY, 0};  // what of the memory is exceeded, then the halo
+    FitCost best_cost;
     for (std::uint64_t n = std::min(least, most); n <= most; n += 1 + n / 8) {
         BlockPlan blocks = plan_blocks(cells, cell_width, n);
         set_blocks(blocks, cells, cell_width, plan);
         if (plan.slices.size() < 2) return blocks;
-        const FitDivision division = divide_fit(plan, memory);
-        const bool suffices = halo_suffices(plan, division) &&
-                              points_held(plan, division) <= points_in_memory(memory);
-        const double cost = suffices ? static_cast<double>(points_read(plan, division)) : INFINITY;
-        if (cost > kClearlyDearer * best_cost) break;
-        const double excess = std::max(0.0, static_cast<double>(points_held(plan, division)) -
-                                                static_cast<double>(points_in_memory(memory)));
-        const std::pair width_here{-excess, division.halo};
-        if (cost >= best_cost && (suffices || best_cost < INFINITY || width_here <= widest)) continue;
+        const FitCost cost = cost_of_fit(plan, memory);
+        if (cost.points_read > kClearlyDearer * best_cost.points_read) break;
+        if (!cost.better_than(best_cost)) continue;
         best = std::move(blocks);
         best_cost = cost;
-        widest = width_here;
     }
     set_blocks(best, cells, cell_width, plan);
     return best;
@@ -101,8 +120,9 @@ void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& repor
     if (plan.slices.size() < 2) return;
     const std::uint64_t n = points_held(plan, divide_fit(plan, memory));
     if (n <= points_in_memory(memory)) return;
-    reporter.warn(fmt::format("{} slices, each with its surroundings, take up to {} MiB, more than --memory",
-                              plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
+    reporter.warn(
+        fmt::format("{} slices, each with its surroundings, take up to {} MiB, more than --memory",
+                    plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
 }
 
 /// The blocks, in the world's frame, and the slices that they make.
@@ -176,7 +196,8 @@ public:
     }
 
 private:
-    /// Fills order_ with the chunk's finite points, those of slice s from begin_[s] on, in their order.
+    /// Fills order_ with the chunk's finite points, those of slice s from begin_[s] on, in their
+    /// order.
     void sort_by_slice(const PointChunk& chunk) {
         slice_of_.assign(chunk.size(), 0);
         begin_.assign(writers_.size() + 1, 0);
@@ -248,13 +269,14 @@ void make_folder(const fs::path& folder) {
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
         reporter.info(fmt::format("{}: {}, {} points{}", in.path, in.format, in.n_points,
-                                  in.faces_turned ? ", normals from its faces, which are wound inwards: turned"
+                                  in.faces_turned
+                                      ? ", normals from its faces, which are wound inwards: turned"
                                   : in.normals_from_faces ? ", normals from its faces"
-                                  : in.has_normals      ? ", with normals"
-                                                        : ""));
+                                  : in.has_normals        ? ", with normals"
+                                                          : ""));
         if (in.n_dropped > 0)
-            reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped", in.path,
-                                      in.n_dropped, in.n_points));
+            reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
+                                      in.path, in.n_dropped, in.n_points));
         if (in.n_bad_normals > 0)
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));

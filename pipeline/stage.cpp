@@ -47,8 +47,8 @@ std::string value_text(const std::string& key, const json& value) {
     return text;
 }
 
-/// The result as "key  value" lines; an object's members are indented below its key, those of several
-/// objects below "key 1 of 3".
+/// The result as "key  value" lines; an object's members are indented below its key, those of
+/// several objects below "key 1 of 3".
 void append_summary(const json& result, const std::string& indent, std::string& out) {
     std::size_t width = 0;
     for (const auto& [key, value] : result.items()) width = std::max(width, key.size());
@@ -72,8 +72,8 @@ Console::Level console_level(const CommonOptions& common) {
     return common.verbose ? Console::Level::verbose : Console::Level::normal;
 }
 
-void print_result(const ErasedStage& stage, const CommonOptions& common, const StageContext& context,
-                  const json& result) {
+void print_result(const ErasedStage& stage, const CommonOptions& common,
+                  const StageContext& context, const json& result) {
     if (common.json) {
         write_stdout(result.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
     } else if (stage.description.answers || !common.quiet) {
@@ -127,12 +127,14 @@ void work(const ErasedStage& stage, int argc, char** argv) {
     if (common.verbose) console.info("configuration:\n" + context.config_toml);
     json result = stage.run(context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    result = with_run_figures(std::move(result), stage.description.name, seconds.count(), peak.bytes());
+    result =
+        with_run_figures(std::move(result), stage.description.name, seconds.count(), peak.bytes());
     print_result(stage, common, context, result);
 }
 
 bool asks_json(int argc, char** argv) {
-    return std::any_of(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--json"; });
+    return std::any_of(argv, argv + argc,
+                       [](const char* a) { return std::string_view(a) == "--json"; });
 }
 
 int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {

@@ -15,8 +15,8 @@
 
 namespace slim {
 
-/// The points of a job's one slice, handed from a stage of a build to the next, which need not read what
-/// was just written.
+/// The points of a job's one slice, handed from a stage of a build to the next, which need not read
+/// what was just written.
 class HandedPoints {
 public:
     void put(std::string path, PointBlock points) {
@@ -45,14 +45,16 @@ struct StageContext {
     std::string stage = {};        ///< "fit"
     std::string config = {};       ///< canonical_config: `key = value` per field that counts
     std::string config_toml = {};  ///< the whole resolved configuration
-    std::string text = {};  ///< if set: printed on stdout instead of the result's values (no --json)
+    /// if set: printed on stdout instead of the result's values (no --json)
+    std::string text = {};
     std::vector<std::string> passed_on = {};  ///< common options for child processes: --threads=2
     /// Hashes of what the stages of one build wrote into its locked folder, so that none is read
     /// for its hash again.
     std::map<std::string, std::string>* written = nullptr;
     HandedPoints* handed = nullptr;  ///< within a build
 
-    /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it too.
+    /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it
+    /// too.
     void check_stop() const;
 };
 

@@ -49,7 +49,8 @@ bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
 }
 
 /// Whole numbers among real ones make a real array; anything else must be of one kind.
-Field::Kind common_kind(Field::Kind a, Field::Kind b, const fs::path& file, const TomlValue& value) {
+Field::Kind common_kind(Field::Kind a, Field::Kind b, const fs::path& file,
+                        const TomlValue& value) {
     if (a == b) return a;
     const auto number = [](Field::Kind k) {
         return k == Field::Kind::integer || k == Field::Kind::real;
@@ -130,8 +131,9 @@ TomlTable read_toml(const fs::path& file) {
     std::stringstream text;
     if (in) text << in.rdbuf();
     if (!in || fs::is_directory(file))
-        throw IoError(fmt::format("{}: cannot read: {}", file.string(),
-                                  fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
+        throw ConfigError(
+            fmt::format("{}: cannot read: {}", file.string(),
+                        fs::is_directory(file) ? "is a directory" : std::strerror(errno)));
     try {
         return read_table("", toml::parse(text.view(), file.string()), file);
     } catch (const toml::parse_error& error) {
@@ -176,8 +178,8 @@ void apply_table(const TomlTable& table, const FieldList& fields, const fs::path
         const std::string where = fmt::format("{}: {}", place(file, value.line), value.key);
         const Field* field = fields.find(value.key);
         if (!field)
-            throw ConfigError(fmt::format("{}: unknown key '{}'{}", place(file, value.line), value.key,
-                                          suggestion(value.key, keys_of(fields))));
+            throw ConfigError(fmt::format("{}: unknown key '{}'{}", place(file, value.line),
+                                          value.key, suggestion(value.key, keys_of(fields))));
         check_type(value, *field, where);
         field->set(field->is_path() ? resolved(value.items, file) : value.items, where);
     }
@@ -186,9 +188,10 @@ void apply_table(const TomlTable& table, const FieldList& fields, const fs::path
 void apply_config_file(const fs::path& file, const FieldList& fields) {
     const TomlTable table = read_toml(file);
     if (!table.tables.empty())
-        throw ConfigError(fmt::format("{}: unknown table [{}]: a stage's config holds plain keys only"
-                                      " (a job file is for 'slim run')",
-                                      place(file, table.tables[0].line), table.tables[0].name));
+        throw ConfigError(
+            fmt::format("{}: unknown table [{}]: a stage's config holds plain keys only"
+                        " (a job file is for 'slim run')",
+                        place(file, table.tables[0].line), table.tables[0].name));
     apply_table(table, fields, file);
 }
 

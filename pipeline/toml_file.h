@@ -30,9 +30,9 @@ struct TomlTable {
 /// or mixed array); IoError if it cannot be read.
 TomlTable read_toml(const std::filesystem::path& file);
 
-/// Sets "table.key" (or "table.table.key") of a file that was read to a value as TOML would write it, text
-/// without quotes allowed (render.size=640x480); tables that are missing are made. ConfigError if there is
-/// no such form or the table is a [[list]].
+/// Sets "table.key" (or "table.table.key") of a file that was read to a value as TOML would write
+/// it, text without quotes allowed (render.size=640x480); tables that are missing are made.
+/// ConfigError if there is no such form or the table is a [[list]].
 void set_value(TomlTable& root, const std::string& key_equals_value);
 
 /// Sets the fields that a table names; relative paths are taken from the file's folder. ConfigError

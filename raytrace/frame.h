@@ -59,27 +59,42 @@ struct GBuffer {
 
     /// All pixels without a hit; keeps the memory of a buffer of the same size and channels.
     void reset(int new_width, int new_height, Channels wanted) {
-        width = new_width, height = new_height, channels = wanted;
+        resize(new_width, new_height, wanted);
         hit.assign(n_pixels(), 0);
-        clear(depth, kDepthChannel);
-        for (auto& plane : position) clear(plane, kPositionChannel);
-        for (auto& plane : normal) clear(plane, kNormalChannel);
-        clear(mean, kMeanChannel), clear(gauss, kGaussChannel);
-        clear(k1, kK1Channel), clear(k2, kK2Channel);
-        for (auto& plane : direction) clear(plane, kDirectionChannel);
-        for (auto& plane : third) clear(plane, kThirdOrderChannel);
-        clear(surfel_id, kSurfelIdChannel);
-        clear(fit_error, kFitErrorChannel);
-        clear(level, kLevelChannel);
-        clear(coverage, kCoverageChannel);
-        clear(count, kCountChannel);
+        for_each_plane([](auto& plane) { plane.assign(plane.size(), 0); });
     }
 
-private:
-    template <class T>
-    void clear(std::vector<T>& plane, Channels channel) const {
-        if (has(channel)) plane.assign(n_pixels(), T(0));
-        else plane = {};
+    /// The same for a renderer that writes every pixel of what is wanted: what the planes hold is not defined.
+    void resize(int new_width, int new_height, Channels wanted) {
+        width = new_width, height = new_height, channels = wanted;
+        hit.resize(n_pixels());
+        const auto size = [&](auto& plane, Channels channel) {
+            if (has(channel)) plane.resize(n_pixels());
+            else plane = {};
+        };
+        size(depth, kDepthChannel);
+        for (auto& plane : position) size(plane, kPositionChannel);
+        for (auto& plane : normal) size(plane, kNormalChannel);
+        size(mean, kMeanChannel), size(gauss, kGaussChannel);
+        size(k1, kK1Channel), size(k2, kK2Channel);
+        for (auto& plane : direction) size(plane, kDirectionChannel);
+        for (auto& plane : third) size(plane, kThirdOrderChannel);
+        size(surfel_id, kSurfelIdChannel);
+        size(fit_error, kFitErrorChannel);
+        size(level, kLevelChannel);
+        size(coverage, kCoverageChannel);
+        size(count, kCountChannel);
+    }
+
+    /// Calls visit(plane) for every plane but the hits; those not wanted are empty.
+    template <class Visit>
+    void for_each_plane(Visit&& visit) {
+        visit(depth), visit(mean), visit(gauss), visit(k1), visit(k2);
+        for (auto& plane : position) visit(plane);
+        for (auto& plane : normal) visit(plane);
+        for (auto& plane : direction) visit(plane);
+        for (auto& plane : third) visit(plane);
+        visit(surfel_id), visit(fit_error), visit(level), visit(coverage), visit(count);
     }
 };
 

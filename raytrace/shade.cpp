@@ -2,16 +2,50 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kRowGrain = 8;
 
-Vec3f multiply(const Vec3f& a, const Vec3f& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+/// Vectors of some pixels.
+struct Vec3V {
+    FloatV x, y, z;
+
+    FloatV dot(const Vec3V& b) const { return x * b.x + y * b.y + z * b.z; }
+    FloatV dot(const Vec3f& b) const { return x * b.x + y * b.y + z * b.z; }
+    Vec3f at(int lane) const {
+        const auto k = static_cast<std::size_t>(lane);
+        return {x[k], y[k], z[k]};
+    }
+    void set(int lane, const Vec3f& v) {
+        const auto k = static_cast<std::size_t>(lane);
+        x[k] = v.x, y[k] = v.y, z[k] = v.z;
+    }
+};
+
+/// A vector of length 0 stays one.
+Vec3V unit_lanes(const Vec3V& v) {
+    const FloatV scale = inverse_sqrt(stdx::max(v.dot(v), FloatV(std::numeric_limits<float>::min())));
+    return {v.x * scale, v.y * scale, v.z * scale};
+}
+
+FloatV clamp_lanes(const FloatV& x) { return stdx::min(stdx::max(x, FloatV(0.0f)), FloatV(1.0f)); }
+
+/// By squares and products: of 36 six products, relative error below 1e-5.
+FloatV power_lanes(FloatV base, int exponent) {
+    FloatV product(1.0f);
+    for (; exponent > 0; exponent >>= 1, base = base * base)
+        if (exponent & 1) product = product * base;
+    return product;
+}
 
 /// The camera's axes in floats, and the direction from a pixel's surface to the eye in those axes.
 struct EyeFrame {
@@ -25,11 +59,19 @@ struct EyeFrame {
           half_height(static_cast<float>(v.half_height)), orthographic(v.orthographic) {}
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
+    Vec3V from_world(const Vec3V& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
 
     /// s, t in [-1, 1] over the picture, t upwards.
     Vec3f toward_eye(float s, float t) const {
         if (orthographic) return {0, 0, 1};
         return normalized(Vec3f{-s * half_width, -t * half_height, 1});
+    }
+    /// The same at s, s + step, ...
+    Vec3V toward_eye(float s, float step, float t) const {
+        if (orthographic) return {FloatV(0.0f), FloatV(0.0f), FloatV(1.0f)};
+        const FloatV lane([](auto k) { return static_cast<float>(k); });
+        const FloatV across = -half_width * (s + lane * step);
+        return unit_lanes({across, FloatV(-t * half_height), FloatV(1.0f)});
     }
 };
 
@@ -52,7 +94,7 @@ struct Surface {
     }
 
     Vec3f raw_normal(std::size_t i) const {
-        return normalized(frame.from_world({normals.x[i], normals.y[i], normals.z[i]}));
+        return normalized(frame.from_world(Vec3f{normals.x[i], normals.y[i], normals.z[i]}));
     }
 
     bool faces(int x, int y, const Vec3f& toward_eye) const {
@@ -71,9 +113,8 @@ struct Surface {
         return false;
     }
 
-    /// The normal of one pixel, turned to the eye; zero where the renderer had none.
-    Vec3f eye_normal(int x, int y, const Vec3f& toward_eye) const {
-        const Vec3f n = raw_normal(index(x, y));
+    /// The normal n of one pixel, turned to the eye; zero where the renderer had none.
+    Vec3f eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
         const float away = -dot(n, toward_eye);
         if (!(away > 0)) return n;
         if (away >= kTurnedRound || !is_near_front(x, y, toward_eye)) return -n;
@@ -81,23 +122,12 @@ struct Surface {
     }
 };
 
-Vec3f diffuse(const Light& light, const Vec3f& n) {
-    return light.color * std::max(0.0f, dot(n, light.toward));
-}
-
-/// Blinn's highlight of the key light, fading in with n.l so that it cannot shine on the dark side.
-Vec3f highlight(const Lighting& l, const Vec3f& n, const Vec3f& toward_eye) {
-    const float facing = std::clamp(4 * dot(n, l.key.toward), 0.0f, 1.0f);
-    const Vec3f half = normalized(l.key.toward + toward_eye);
-    const float base = std::max(0.0f, dot(n, half));
-    return l.key.color * (l.specular * facing * std::pow(base, l.shininess));
-}
-
-Vec3f reflected(const Lighting& l, const Vec3f& n, const Vec3f& toward_eye) {
-    const float upward = 0.5f * (1 + n.y);
-    const Vec3f ambient = l.sky * upward + l.ground * (1 - upward);
-    return multiply(l.albedo, ambient + diffuse(l.key, n) + diffuse(l.fill, n)) +
-           highlight(l, n, toward_eye);
+void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,
+                  std::span<const std::uint8_t> hit) {
+    SLIM_CHECK(hit.size(), ==, n_pixels);
+    SLIM_CHECK(std::min({normals.x.size(), normals.y.size(), normals.z.size()}), ==, n_pixels);
+    SLIM_CHECK(rows.begin, >=, 0);
+    SLIM_CHECK(rows.end, <=, height);
 }
 
 /// Calls pixel(i, n, toward_eye) at every hit of some rows, in parallel; i counts from their first.
@@ -105,10 +135,7 @@ template <class Body>
 void for_hits(int width, int height, const RowRange& rows, const ShadeView& view,
               const NormalPlanes& normals, std::span<const std::uint8_t> hit, const Body& pixel) {
     const auto n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    SLIM_CHECK(hit.size(), ==, n_pixels);
-    SLIM_CHECK(std::min({normals.x.size(), normals.y.size(), normals.z.size()}), ==, n_pixels);
-    SLIM_CHECK(rows.begin, >=, 0);
-    SLIM_CHECK(rows.end, <=, height);
+    check_planes(n_pixels, height, rows, normals, hit);
     const EyeFrame frame(view);
     const Surface surface{width, height, frame, normals, hit};
     const std::size_t first = surface.index(0, rows.begin);
@@ -121,9 +148,97 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
                 if (!hit[i]) continue;
                 const Vec3f toward_eye = frame.toward_eye(screen_coordinate(x, width),
                                                           -screen_coordinate(y, height));
-                pixel(i - first, surface.eye_normal(x, y, toward_eye), toward_eye);
+                pixel(i - first, surface.eye_normal(x, y, surface.raw_normal(i), toward_eye), toward_eye);
             }
     });
+}
+
+/// Some pixels of a row: their places, normals in camera axes and directions to the eye.
+struct PixelLanes {
+    int x, y, n;
+    FloatV hit;  ///< 1 or 0
+    Vec3V normal, toward_eye;
+};
+
+/// The first n of some floats or bytes; zeros then.
+template <class T>
+FloatV load_some(const T* from, int n) {
+    alignas(64) std::array<float, kLanes> in;
+    if (n == kLanes)
+        for (std::size_t k = 0; k < kLanes; ++k) in[k] = from[k];
+    else
+        for (int k = 0; k < kLanes; ++k) in[static_cast<std::size_t>(k)] = k < n ? from[k] : 0;
+    return FloatV(in.data(), stdx::vector_aligned);
+}
+
+PixelLanes load_lanes(const Surface& surface, int x, int y) {
+    const std::size_t i = surface.index(x, y);
+    PixelLanes p{x, y, std::min(kLanes, surface.width - x), FloatV(0.0f), {}, {}};
+    p.hit = load_some(&surface.hit[i], p.n);
+    if (stdx::none_of(p.hit > 0.0f)) return p;
+    const NormalPlanes& n = surface.normals;
+    p.normal = unit_lanes(surface.frame.from_world(
+        Vec3V{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}));
+    p.toward_eye = surface.frame.toward_eye(screen_coordinate(x, surface.width),
+                                            2 / static_cast<float>(surface.width),
+                                            -screen_coordinate(y, surface.height));
+    return p;
+}
+
+/// Silhouettes are few: one by one.
+void turn_to_eye(const Surface& surface, PixelLanes& p) {
+    const auto away = p.hit > 0.0f && p.normal.dot(p.toward_eye) < 0.0f;
+    for (std::uint64_t bits = lane_bits(away); bits != 0; bits &= bits - 1) {
+        const int lane = std::countr_zero(bits);
+        p.normal.set(lane, surface.eye_normal(p.x + lane, p.y, p.normal.at(lane), p.toward_eye.at(lane)));
+    }
+}
+
+/// Blinn's highlight of the key light, fading in with n.l so that it cannot shine on the dark side.
+FloatV highlight(const Lighting& l, const PixelLanes& p, const FloatV& facing_key) {
+    const Vec3V half = unit_lanes({p.toward_eye.x + l.key.toward.x, p.toward_eye.y + l.key.toward.y,
+                                   p.toward_eye.z + l.key.toward.z});
+    const FloatV facing = clamp_lanes(4.0f * facing_key);
+    return l.specular * facing * power_lanes(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
+}
+
+/// Light that the pixels send to the eye, linear; 0 without a hit.
+Vec3V reflected(const Lighting& l, const PixelLanes& p) {
+    const FloatV upward = 0.5f * (1.0f + p.normal.y), downward = 1.0f - upward;
+    const FloatV at_key = p.normal.dot(l.key.toward);
+    const FloatV key = stdx::max(FloatV(0.0f), at_key);
+    const FloatV fill = stdx::max(FloatV(0.0f), p.normal.dot(l.fill.toward));
+    const FloatV shine = highlight(l, p, at_key);
+    const auto channel = [&](std::size_t c) {
+        const FloatV diffuse = upward * l.sky[c] + downward * l.ground[c] + key * l.key.color[c] + fill * l.fill.color[c];
+        return select<FloatV>(p.hit > 0.0f, l.albedo[c] * diffuse + l.key.color[c] * shine, FloatV(0.0f));
+    };
+    return {channel(0), channel(1), channel(2)};
+}
+
+void store_lanes(const Vec3V& color, const FloatV& alpha, int n, float* rgba) {
+    alignas(64) std::array<std::array<float, kLanes>, 4> out;
+    color.x.copy_to(out[0].data(), stdx::vector_aligned);
+    color.y.copy_to(out[1].data(), stdx::vector_aligned);
+    color.z.copy_to(out[2].data(), stdx::vector_aligned);
+    alpha.copy_to(out[3].data(), stdx::vector_aligned);
+    const auto put = [&](std::size_t k) {
+        rgba[4 * k] = out[0][k], rgba[4 * k + 1] = out[1][k], rgba[4 * k + 2] = out[2][k], rgba[4 * k + 3] = out[3][k];
+    };
+    if (n == kLanes)
+        for (std::size_t k = 0; k < kLanes; ++k) put(k);
+    else
+        for (int k = 0; k < n; ++k) put(static_cast<std::size_t>(k));
+}
+
+[[gnu::flatten]] void shade_lanes(const Surface& surface, const Lighting& lighting, int x, int y, float* rgba) {
+    PixelLanes p = load_lanes(surface, x, y);
+    if (stdx::none_of(p.hit > 0.0f)) {
+        std::fill_n(rgba, 4 * p.n, 0.0f);
+        return;
+    }
+    turn_to_eye(surface, p);
+    store_lanes(reflected(lighting, p), p.hit, p.n, rgba);
 }
 
 }  // namespace
@@ -147,14 +262,24 @@ Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& 
 Picture shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, const RowRange& rows,
                    const Lighting& lighting) {
-    Picture out(width, rows.end - rows.begin);
-    for_hits(width, height, rows, view, normals, hit,
-             [&](std::size_t i, const Vec3f& n, const Vec3f& toward_eye) {
-                 const Vec3f c = reflected(lighting, n, toward_eye);
-                 float* p = &out.rgba[4 * i];
-                 p[0] = c.x, p[1] = c.y, p[2] = c.z, p[3] = 1;
-             });
+    Picture out;
+    shade_rows(width, height, view, normals, hit, rows, lighting, out);
     return out;
+}
+
+void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                std::span<const std::uint8_t> hit, const RowRange& rows, const Lighting& lighting,
+                Picture& out) {
+    check_planes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), height, rows, normals, hit);
+    out.width = width, out.height = rows.end - rows.begin;
+    out.rgba.resize(4 * out.n_pixels());
+    const EyeFrame frame(view);
+    const Surface surface{width, height, frame, normals, hit};
+    parallel_blocks(static_cast<std::size_t>(out.height), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+            for (int x = 0; x < width; x += kLanes)
+                shade_lanes(surface, lighting, x, rows.begin + y, out.pixel(x, y));
+    });
 }
 
 void light_picture(const ShadeView& view, const NormalPlanes& normals,

@@ -37,7 +37,7 @@ struct Lighting {
     Vec3f ground{0.085f, 0.077f, 0.070f};  ///< ambient on a normal that points down
     Vec3f albedo{0.690f, 0.632f, 0.572f};
     float specular = 0.11f;                ///< key light only
-    float shininess = 36;
+    int shininess = 36;                    ///< exponent, at least 1; whole: a power is a few products
 };
 
 /// Rows [begin, end) of a picture.
@@ -68,6 +68,11 @@ Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& 
 Picture shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, const RowRange& rows,
                    const Lighting& lighting = {});
+
+/// The same into a picture that keeps its memory: shading a frame again costs no new pages.
+void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                std::span<const std::uint8_t> hit, const RowRange& rows, const Lighting& lighting,
+                Picture& out);
 
 /// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away), for
 /// curvature maps that are asked to show form as well. `picture` holds the rows from `first_row` on of

@@ -36,7 +36,7 @@ HEAVY = {
     "CLI/": ["pipeline/command_line.cpp"],
     "toml++/": ["pipeline/toml_file.cpp"],
     "OpenImageIO/": ["formats/image_io.cpp"],
-    "CGAL/": ["slim/normals/"],
+    "CGAL/": ["slim/normals/", "tests/peers/"],
     "flann/": ["slim/neighbors/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

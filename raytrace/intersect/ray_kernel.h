@@ -81,8 +81,8 @@ inline SurfelRay<V> surfel_ray(const DrawRecord& r, const PixelRays<V>& rays, co
 }
 
 /// Slopes of the height field at (u, v). Degree 1 records have none: their normal is turned.
-template <int Degree, class V>
-inline void slopes(const DrawRecord& r, const V& u, const V& v, V& p_u, V& p_v) {
+template <int Degree, class V, class Record>
+[[gnu::always_inline]] inline void slopes(const Record& r, const V& u, const V& v, V& p_u, V& p_v) {
     const auto& a = r.a;
     if constexpr (Degree <= 1) {
         p_u = V(0.0f), p_v = V(0.0f);
@@ -104,7 +104,7 @@ inline PolynomialLanes<V> ray_polynomial(const DrawRecord& r, const SurfelRay<V>
         return {s.bw - a[0], s.dw, V(0.0f), V(0.0f)};
     } else {
         V p_u, p_v;
-        slopes<Degree>(r, u, v, p_u, p_v);
+        slopes<Degree, V>(r, u, v, p_u, p_v);
         const V k1 = s.dw - (p_u * du + p_v * dv);
         if constexpr (Degree == 2) {
             const V height = a[0] + u * (a[1] + u * a[3]) + v * (a[2] + v * a[5] + u * a[4]);
@@ -127,13 +127,13 @@ struct GradientLanes {
     V x, y, z;
 };
 
-template <int Degree, class V>
-inline GradientLanes<V> gradient_at(const DrawRecord& r, const V& u, const V& v) {
+template <int Degree, class V, class Record>
+[[gnu::always_inline]] inline GradientLanes<V> gradient_at(const Record& r, const V& u, const V& v) {
     if constexpr (Degree <= 1) {
         return {V(r.normal[0]), V(r.normal[1]), V(r.normal[2])};
     } else {
         V p_u, p_v;
-        slopes<Degree>(r, u, v, p_u, p_v);
+        slopes<Degree, V>(r, u, v, p_u, p_v);
         return {r.normal[0] - r.u_axis[0] * p_u - r.v_axis[0] * p_v,
                 r.normal[1] - r.u_axis[1] * p_u - r.v_axis[1] * p_v,
                 r.normal[2] - r.u_axis[2] * p_u - r.v_axis[2] * p_v};
@@ -141,8 +141,8 @@ inline GradientLanes<V> gradient_at(const DrawRecord& r, const V& u, const V& v)
 }
 
 /// Hessian of f times rho, camera axes: xx, xy, xz, yy, yz, zz (NUMERICS 5.1).
-template <int Degree, class V>
-inline std::array<V, 6> hessian_at(const DrawRecord& r, const V& u, const V& v) {
+template <int Degree, class V, class Record>
+[[gnu::always_inline]] inline std::array<V, 6> hessian_at(const Record& r, const V& u, const V& v) {
     const auto& a = r.a;
     const float scale = -r.inv_radius;
     V uu = V(2 * scale * a[3]), uv = V(scale * a[4]), vv = V(2 * scale * a[5]);
@@ -163,7 +163,8 @@ inline std::array<V, 6> hessian_at(const DrawRecord& r, const V& u, const V& v) 
 
 /// Third derivatives of f times rho, camera axes: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz. The
 /// same everywhere on a cubic surfel (NUMERICS 5.1).
-inline std::array<float, 10> third_of(const DrawRecord& r) {
+template <class Record>
+inline std::array<float, 10> third_of(const Record& r) {
     const float scale = -r.inv_radius * r.inv_radius;
     const float uuu = scale * 6 * r.a[6], uuv = scale * 2 * r.a[7];
     const float uvv = scale * 2 * r.a[8], vvv = scale * 6 * r.a[9];

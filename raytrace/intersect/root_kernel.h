@@ -43,7 +43,7 @@ inline RootPair<V> quadratic_pair(const V& k0, const V& k1, const V& k2) {
 }
 
 template <class V>
-inline RootLanes<V> masked_root(const V& t, const typename V::mask_type& hit) {
+[[gnu::always_inline]] inline RootLanes<V> masked_root(const V& t, const typename V::mask_type& hit) {
     return {select<V>(hit, t, V(0.0f)), hit};
 }
 
@@ -52,9 +52,9 @@ template <int Degree, class V>
 inline RootLanes<V> first_root(const PolynomialLanes<V>& k, const V& lo, const V& hi,
                                const typename V::mask_type& active);
 
-/// Root in [-s, s] nearest to `guess`.
+/// Root in [lo, hi] nearest to `guess`.
 template <int Degree, class V>
-inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& s,
+inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo, const V& hi,
                                  const typename V::mask_type& active);
 
 /// The cubic's interval cut at its stationary points; f at the cuts, values within rounding of zero
@@ -137,20 +137,20 @@ inline RootLanes<V> first_root(const PolynomialLanes<V>& k, const V& lo, const V
 }
 
 template <int Degree, class V>
-inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& s,
+inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo, const V& hi,
                                  const typename V::mask_type& active) {
     if constexpr (Degree <= 1) {
         const V t = -k[0] / k[1];
-        return masked_root<V>(t, active && stdx::abs(t) <= s);
+        return masked_root<V>(t, active && t >= lo && t <= hi);
     } else if constexpr (Degree == 2) {
         const RootPair<V> roots = quadratic_pair(k[0], k[1], k[2]);
-        const auto near_in = stdx::abs(roots.near) <= s;
-        const auto far_in = stdx::abs(roots.far) <= s;
+        const auto near_in = roots.near >= lo && roots.near <= hi;
+        const auto far_in = roots.far >= lo && roots.far <= hi;
         const auto near_wins = stdx::abs(roots.near - guess) <= stdx::abs(roots.far - guess);
         return masked_root<V>(select<V>(near_in && (near_wins || !far_in), roots.near, roots.far),
                               active && (near_in || far_in));
     } else {
-        const CubicPieces<V> p = cut_cubic<V>(k, -s, s);
+        const CubicPieces<V> p = cut_cubic<V>(k, lo, hi);
         V best(0.0f);
         V gap(std::numeric_limits<float>::infinity());
         for (std::size_t i = 0; i < 3; ++i) {

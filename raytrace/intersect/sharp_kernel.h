@@ -9,7 +9,7 @@
 
 namespace slim {
 
-/// A sharp surfel made ready for one view: a record for each sheet, all with the same ball.
+/// A sharp surfel made ready for one view: a record for each sheet, all with the same ball. One sheet: a smooth surfel.
 struct SharpRecord {
     std::array<DrawRecord, kMostSheets> sheet;
     std::size_t n_sheets = 1;
@@ -43,6 +43,7 @@ inline SharpRays<V> sharp_rays(const SharpRecord& s, const PixelRays<V>& rays,
 template <class V>
 inline typename V::mask_type on_joined_surface(const SharpRecord& s, const SharpRays<V>& rays,
                                                std::size_t i, const V& t) {
+    if (s.n_sheets == 1) return typename V::mask_type(true);
     std::array<V, kMostSheets> f;
     for (std::size_t k = 0; k < s.n_sheets; ++k)
         f[k] = k == i ? V(0.0f) : lanes_value(rays.f[k], t);

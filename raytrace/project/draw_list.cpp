@@ -1,5 +1,6 @@
 #include "raytrace/project/draw_list.h"
 
+#include "raytrace/project/pixel_records.h"
 #include "slim/base/parallel.h"
 
 #include <algorithm>
@@ -8,23 +9,6 @@
 
 namespace slim {
 namespace {
-
-/// Pixel indices [lo, hi) whose centres lie in the interval of pixel coordinates, with a guard of a
-/// thousandth of a pixel, clipped to [begin, end).
-void pixel_range(double lo, double hi, int begin, int end, int& first, int& last) {
-    constexpr double kGuard = 1e-3;
-    lo = std::clamp(std::ceil(lo - 0.5 - kGuard), double(begin), double(end));
-    hi = std::clamp(std::floor(hi - 0.5 + kGuard) + 1, double(begin), double(end));
-    first = static_cast<int>(lo);
-    last = static_cast<int>(hi);
-}
-
-/// Bounds of x / z over a ball with z > radius (NUMERICS 7.2).
-void slope_bounds(double x, double z, double radius, double& lo, double& hi) {
-    const double l = std::sqrt(x * x + (z - radius) * (z + radius));
-    lo = (x * l - radius * z) / (z * l + radius * x);
-    hi = (x * l + radius * z) / (z * l - radius * x);
-}
 
 /// Stable order of the keys: least significant digit first, 11 bits at a time.
 std::vector<std::uint32_t> sorted_order(const std::vector<std::uint32_t>& keys) {
@@ -99,87 +83,102 @@ DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t shee
     return r;
 }
 
-/// Further sheets of what is drawn; nothing at all for smooth models.
-void add_sharp(const PixelView& view, const SurfelTree& tree, DrawList& list) {
-    if (tree.sharp().empty()) return;
-    list.sharp_of.assign(list.records.size(), kSmooth);
-    for (std::size_t i = 0; i < list.records.size(); ++i) {
-        const std::uint32_t node = list.records[i].node;
-        if (!(tree.node(node).flags & kSharp)) continue;
-        list.sharp_of[i] = static_cast<std::uint32_t>(list.sharp.size());
-        list.sharp.push_back(sharp_record(view, tree, node));
+/// Near the eye or beyond 64 degrees off the axis, where what a PixelRecord adds up is no longer of the order of 1.
+bool is_extreme(const PixelView& view, const Vec3d& c, double radius) {
+    constexpr double kSqSlope = 4;
+    if (view.orthographic) return false;
+    return c.z <= 4 * radius || c.x * c.x + c.y * c.y > kSqSlope * c.z * c.z;
+}
+
+/// A sharp surfel reaches anywhere in its ball.
+void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
+                DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
+    full = screen_rect(view, window, c, radius);
+    trimmed = screen_rect(view, window, c, kHitTrim * radius);
+    item.near_hit = c.z - kHitTrim * radius;
+    item.near_blend = c.z - radius, item.far_blend = c.z + radius;
+}
+
+void bound_patch(const PixelView& view, const PixelWindow& window, const Surfel& s, const Vec3d& c,
+                 DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
+    const PatchView from(view, c, view.rotate_to_camera(s.frame.normal));
+    const double radius = s.support_radius;
+    const PatchBounds whole = patch_bounds(radius, 1, s.polynomial);
+    full = screen_rect(from, window, whole);
+    if (full.empty()) return;
+    const PatchBounds core = patch_bounds(radius, kHitTrim, s.polynomial);
+    trimmed = screen_rect(from, window, core);
+    item.near_hit = c.z - core.support(from.z, false);
+    // q^ lies in the ball and no farther than kBelongs from the surface.
+    item.near_blend = c.z - std::min(radius, whole.support(from.z, false) + kBelongs * radius);
+    item.far_blend = c.z + std::min(radius, whole.support(from.z, true) + kBelongs * radius);
+}
+
+template <int Degree>
+void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
+                std::uint32_t node, std::size_t i, DrawList<Degree>& list) {
+    const Surfel s = tree.surfel(node);
+    const Vec3d c = view.camera_from_local(s.center);
+    DrawItem& item = list.items[i];
+    item.z_center = c.z, item.z_base = grid_of(view, c.z, s.support_radius).z_base;
+    item.node = node, item.rims = s.rims;
+    if (s.sharp || is_extreme(view, c, s.support_radius)) {
+        item.general = 0;
+        return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
+    }
+    bound_patch(view, window, s, c, item, list.full[i], list.trimmed[i]);
+    if (!list.full[i].empty()) fill_pixel_record(view, s, list.records[i]);
+}
+
+/// What the general kernels draw, in order.
+template <int Degree>
+void add_general(const PixelView& view, const SurfelTree& tree, DrawList<Degree>& list) {
+    for (const std::uint32_t i : list.order) {
+        DrawItem& item = list.items[i];
+        if (item.general == kFast) continue;
+        item.general = static_cast<std::uint32_t>(list.general.size());
+        list.general.push_back(sharp_record(view, tree.surfel(item.node), item.node));
     }
 }
 
 }  // namespace
 
-ScreenRect screen_rect(const PixelView& view, const PixelWindow& w, const Vec3d& c, double radius) {
-    ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
-    if (c.z + radius < view.near_plane) return {};
-    double lo_x, hi_x, lo_y, hi_y, scale;
-    if (view.orthographic) {
-        lo_x = c.x - radius, hi_x = c.x + radius, lo_y = c.y - radius, hi_y = c.y + radius;
-        scale = view.px_per_unit;
-    } else {
-        if (c.z <= radius) return rect;
-        slope_bounds(c.x, c.z, radius, lo_x, hi_x);
-        slope_bounds(c.y, c.z, radius, lo_y, hi_y);
-        scale = view.focal_px;
-    }
-    pixel_range(view.center_x + lo_x * scale, view.center_x + hi_x * scale, rect.x0, rect.x1,
-                rect.x0, rect.x1);
-    pixel_range(view.center_y + lo_y * scale, view.center_y + hi_y * scale, rect.y0, rect.y1,
-                rect.y0, rect.y1);
-    return rect;
-}
-
-DrawRecord draw_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node) {
-    return sheet_record(view, tree.surfel(node), 0, node);
-}
-
-SharpRecord sharp_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node) {
-    const Surfel s = tree.surfel(node);
+SharpRecord sharp_record(const PixelView& view, const Surfel& s, std::uint32_t node) {
     SharpRecord out;
     out.n_sheets = s.n_sheets();
-    out.outer = s.sharp->outer;
-    out.inner = s.sharp->inner;
+    if (s.sharp) out.outer = s.sharp->outer, out.inner = s.sharp->inner;
     for (std::size_t i = 0; i < out.n_sheets; ++i) out.sheet[i] = sheet_record(view, s, i, node);
     return out;
 }
 
-DrawList draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                   std::span<const std::uint32_t> cut) {
-    std::vector<ScreenRect> rects(cut.size());
+template <int Degree>
+DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
+                           std::span<const std::uint32_t> cut) {
+    DrawList<Degree> list;
+    list.items.resize(cut.size());
+    list.full.resize(cut.size());
+    list.trimmed.resize(cut.size());
+    list.records = std::make_unique_for_overwrite<PixelRecord<Degree>[]>(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
-    constexpr std::size_t kGrain = 1024;
+    constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d c = view.camera_from_local(tree.center(cut[i]));
-            const double radius = tree.support_radius(cut[i]);
-            rects[i] = screen_rect(view, window, c, radius);
-            keys[i] = ordered_bits(static_cast<float>(c.z - kHitTrim * radius - z_root));
+            fill_entry(view, window, tree, cut[i], i, list);
+            keys[i] = ordered_bits(static_cast<float>(list.items[i].near_hit - z_root));
         }
     });
-    std::vector<std::uint32_t> order = sorted_order(keys);
-    std::erase_if(order, [&](std::uint32_t i) { return rects[i].empty(); });
-    DrawList list;
-    list.records.resize(order.size());
-    list.full.resize(order.size());
-    list.trimmed.resize(order.size());
-    list.rims.resize(order.size());
-    parallel_blocks(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t node = cut[order[i]];
-            list.records[i] = draw_record(view, tree, node);
-            list.full[i] = rects[order[i]];
-            list.rims[i] = tree.node(node).rims();
-            list.trimmed[i] = screen_rect(view, window, view.camera_from_local(tree.center(node)),
-                                          kHitTrim * tree.support_radius(node));
-        }
-    });
-    add_sharp(view, tree, list);
+    list.order = sorted_order(keys);
+    std::erase_if(list.order, [&](std::uint32_t i) { return list.full[i].empty(); });
+    add_general(view, tree, list);
     return list;
 }
+
+template DrawList<1> draw_list<1>(const PixelView&, const PixelWindow&, const SurfelTree&,
+                                  std::span<const std::uint32_t>);
+template DrawList<2> draw_list<2>(const PixelView&, const PixelWindow&, const SurfelTree&,
+                                  std::span<const std::uint32_t>);
+template DrawList<3> draw_list<3>(const PixelView&, const PixelWindow&, const SurfelTree&,
+                                  std::span<const std::uint32_t>);
 
 }  // namespace slim

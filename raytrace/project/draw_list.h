@@ -1,52 +1,50 @@
 #pragma once
 
 #include "raytrace/camera.h"
-#include "raytrace/intersect/ray_kernel.h"
+#include "raytrace/intersect/pixel_record.h"
 #include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/project/screen_rect.h"
 #include "raytrace/renderer.h"
+#include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace slim {
 
-/// Pixels [x0, x1) x [y0, y1) of the whole picture.
-struct ScreenRect {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-    bool empty() const { return x0 >= x1 || y0 >= y1; }
+/// A surfel in the form of the general kernels, sheet by sheet; doubles inside, floats out.
+SharpRecord sharp_record(const PixelView& view, const Surfel& surfel, std::uint32_t node);
+
+inline constexpr std::uint32_t kFast = 0xffffffffu;
+
+/// What is known of a surfel of the cut besides its polynomials.
+struct DrawItem {
+    double z_base;              ///< camera z where tau = 0
+    double z_center;
+    double near_hit;            ///< no first hit has a smaller camera z
+    double near_blend, far_blend;  ///< where a q^ that it takes part in lies
+    std::uint32_t node;
+    std::uint32_t general = kFast;  ///< entry in DrawList::general
+    PackedRims rims;
 };
 
-/// Pixels of the window whose centre's ray may meet the ball in front of the near plane: exact bounds
-/// per axis for a ball in front of the eye's plane (NUMERICS 7.2), the whole window otherwise.
-ScreenRect screen_rect(const PixelView& view, const PixelWindow& window, const Vec3d& center,
-                       double radius);
-
-/// One surfel in the form of the kernels; doubles inside, floats out.
-DrawRecord draw_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node);
-
-/// The same of a sharp surfel, sheet by sheet.
-SharpRecord sharp_record(const PixelView& view, const SurfelTree& tree, std::uint32_t node);
-
-inline constexpr std::uint32_t kSmooth = 0xffffffffu;
-
-/// The cut, ready to draw, nearest first (ties in node order); what misses the window is left out.
+/// The cut, ready to draw, entry by entry.
+template <int Degree>
 struct DrawList {
-    std::vector<DrawRecord> records;
-    std::vector<ScreenRect> full;     ///< of the support ball
-    std::vector<ScreenRect> trimmed;  ///< of the ball shrunken by kHitTrim
-    std::vector<PackedRims> rims;
-    std::vector<SharpRecord> sharp;       ///< the sharp ones, in the same order
-    /// Of each record its entry in `sharp` or kSmooth; empty in smooth models.
-    std::vector<std::uint32_t> sharp_of;
-
-    const SharpRecord* sharp_at(std::uint32_t record) const {
-        return sharp_of[record] == kSmooth ? nullptr : &sharp[sharp_of[record]];
-    }
+    std::vector<DrawItem> items;
+    std::vector<ScreenRect> full;     ///< of the surface in the support ball
+    std::vector<ScreenRect> trimmed;  ///< of the surface in the ball shrunken by kHitTrim
+    std::unique_ptr<PixelRecord<Degree>[]> records;  ///< of what is on the screen and not general
+    /// Sharp surfels, and those near the eye or far off the axis.
+    std::vector<SharpRecord> general;
+    std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit, ties in the cut's order
 };
 
-DrawList draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                   std::span<const std::uint32_t> cut);
+template <int Degree>
+DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
+                           std::span<const std::uint32_t> cut);
 
 }  // namespace slim

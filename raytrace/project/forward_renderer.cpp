@@ -25,51 +25,55 @@ private:
 };
 
 /// One picture's worth of what all tiles read.
+template <int Degree>
 struct Scene {
     const SurfelTree& tree;
     PixelView view;
     PixelWindow window;  ///< as wanted
     PixelWindow grid;    ///< in whole tiles
-    const DrawList& list;
+    const DrawList<Degree>& list;
     const TileBins& bins;
+    TileSums sums;
+    bool with_directions;  ///< of the rays: the general kernels and positions need them
+
+    int first_x(std::size_t tile) const {
+        return grid.x + static_cast<int>(tile) % bins.columns * kTileSize;
+    }
+    int first_y(std::size_t tile) const {
+        return grid.y + static_cast<int>(tile) / bins.columns * kTileSize;
+    }
 };
 
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird = false>
-void draw_tile(const Scene& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
+void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
     const auto entries = scene.bins.of(tile);
-    const DrawRecord& nearest = scene.list.records[entries.front()];
-    const int column = static_cast<int>(tile) % scene.bins.columns;
-    const int row = static_cast<int>(tile) / scene.bins.columns;
-    t.start(scene.view, scene.window, scene.grid.x + column * kTileSize,
-            scene.grid.y + row * kTileSize,
-            nearest.z_center - kHitTrim * static_cast<double>(nearest.radius), kWantHessian,
-            kWantThird);
-    run_stage_1<Degree, kSharpModel>(scene.list, entries, t);
-    run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, t);
-    resolve_tile(scene.view, scene.window, scene.tree, scene.list, entries, t, out);
+    t.start(scene.view, scene.window, scene.first_x(tile), scene.first_y(tile),
+            scene.list.items[entries.front()].near_hit, scene.sums);
+    if (scene.with_directions) t.fill_directions(scene.view);
+    run_stage_1<Degree>(scene.list, entries, scene.sums, t);
+    run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
+    resolve_tile(scene.view, scene.window, scene.tree, scene.list.items, entries, scene.sums, t, out);
 }
 
-using DrawTile = void (*)(const Scene&, std::size_t, TileBuffers&, GBuffer&);
-
 template <int Degree>
-DrawTile choose_of(bool want_hessian, bool sharp) {
-    if (want_hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
+using DrawTile = void (*)(const Scene<Degree>&, std::size_t, TileBuffers&, GBuffer&);
+
+/// Third derivatives are those of cubic surfels; of others they are zero, and not summed.
+template <int Degree>
+DrawTile<Degree> choose(const TileSums& sums, bool sharp) {
+    if constexpr (Degree == 3)
+        if (sums.third) return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
+    if (sums.hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
 
-/// Third derivatives are those of cubic surfels; of others they are zero, and not summed.
-DrawTile choose(int degree, Channels wanted, bool sharp) {
-    const bool want_hessian = (wanted & kHessianChannels) != 0;
-    if (degree >= 3 && (wanted & kThirdOrderChannel) != 0)
-        return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
-    if (degree <= 1) return choose_of<1>(want_hessian, sharp);
-    return degree == 2 ? choose_of<2>(want_hessian, sharp) : choose_of<3>(want_hessian, sharp);
-}
-
-TileCounts draw_tiles(const Scene& scene, DrawTile draw, GBuffer& out) {
+template <int Degree>
+TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
+    const DrawTile<Degree> draw = choose<Degree>(scene.sums, !scene.tree.sharp().empty());
     std::vector<TileCounts> counts(scene.bins.n_tiles());
     parallel_blocks(scene.bins.n_tiles(), 1, [&](std::size_t tile, std::size_t) {
-        if (scene.bins.of(tile).empty()) return;
+        if (scene.bins.of(tile).empty())
+            return clear_tile(scene.window, scene.first_x(tile), scene.first_y(tile), out);
         TileBuffers buffers;
         draw(scene, tile, buffers, out);
         counts[tile] = buffers.counts;
@@ -84,6 +88,31 @@ TileCounts draw_tiles(const Scene& scene, DrawTile draw, GBuffer& out) {
     return sum;
 }
 
+void put_counts(const TileCounts& counts, RenderStats& stats) {
+    stats.root_tests = counts.root_tests;
+    stats.distance_tests = counts.distance_tests;
+    stats.covered_pixels = counts.covered;
+    stats.unblended_pixels = counts.unblended;
+}
+
+/// Draws a cut of a model of this degree.
+template <int Degree>
+void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& window,
+              std::span<const std::uint32_t> cut, Clock& clock, RenderStats& stats, GBuffer& out) {
+    const PixelWindow grid = whole_tiles(window);
+    const DrawList<Degree> list = draw_list<Degree>(view, grid, tree, cut);
+    stats.surfels_drawn = list.order.size();
+    stats.decode_ms = clock.lap_ms();
+    const TileBins bins = tile_bins(grid, list.full, list.order);
+    stats.tile_entries = bins.entries.size();
+    stats.bin_ms = clock.lap_ms();
+    const bool with_directions = !list.general.empty() || out.has(kPositionChannel);
+    put_counts(draw_tiles<Degree>({tree, view, window, grid, list, bins, TileSums(out.channels), with_directions},
+                                  out),
+               stats);
+    stats.draw_ms = clock.lap_ms();
+}
+
 }  // namespace
 
 RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request, GBuffer& out) {
@@ -91,28 +120,15 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     RenderStats stats;
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
-    const PixelWindow grid = whole_tiles(window);
-    out.reset(window.width, window.height, request.wanted);
+    out.resize(window.width, window.height, request.wanted);
     CutCounts met;
-    const auto cut = lod_cut(tree, view, grid, {request.lod_px, request.loose}, met);
+    const auto cut = lod_cut(tree, view, whole_tiles(window), {request.lod_px, request.loose}, met);
     stats.nodes_visited = met.nodes_visited;
     stats.loose_hidden = met.loose_hidden;
     stats.cut_ms = clock.lap_ms();
-    const DrawList list = draw_list(view, grid, tree, cut);
-    stats.surfels_drawn = list.records.size();
-    stats.decode_ms = clock.lap_ms();
-    const TileBins bins = tile_bins(grid, list.full);
-    stats.tile_entries = bins.entries.size();
-    stats.bin_ms = clock.lap_ms();
-    const TileCounts counts =
-        draw_tiles({tree, view, window, grid, list, bins},
-                   choose(tree.header().degree, request.wanted, !tree.sharp().empty()),
-                   out);
-    stats.draw_ms = clock.lap_ms();
-    stats.root_tests = counts.root_tests;
-    stats.distance_tests = counts.distance_tests;
-    stats.covered_pixels = counts.covered;
-    stats.unblended_pixels = counts.unblended;
+    const int degree = tree.header().degree;
+    const auto draw = degree <= 1 ? draw_cut<1> : degree == 2 ? draw_cut<2> : draw_cut<3>;
+    draw(tree, view, window, cut, clock, stats, out);
     stats.total_ms = stats.cut_ms + stats.decode_ms + stats.bin_ms + stats.draw_ms;
     return stats;
 }

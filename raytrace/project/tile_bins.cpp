@@ -21,17 +21,18 @@ PixelWindow whole_tiles(const PixelWindow& w) {
     return {x, y, rounded(w.x + w.width - x), rounded(w.y + w.height - y)};
 }
 
-TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects) {
+TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
+                   std::span<const std::uint32_t> order) {
     TileBins bins;
     bins.columns = (window.width + kTileSize - 1) / kTileSize;
     bins.rows = (window.height + kTileSize - 1) / kTileSize;
     bins.start.assign(bins.n_tiles() + 1, 0);
-    for (const ScreenRect& r : rects)
-        for_each_tile(window, bins.columns, r, [&](std::size_t t) { ++bins.start[t + 1]; });
+    for (const std::uint32_t i : order)
+        for_each_tile(window, bins.columns, rects[i], [&](std::size_t t) { ++bins.start[t + 1]; });
     for (std::size_t t = 0; t < bins.n_tiles(); ++t) bins.start[t + 1] += bins.start[t];
     bins.entries.resize(bins.start.back());
     std::vector<std::size_t> next(bins.start.begin(), bins.start.end() - 1);
-    for (std::uint32_t i = 0; i < rects.size(); ++i)
+    for (const std::uint32_t i : order)
         for_each_tile(window, bins.columns, rects[i],
                       [&](std::size_t t) { bins.entries[next[t]++] = i; });
     return bins;

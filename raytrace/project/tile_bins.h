@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raytrace/project/draw_list.h"
+#include "raytrace/project/screen_rect.h"
 
 #include <cstdint>
 #include <span>
@@ -10,11 +10,11 @@ namespace slim {
 
 inline constexpr int kTileSize = 32;
 
-/// Which records touch which 32x32 tile of the window, in the order of the draw list.
+/// Which entries of a draw list touch which 32x32 tile of the window, in its order.
 struct TileBins {
     int columns = 0, rows = 0;
     std::vector<std::size_t> start;      ///< n_tiles + 1 offsets into `entries`
-    std::vector<std::uint32_t> entries;  ///< indices into the draw list
+    std::vector<std::uint32_t> entries;  ///< of the draw list
 
     std::size_t n_tiles() const {
         return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
@@ -28,6 +28,8 @@ struct TileBins {
 /// same for any window: a window's pixels then have the bytes of the whole picture's.
 PixelWindow whole_tiles(const PixelWindow& window);
 
-TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects);
+/// `order` names the rectangles to sort in, none of them empty.
+TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
+                   std::span<const std::uint32_t> order);
 
 }  // namespace slim

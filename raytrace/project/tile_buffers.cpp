@@ -11,24 +11,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 void fill(TilePlane& plane, float value) { std::fill_n(plane.v, kTilePixels, value); }
 
-/// Unit directions of a tile's rays; offsets from the axis are taken in doubles.
-void fill_directions(TileBuffers& t, const PixelView& view) {
-    for (int y = 0; y < kTileSize; ++y)
-        for (int x = 0; x < kTileSize; ++x) {
-            const auto i = static_cast<std::size_t>(y * kTileSize + x);
-            double dx = 0, dy = 0, len = 1;
-            if (!view.orthographic) {
-                dx = (t.x0 + x + 0.5 - view.center_x) / view.focal_px;
-                dy = (t.y0 + y + 0.5 - view.center_y) / view.focal_px;
-                len = std::sqrt(dx * dx + dy * dy + 1);
-            }
-            t.dx.v[i] = static_cast<float>(dx / len);
-            t.dy.v[i] = static_cast<float>(dy / len);
-            t.dz.v[i] = static_cast<float>(1 / len);
-            t.inv_dz.v[i] = static_cast<float>(len);
-        }
-}
-
 /// +inf inside the window, -inf outside: no surfel is ever nearer there.
 void fill_depth(TileBuffers& t) {
     fill(t.z, -kInfinity);
@@ -40,7 +22,7 @@ void fill_depth(TileBuffers& t) {
 }  // namespace
 
 void TileBuffers::start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
-                        double reference_depth, bool want_hessian, bool want_third) {
+                        double reference_depth, const TileSums& sums) {
     x0 = first_x;
     y0 = first_y;
     clip = {std::max(x0, window.x), std::max(y0, window.y),
@@ -48,34 +30,54 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
             std::min(y0 + kTileSize, window.y + window.height)};
     z_ref = reference_depth;
     near_z = static_cast<float>(view.near_plane - z_ref);
-    fill_directions(*this, view);
     fill_depth(*this);
-    fill(winner, -1.0f);
-    for (TilePlane* plane : {&gx, &gy, &gz, &weight, &offset, &count, &sum_x, &sum_y, &sum_z})
-        fill(*plane, 0.0f);
-    if (want_hessian)
+    for (TilePlane* plane : {&weight, &sum_x, &sum_y, &sum_z}) fill(*plane, 0.0f);
+    if (sums.depth) fill(offset, 0.0f);
+    if (sums.count) fill(count, 0.0f);
+    if (sums.hessian)
         for (TilePlane& plane : hessian) fill(plane, 0.0f);
-    if (want_third)
+    if (sums.third)
         for (TilePlane& plane : third) fill(plane, 0.0f);
+    for (int strip = 0; strip < kStrips; ++strip)
+        for (int x = 0; x < kTileSize; x += kLanes) update_strip(strip, x);
     counts = {};
 }
 
-float TileBuffers::farthest() const {
-    FloatV far(-kInfinity);
-    for (std::size_t i = 0; i < kTilePixels; i += kLanes) far = stdx::max(far, z.load(i));
-    return stdx::hmax(far);
+/// Offsets from the axis are taken in doubles.
+void TileBuffers::fill_directions(const PixelView& view) {
+    for (int y = 0; y < kTileSize; ++y)
+        for (int x = 0; x < kTileSize; ++x) {
+            const auto i = static_cast<std::size_t>(y * kTileSize + x);
+            double ray_x = 0, ray_y = 0, len = 1;
+            if (!view.orthographic) {
+                ray_x = (x0 + x + 0.5 - view.center_x) / view.focal_px;
+                ray_y = (y0 + y + 0.5 - view.center_y) / view.focal_px;
+                len = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);
+            }
+            dx.v[i] = static_cast<float>(ray_x / len);
+            dy.v[i] = static_cast<float>(ray_y / len);
+            dz.v[i] = static_cast<float>(1 / len);
+            inv_dz.v[i] = static_cast<float>(len);
+        }
 }
 
-bool TileBuffers::update_group_ranges() {
-    bool any = false;
-    for (std::size_t g = 0; g < kGroups; ++g) {
-        const FloatV depth = z.load(g * kLanes);
-        const auto hit = winner.load(g * kLanes) >= 0.0f;
-        any = any || stdx::any_of(hit);
-        group_near[g] = stdx::hmin(select<FloatV>(hit, depth, FloatV(kInfinity)));
-        group_far[g] = stdx::hmax(select<FloatV>(hit, depth, FloatV(-kInfinity)));
-    }
-    return any;
+bool TileBuffers::bound_hits() {
+    FloatV::mask_type any(false);
+    for (int strip = 0; strip < kStrips; ++strip)
+        for (int x = 0; x < kTileSize; x += kLanes) {
+            FloatV near(kInfinity), far(-kInfinity);
+            for (int row = 0; row < kStripRows; ++row) {
+                const FloatV depth =
+                    z.load(static_cast<std::size_t>((strip * kStripRows + row) * kTileSize + x));
+                const auto hit = has_hit(depth);
+                any = any || hit;
+                near = stdx::min(near, select<FloatV>(hit, depth, near));
+                far = stdx::max(far, select<FloatV>(hit, depth, far));
+            }
+            near.copy_to(strip_near + strip * kTileSize + x, stdx::vector_aligned);
+            far.copy_to(strip_far + strip * kTileSize + x, stdx::vector_aligned);
+        }
+    return stdx::any_of(any);
 }
 
 }  // namespace slim

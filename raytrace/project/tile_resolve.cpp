@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
 
 namespace slim {
 namespace {
@@ -30,38 +33,57 @@ struct Target {
                         to.data() + in_buffer(t.clip.x0, y));
     }
 
-    /// visit(entry in the tile, entry in the G-buffer) for each pixel with a hit.
-    template <class Visit>
-    void for_each_hit(Visit&& visit) const {
+    /// Calls lanes_at(entry in the tile) -> FloatV for each group of lanes and writes its pixels in the window.
+    template <class LanesAt>
+    void put(std::vector<float>& to, LanesAt&& lanes_at) const {
         for (int y = t.clip.y0; y < t.clip.y1; ++y)
-            for (int x = t.clip.x0; x < t.clip.x1; ++x)
-                if (t.winner.v[in_tile(x, y)] >= 0) visit(in_tile(x, y), in_buffer(x, y));
+            for (int x = t.x0; x < t.clip.x1; x += kLanes) {
+                const FloatV lanes = lanes_at(in_tile(x, y));
+                if (x >= t.clip.x0 && x + kLanes <= t.clip.x1) {
+                    lanes.copy_to(to.data() + in_buffer(x, y), stdx::element_aligned);
+                    continue;
+                }
+                for (int k = std::max(0, t.clip.x0 - x); k < std::min(kLanes, t.clip.x1 - x); ++k)
+                    to[in_buffer(x + k, y)] = lanes[static_cast<std::size_t>(k)];
+            }
+    }
+
+    /// visit(entry in the tile, entry in the G-buffer) for each pixel of the window.
+    template <class Visit>
+    void for_each_pixel(Visit&& visit) const {
+        for (int y = t.clip.y0; y < t.clip.y1; ++y)
+            for (int x = t.clip.x0; x < t.clip.x1; ++x) visit(in_tile(x, y), in_buffer(x, y));
     }
 };
 
-/// Averages: z becomes the blended depth, sum_* the blended gradient (the winner's without weight);
-/// lanes without a hit become 0. Returns through the counts.
-void average(TileBuffers& t) {
-    const FloatV zero(0.0f);
+bool is_hit(float z) { return std::abs(z) < std::numeric_limits<float>::infinity(); }
+
+/// Averages: z becomes the blended depth if wanted, sum_* the blended gradient (that of q^ without weight). Infinite
+/// depths go on meaning no hit. Returns through the counts.
+void average(const TileSums& sums, TileBuffers& t) {
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
-        const auto hit = t.winner.load(i) >= 0.0f;
+        const FloatV z = t.z.load(i);
+        const auto hit = has_hit(z);
         const FloatV w = t.weight.load(i);
         const auto blended = hit && w > 0.0f;
         t.counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
         t.counts.unblended += static_cast<std::uint64_t>(stdx::popcount(hit && !blended));
-        const FloatV z = t.z.load(i) + select<FloatV>(blended, t.offset.load(i) / w, zero);
-        t.z.store(i, select<FloatV>(hit, z, zero));
+        if (sums.depth) t.z.store(i, z + select<FloatV>(blended, t.offset.load(i) / w, FloatV(0.0f)));
+        if (stdx::all_of(blended)) continue;
         t.sum_x.store(i, select<FloatV>(blended, t.sum_x.load(i), t.gx.load(i)));
         t.sum_y.store(i, select<FloatV>(blended, t.sum_y.load(i), t.gy.load(i)));
         t.sum_z.store(i, select<FloatV>(blended, t.sum_z.load(i), t.gz.load(i)));
     }
 }
 
-void write_depth(const Target& target, TileBuffers& t, GBuffer& out) {
-    target.for_each_hit([&](std::size_t i, std::size_t pixel) {
-        out.hit[pixel] = 1;
-        if (out.has(kDepthChannel))
-            out.depth[pixel] = static_cast<float>(t.z_ref + static_cast<double>(t.z.v[i]));
+void write_hits(const Target& target, const TileBuffers& t, GBuffer& out) {
+    target.for_each_pixel([&](std::size_t i, std::size_t pixel) { out.hit[pixel] = is_hit(t.z.v[i]); });
+}
+
+void write_depth(const Target& target, const TileBuffers& t, GBuffer& out) {
+    target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
+        const bool hit = is_hit(t.z.v[i]);
+        out.depth[pixel] = hit ? static_cast<float>(t.z_ref + static_cast<double>(t.z.v[i])) : 0.0f;
     });
 }
 
@@ -75,19 +97,19 @@ struct Rotation {
     }
 };
 
-/// The planes of the winner's gradient are free after the average: gx, gy, gz hold what is written.
+/// Blended gradients, unit; the planes of q^'s own are free after the average and take them in between.
 void write_normals(const PixelView& view, const Target& target, TileBuffers& t, GBuffer& out) {
     const Rotation rotation(view);
-    const std::array<TilePlane*, 3> normal{&t.gx, &t.gy, &t.gz};
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
-        const auto hit = t.winner.load(i) >= 0.0f;
         const FloatV x = t.sum_x.load(i), y = t.sum_y.load(i), z = t.sum_z.load(i);
-        const FloatV scale =
-            select<FloatV>(hit, 1.0f / stdx::sqrt(x * x + y * y + z * z), FloatV(0.0f));
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            normal[axis]->store(i, scale * rotation.component(axis, x, y, z));
+        const FloatV scale = inverse_sqrt(x * x + y * y + z * z);
+        t.gx.store(i, scale * x), t.gy.store(i, scale * y), t.gz.store(i, scale * z);
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) target.copy(*normal[axis], out.normal[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        target.put(out.normal[axis], [&](std::size_t i) {
+            const FloatV n = rotation.component(axis, t.gx.load(i), t.gy.load(i), t.gz.load(i));
+            return select<FloatV>(has_hit(t.z.load(i)), n, FloatV(0.0f));
+        });
 }
 
 /// P = point of the ray at z_ref + direction (z - z_ref): the first part is affine in the pixel, and all
@@ -103,7 +125,7 @@ void write_positions(const PixelView& view, const Target& target, TileBuffers& t
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
         const FloatV x = lane + static_cast<float>(i % kTileSize);
         const FloatV y(static_cast<float>(i / kTileSize));
-        const auto hit = t.winner.load(i) >= 0.0f;
+        const auto hit = has_hit(t.z.load(i));
         const FloatV along = t.z.load(i) * t.inv_dz.load(i);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const FloatV turned =
@@ -117,7 +139,7 @@ void write_positions(const PixelView& view, const Target& target, TileBuffers& t
 
 /// Principal directions and derivatives along them, before the Hessian's planes are used up; pixels
 /// that kept q^ have none. The planes of the winner's gradient are free, as in write_normals.
-void write_directions(const PixelView& view, const Target& target, bool have_third, TileBuffers& t,
+void write_directions(const PixelView& view, const Target& target, bool cubic, TileBuffers& t,
                       GBuffer& out) {
     const Rotation rotation(view);
     const std::array<TilePlane*, 3> direction{&t.gx, &t.gy, &t.gz};
@@ -131,7 +153,7 @@ void write_directions(const PixelView& view, const Target& target, bool have_thi
             const FloatV along = rotation.component(axis, p.t1[0], p.t1[1], p.t1[2]);
             direction[axis]->store(i, select<FloatV>(known, along, zero));
         }
-        if (!have_third) continue;
+        if (!cubic || !out.has(kThirdOrderChannel)) continue;
         std::array<FloatV, 10> c;
         for (std::size_t k = 0; k < 10; ++k) c[k] = t.third[k].load(i);
         const auto q = third_order_lanes<FloatV>(p, h, c);
@@ -140,7 +162,7 @@ void write_directions(const PixelView& view, const Target& target, bool have_thi
     if (out.has(kDirectionChannel))
         for (std::size_t axis = 0; axis < 3; ++axis)
             target.copy(*direction[axis], out.direction[axis]);
-    if (have_third)
+    if (out.has(kThirdOrderChannel))
         for (std::size_t k = 0; k < 4; ++k) target.copy(t.third[k], out.third[k]);
 }
 
@@ -163,37 +185,55 @@ void write_curvature(const Target& target, TileBuffers& t, GBuffer& out) {
     if (out.has(kGaussChannel)) target.copy(t.hessian[3], out.gauss);
 }
 
-/// What the winner's node says of itself.
-void write_fit(const Target& target, const SurfelTree& tree, const DrawList& list,
+/// What the node of the surfel that set q^ says of itself.
+void write_fit(const Target& target, const SurfelTree& tree, std::span<const DrawItem> items,
                std::span<const std::uint32_t> entries, const TileBuffers& t, GBuffer& out) {
-    target.for_each_hit([&](std::size_t i, std::size_t pixel) {
-        const std::uint32_t node =
-            list.records[entries[static_cast<std::size_t>(t.winner.v[i])]].node;
+    target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
+        const bool hit = is_hit(t.z.v[i]);
+        const std::uint32_t node = hit ? items[entries[static_cast<std::size_t>(t.winner.v[i])]].node : 0;
         if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = node;
-        if (out.has(kFitErrorChannel)) out.fit_error[pixel] = tree.node(node).fit_error;
-        if (out.has(kLevelChannel)) out.level[pixel] = tree.node(node).level;
-        if (out.has(kCountChannel)) out.count[pixel] = static_cast<std::uint32_t>(t.count.v[i]);
+        if (out.has(kFitErrorChannel)) out.fit_error[pixel] = hit ? tree.node(node).fit_error : 0.0f;
+        if (out.has(kLevelChannel)) out.level[pixel] = hit ? tree.node(node).level : 0.0f;
+    });
+}
+
+void write_count(const Target& target, const TileBuffers& t, GBuffer& out) {
+    target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
+        out.count[pixel] = is_hit(t.z.v[i]) ? static_cast<std::uint32_t>(t.count.v[i]) : 0;
     });
 }
 
 }  // namespace
 
 void resolve_tile(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                  const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t,
-                  GBuffer& out) {
+                  std::span<const DrawItem> items, std::span<const std::uint32_t> entries,
+                  const TileSums& sums, TileBuffers& t, GBuffer& out) {
     const Target target{window, t};
-    average(t);
-    if (t.counts.covered == 0) return;
-    write_depth(target, t, out);
+    average(sums, t);
+    write_hits(target, t, out);
+    if (out.has(kDepthChannel)) write_depth(target, t, out);
     if (out.has(kNormalChannel)) write_normals(view, target, t, out);
     if (out.has_any(kDirectionChannel | kThirdOrderChannel))
-        write_directions(view, target, out.has(kThirdOrderChannel) && tree.header().degree >= 3, t,
-                         out);
+        write_directions(view, target, tree.header().degree >= 3, t, out);
     if (out.has_any(kCurvatureChannel)) write_curvature(target, t, out);
     if (out.has(kPositionChannel)) write_positions(view, target, t, out);
     if (out.has(kCoverageChannel)) target.copy(t.weight, out.coverage);
-    constexpr Channels kOfNode = kSurfelIdChannel | kFitErrorChannel | kLevelChannel | kCountChannel;
-    if (out.channels & kOfNode) write_fit(target, tree, list, entries, t, out);
+    if (sums.node) write_fit(target, tree, items, entries, t, out);
+    if (sums.count) write_count(target, t, out);
+}
+
+void clear_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out) {
+    const int x0 = std::max(first_x, window.x) - window.x, y0 = std::max(first_y, window.y) - window.y;
+    const int x1 = std::min(first_x + kTileSize - window.x, window.width);
+    const int y1 = std::min(first_y + kTileSize - window.y, window.height);
+    if (x0 >= x1) return;
+    const auto clear = [&](auto& plane) {
+        if (plane.empty()) return;
+        for (int y = y0; y < y1; ++y)
+            std::fill_n(plane.begin() + static_cast<std::ptrdiff_t>(out.index(x0, y)), x1 - x0, 0);
+    };
+    clear(out.hit);
+    out.for_each_plane(clear);
 }
 
 }  // namespace slim

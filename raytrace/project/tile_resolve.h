@@ -10,10 +10,13 @@
 
 namespace slim {
 
-/// Divides a tile's sums, turns them into the wanted channels and writes them to the G-buffer, whose
+/// Divides a tile's sums, turns them into the wanted channels and writes all its pixels to the G-buffer, whose
 /// pixel (0, 0) is the window's. Counts covered pixels and those that keep q^ for want of weight.
 void resolve_tile(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                  const DrawList& list, std::span<const std::uint32_t> entries, TileBuffers& t,
-                  GBuffer& out);
+                  std::span<const DrawItem> items, std::span<const std::uint32_t> entries,
+                  const TileSums& sums, TileBuffers& t, GBuffer& out);
+
+/// Pixels without a hit, in all channels, where a tile that begins at (first_x, first_y) of the picture meets the window.
+void clear_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out);
 
 }  // namespace slim

@@ -32,15 +32,15 @@ Frame<T> frame_from_normal(const Vec3<T>& n) {
             n};
 }
 
-/// Octahedral map of a unit vector to [-1, 1]^2 and back (Meyer et al. 2010); two floats, multiples of
-/// 2^-24, keep the direction to about 1e-7 rad.
+/// Octahedral map of a unit vector to [-1, 1]^2 and back (Meyer et al. 2010); two floats, multiples
+/// of 2^-24, keep the direction to about 1e-7 rad.
 struct Octahedral {
     float s = 0, t = 0;
 };
 
-/// Rounds to a multiple of 2^-24, the step of floats below 1. On this grid 1 - |s| - |t| is exact and
-/// either 0 or far above rounding: a normal read back gives the same two floats again, and beside
-/// the fold at n.z = 0 the frame never turns. Finer floats near 0 would not keep that.
+/// Rounds to a multiple of 2^-24, the step of floats below 1. On this grid 1 - |s| - |t| is exact
+/// and either 0 or far above rounding: a normal read back gives the same two floats again, and
+/// beside the fold at n.z = 0 the frame never turns. Finer floats near 0 would not keep that.
 inline float round_to_grid(double x) {
     return static_cast<float>(std::nearbyint(x * 0x1p24) * 0x1p-24);
 }

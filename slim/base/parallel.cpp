@@ -25,7 +25,8 @@ int threads_from(const char* variable) {
     const char* end = text + std::strlen(text);
     const auto result = std::from_chars(text, end, n);
     if (result.ec != std::errc() || result.ptr != end || n < 1)
-        throw ConfigError(std::string(variable) + "=" + text + ": expected a count of threads >= 1");
+        throw ConfigError(std::string(variable) + "=" + text +
+                          ": expected a count of threads >= 1");
     return n;
 }
 

@@ -23,8 +23,8 @@ private:
     void* control_;
 };
 
-/// Calls body(begin, end) over [0, n) in blocks of `grain` (the last shorter). The blocks are the same
-/// for any number of threads, so a result kept per block is deterministic.
+/// Calls body(begin, end) over [0, n) in blocks of `grain` (the last shorter). The blocks are the
+/// same for any number of threads, so a result kept per block is deterministic.
 void parallel_blocks(std::size_t n, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& body);
 

@@ -5,7 +5,8 @@
 
 namespace slim {
 
-/// A 3-vector of T: point, direction or normal; the name of the variable says which, and in which frame.
+/// A 3-vector of T: point, direction or normal; the name of the variable says which, and in which
+/// frame.
 template <class T>
 struct Vec3 {
     T x{}, y{}, z{};

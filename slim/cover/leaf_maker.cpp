@@ -1,5 +1,6 @@
 #include "slim/cover/leaf_maker.h"
 
+#include "slim/base/parallel.h"
 #include "slim/cover/scatter.h"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p
     double best_sq = radius * radius;
     tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
         for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
-            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} - p);
+            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} + (bucket.origin - p));
             if (sq >= best_sq) continue;
             best_sq = sq;
             best = static_cast<std::uint32_t>(first + k);
@@ -66,8 +67,10 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
       place_(points.size()),
       spacing_(rules.spacing) {
     if (!(spacing_ > 0) && points.size() > 0) spacing_ = spacing_here();
-    for (std::size_t i = 0; i < pyramid_.all().size(); ++i)
-        place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
+    parallel_blocks(pyramid_.all().size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
+    });
 }
 
 /// By the median of 1,001 buckets' diagonals.

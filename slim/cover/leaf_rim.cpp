@@ -1,12 +1,11 @@
 #include "slim/cover/leaf_rim.h"
 
-#include "slim/base/simd.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace slim {
@@ -19,42 +18,35 @@ constexpr double kOfEdge = 0.1;   // over rho: so far covered points may lie bey
 constexpr double kNoRim = 1;      // over rho: where the ball ends
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
 constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
-constexpr std::size_t kGroups = kRimDirections / FloatV::size();
-using PerDirection = std::array<FloatV, kGroups>;
+constexpr double kLongestRim = kRimReaches * kRimStep;
+using PerDirection = std::array<float, kRimDirections>;
 
 struct Directions {
     PerDirection u, v;
     Directions() {
-        for (std::size_t g = 0; g < kGroups; ++g) {
-            const auto component = [g](std::size_t axis) {
-                return FloatV([&](auto lane) {
-                    const auto k = static_cast<int>(g * FloatV::size() + lane);
-                    return static_cast<float>(rim_direction(k)[axis]);
-                });
-            };
-            u[g] = component(0), v[g] = component(1);
+        for (int k = 0; k < kRimDirections; ++k) {
+            const auto [x, y] = rim_direction(k);
+            u[static_cast<std::size_t>(k)] = static_cast<float>(x);
+            v[static_cast<std::size_t>(k)] = static_cast<float>(y);
         }
     }
 };
 
-/// How far the covered points reach in each direction, over rho; at least 0, where the centre is.
-PerDirection reaches_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+/// How far the covered points reach in each direction, over rho; at least 0, where the centre is. Nothing once they
+/// reach farther than any rim everywhere, as they soon do on most surfaces.
+std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf) {
     static const Directions directions;
-    const Surfel& s = leaf.fitted.surfel;
-    PerDirection reach;
-    reach.fill(FloatV(0.0f));
-    for (const Covered& c : leaf.covered) {
-        const Vec3d x = (position[c.point] - s.center) / s.support_radius;
-        const auto u = static_cast<float>(dot(s.frame.u_axis, x));
-        const auto v = static_cast<float>(dot(s.frame.v_axis, x));
-        for (std::size_t g = 0; g < kGroups; ++g)
-            reach[g] = stdx::max(reach[g], directions.u[g] * u + directions.v[g] * v);
+    constexpr std::size_t kAtOnce = 24;
+    PerDirection reach{};
+    for (std::size_t i = 0; i < leaf.covered.size();) {
+        for (const std::size_t end = std::min(i + kAtOnce, leaf.covered.size()); i < end; ++i) {
+            const float u = leaf.covered[i].u, v = leaf.covered[i].v;
+            for (std::size_t k = 0; k < reach.size(); ++k)
+                reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
+        }
+        if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(kLongestRim)) return {};
     }
     return reach;
-}
-
-double reach_in(const PerDirection& reach, std::size_t k) {
-    return static_cast<double>(reach[k / FloatV::size()][k % FloatV::size()]);
 }
 
 /// How far the leaf may reach in each direction, over rho.
@@ -81,7 +73,7 @@ struct EdgeVotes {
         for (const EdgeSign& e : edges) {
             const double angle = std::atan2(e.v, e.u) / (2 * std::numbers::pi) * kRimDirections;
             const std::size_t k = Bounds::direction(static_cast<int>(std::lround(angle)));
-            if (reach_in(covered, k) > static_cast<double>(e.reach) + kOfEdge) continue;
+            if (static_cast<double>(covered[k]) > static_cast<double>(e.reach) + kOfEdge) continue;
             ++n[k], reach[k] += static_cast<double>(e.reach);
         }
     }
@@ -104,7 +96,7 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     const EdgeVotes votes(leaf.edges, covered);
     Bounds out;
     for (int k = 0; k < kRimDirections; ++k) {
-        const double last = reach_in(covered, Bounds::direction(k));
+        const double last = static_cast<double>(covered[Bounds::direction(k)]);
         out.reach[Bounds::direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
     }
     return out;
@@ -112,9 +104,11 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
 
 }  // namespace
 
-PackedRims rims_of(const CoveringSurfel& leaf, std::span<const Vec3d> position) {
+PackedRims rims_of(const CoveringSurfel& leaf) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};
-    Bounds bounds = bounds_of(leaf, reaches_of(leaf, position));
+    const auto reaches = reaches_of(leaf);
+    if (!reaches) return {};
+    Bounds bounds = bounds_of(leaf, *reaches);
     const int first = bounds.nearest();
     const PackedRim rim = pack_rim(first, bounds.reach[Bounds::direction(first)]);
     if (rim == 0) return {};

@@ -3,14 +3,12 @@
 #include "slim/cover/surfel_fit.h"
 #include "slim/model/rim.h"
 
-#include <span>
-
 namespace slim {
 
 /// The rims of a leaf, up to two: where the points that it covers end on one side, a little more than one spacing of
 /// theirs beyond the last of them (notes/0007), or at the edge that the ball's other points show (notes/0008). None
 /// where those are farther than 0.56 rho, as on most surfaces, and for sharp leaves.
-/// position: of the points that `covered` names. Cost: 32 products a point, by lanes.
-PackedRims rims_of(const CoveringSurfel& leaf, std::span<const Vec3d> position);
+/// Cost: 32 products a point, by lanes.
+PackedRims rims_of(const CoveringSurfel& leaf);
 
 }  // namespace slim

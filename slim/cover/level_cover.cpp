@@ -38,6 +38,14 @@ struct Candidate : LeafCandidate {
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
 };
 
+/// What has become of a point so far: side by side, as points by priority lie anywhere in memory.
+struct PointState {
+    float weight = 0;         // sum of G over the leaves so far
+    std::uint16_t flags = 0;  // LevelCover::State
+    std::uint8_t stamp = 0;   // level at which an internal surfel covers the point
+    std::uint8_t degree = 0;  // that goes with the radius found by an earlier search
+};
+
 /// The state of one run; each method is one step of it.
 class LevelCover {
 public:
@@ -46,11 +54,8 @@ public:
           rules_(rules),
           pyramid_(points, box_of(points), rules.seed, rules.share),
           leaves_(points, rules, pyramid_),
-          weight_(points.size(), 0.0f),
-          state_(points.size(), 0),
-          stamp_(points.size(), 0),
+          states_(points.size()),
           radius_(points.size(), 0.0f),
-          degree_(points.size(), 0),
           open_(points.size()),
           work_([&rules] {
               LeafWork w;
@@ -62,7 +67,7 @@ public:
         std::vector<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
         std::sort(dropped.begin(), dropped.end());
         for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
-            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) state_[i] = kClosed;
+            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) states_[i].flags = kClosed;
     }
 
     Cover run(Reporter& reporter) {
@@ -98,8 +103,9 @@ private:
         return box;
     }
     bool is_open(std::uint32_t p) const {
-        if (state_[p] & kClosed) return false;
-        return !((state_[p] & kCore) && weight_[p] >= static_cast<float>(kCoverage));
+        const PointState& s = states_[p];
+        if (s.flags & kClosed) return false;
+        return !((s.flags & kCore) && s.weight >= static_cast<float>(kCoverage));
     }
     std::size_t count_open() const {
         std::atomic<std::size_t> n = 0;
@@ -146,11 +152,8 @@ private:
     const CoverRules& rules_;
     PointPyramid pyramid_;
     LeafMaker leaves_;
-    std::vector<float> weight_;        // sum of G over the leaves so far
-    std::vector<std::uint16_t> state_; // State flags
-    std::vector<std::uint8_t> stamp_;  // level at which an internal surfel covers the point
+    std::vector<PointState> states_;
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
-    std::vector<std::uint8_t> degree_; // and the degree that goes with it
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
@@ -168,11 +171,13 @@ std::size_t LevelCover::thinning_for(double radius) const {
 
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-    parallel_erase_if(open_, [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); });
+    // Only all of them are sifted for good: the coarse levels look at few.
+    const auto is_closed = [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); };
+    if (thinning == 0) parallel_erase_if(open_, is_closed);
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
-    std::vector<std::uint32_t> waiting;
-    for (auto rank = open_.begin(); rank != end; ++rank)
-        waiting.push_back(pyramid_.by_priority()[*rank]);
+    std::vector<std::uint32_t> waiting(open_.begin(), end);
+    if (thinning > 0) parallel_erase_if(waiting, is_closed);
+    for (std::uint32_t& rank : waiting) rank = pyramid_.by_priority()[rank];
     for (const float most_overlap : kCrowding) {
         run_pass(level, thinning, most_overlap, waiting);
         if (waiting.empty()) break;
@@ -185,8 +190,8 @@ void LevelCover::run_level(int level) {
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                           std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= static_cast<float>(kCoverage);
-    const auto may_lead = [&](std::uint32_t p) { return is_open(p) && stamp_[p] != level; };
-    const auto is_free = [&](std::uint32_t p) { return last || weight_[p] <= most_overlap; };
+    const auto may_lead = [&](std::uint32_t p) { return is_open(p) && states_[p].stamp != level; };
+    const auto is_free = [&](std::uint32_t p) { return last || states_[p].weight <= most_overlap; };
 
     BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
     std::vector<std::uint32_t> passed, later;
@@ -198,9 +203,7 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
         for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
             // Points by priority lie anywhere in memory.
             const std::uint32_t soon = waiting[std::min(next + kPrefetch, waiting.size() - 1)];
-            __builtin_prefetch(&state_[soon]);
-            __builtin_prefetch(&weight_[soon]);
-            __builtin_prefetch(&stamp_[soon]);
+            __builtin_prefetch(&states_[soon]);
             const std::uint32_t p = waiting[next];
             if (!may_lead(p)) continue;
             if (is_free(p)) {
@@ -229,10 +232,10 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.center = c.point;
     c.level = level;
     if (radius_[c.point] > 0) {
-        c.choice = {radius_[c.point], degree_[c.point], (state_[c.point] & kSaturatedTop) != 0,
-                    (state_[c.point] & kForced) != 0, false, (state_[c.point] & kLimited) != 0};
-        c.sparse = (state_[c.point] & kThin) != 0;
-        c.n_sheets = state_[c.point] & kThreeSheets ? 3 : state_[c.point] & kTwoSheets ? 2 : 1;
+        c.choice = {radius_[c.point], states_[c.point].degree, (states_[c.point].flags & kSaturatedTop) != 0,
+                    (states_[c.point].flags & kForced) != 0, false, (states_[c.point].flags & kLimited) != 0};
+        c.sparse = (states_[c.point].flags & kThin) != 0;
+        c.n_sheets = states_[c.point].flags & kThreeSheets ? 3 : states_[c.point].flags & kTwoSheets ? 2 : 1;
     } else {
         leaves_.choose(c, work);
     }
@@ -241,9 +244,9 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (c.choice.isolated) return;
     // Known without a fit: many points of rims end here.
     c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
-    if (c.few_in_noise && (state_[c.point] & kBeside)) return;
+    if (c.few_in_noise && (states_[c.point].flags & kBeside)) return;
     if (c.leaf) leaves_.make(c, lower, work);
-    if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel, block_.position);
+    if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
@@ -262,12 +265,12 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
-    degree_[c.point] = static_cast<std::uint8_t>(c.choice.degree);
-    if (c.choice.forced) state_[c.point] |= kForced;
-    if (c.choice.saturated) state_[c.point] |= kSaturatedTop;
-    if (c.choice.limited) state_[c.point] |= kLimited;
-    if (c.sparse) state_[c.point] |= kThin;
-    if (c.n_sheets > 1) state_[c.point] |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
+    states_[c.point].degree = static_cast<std::uint8_t>(c.choice.degree);
+    if (c.choice.forced) states_[c.point].flags |= kForced;
+    if (c.choice.saturated) states_[c.point].flags |= kSaturatedTop;
+    if (c.choice.limited) states_[c.point].flags |= kLimited;
+    if (c.sparse) states_[c.point].flags |= kThin;
+    if (c.n_sheets > 1) states_[c.point].flags |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
     if (c.choice.isolated) {
         out_.counts.isolated += drop(c.point);
         return;
@@ -279,15 +282,15 @@ void LevelCover::accept(Candidate& c, int level) {
             keep(c.internal);
             ++out_.counts.internals;
         }
-        for (const std::uint32_t p : c.stamped) stamp_[p] = static_cast<std::uint8_t>(level);
-        stamp_[c.point] = static_cast<std::uint8_t>(level);
+        for (const std::uint32_t p : c.stamped) states_[p].stamp = static_cast<std::uint8_t>(level);
+        states_[c.point].stamp = static_cast<std::uint8_t>(level);
         return;
     }
     accept_leaf(c, level);
 }
 
 void LevelCover::accept_leaf(Candidate& c, int level) {
-    if (c.few_in_noise && (state_[c.point] & kBeside)) {
+    if (c.few_in_noise && (states_[c.point].flags & kBeside)) {
         out_.counts.beside += drop(c.point);
         return;
     }
@@ -302,11 +305,11 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
                                         (c.choice.forced ? slim::kForced : 0));
     f.point_id = block_.id[c.center];
-    if (is_raw() && (state_[c.point] & kBeside) && is_doubtful(f, rules_.noise_variance)) {
+    if (is_raw() && (states_[c.point].flags & kBeside) && is_doubtful(f, rules_.noise_variance)) {
         out_.counts.beside += drop(c.point);
         return;
     }
-    state_[c.point] |= kClosed;
+    states_[c.point].flags |= kClosed;
     mark(c.surfel);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
@@ -317,7 +320,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
 bool LevelCover::drop(std::uint32_t point) {
-    state_[point] |= kClosed;
+    states_[point].flags |= kClosed;
     if (rules_.is_sample() || !owns(block_.position[point])) return false;
     out_.dropped.push_back(block_.id[point]);
     return true;
@@ -331,13 +334,15 @@ void LevelCover::mark(const CoveringSurfel& leaf) {
         const double sq = sq_length(block_.position[p.point] - surfel.center) / sq_radius;
         return overlap_weight(rules_.reading, static_cast<float>(sq));
     };
+    const bool stands_for_more = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
+    const std::uint16_t beside = stands_for_more ? kBeside : 0;
     for (const Covered& p : leaf.covered) {
-        weight_[p.point] += overlap(p);
-        if (p.in_core) state_[p.point] |= kCore;
+        PointState& state = states_[p.point];
+        state.weight += overlap(p);
+        state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));
     }
-    if (!is_raw() || is_doubtful(leaf.fitted, rules_.noise_variance)) return;
-    for (const Covered& p : leaf.covered) state_[p.point] |= kBeside;
-    for (const std::uint32_t p : leaf.beside) state_[p] |= kBeside;
+    if (!stands_for_more) return;
+    for (const std::uint32_t p : leaf.beside) states_[p].flags |= kBeside;
 }
 
 }  // namespace

@@ -49,16 +49,20 @@ public:
         frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
         for (std::size_t k = 0; k < polynomial_.a.size(); ++k) polynomial_.a[k] = surfel.polynomial.a[k];
     }
-    /// Bits of the points of group `first` that lie no farther than `most`; their |f| is in off().
+    /// Bits of the points of group `first` that lie no farther than `most`; their |f| is in off(), their place in
+    /// the tangent plane in u(), v().
     std::uint64_t within(double most, std::size_t first) {
         const Lanes sq = lanes_at(ball_.sq, first);
         const Vec3<Lanes> local = frame_.local_from_world(
             {lanes_at(ball_.x, first), lanes_at(ball_.y, first), lanes_at(ball_.z, first)});
+        u_ = local.x, v_ = local.y;
         off_ = stdx::abs(local.z - polynomial_.value(local.x, local.y));
         if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
         return lane_bits(sq < 1.0 && off_ <= most);
     }
     double off(std::size_t lane) const { return off_[lane]; }
+    float u(std::size_t lane) const { return static_cast<float>(u_[lane]); }
+    float v(std::size_t lane) const { return static_cast<float>(v_[lane]); }
 
 private:
     double joined_at(std::size_t i) const {
@@ -68,7 +72,7 @@ private:
     const BallPoints<double>& ball_;
     Frame<Lanes> frame_;
     Polynomial<Lanes> polynomial_;
-    Lanes off_ = 0;
+    Lanes off_ = 0, u_ = 0, v_ = 0;
 };
 
 /// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too much alike.
@@ -86,8 +90,8 @@ std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& 
 }
 
 /// Lists the ball's points that the surfel explains and those beside it.
-void list_covered(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
-                  CoveringSurfel& out) {
+[[gnu::flatten]] void list_covered(const PointTree& tree, const BallPoints<double>& ball,
+                                   double noise_variance, CoveringSurfel& out) {
     const Surfel& s = out.fitted.surfel;
     const double noise = std::sqrt(noise_variance);
     const double tolerance = std::min(
@@ -113,7 +117,8 @@ void list_covered(const PointTree& tree, const BallPoints<double>& ball, double 
             const std::uint32_t point = tree.source(ball.index[i]);
             if (residuals.off(lane) <= tolerance)
                 out.covered.push_back(
-                    {point, static_cast<float>(weight[lane]), ball.sq[i] < kTrim * kTrim});
+                    {point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
+                     ball.sq[i] < kTrim * kTrim});
             else
                 out.beside.push_back(point);
         }
@@ -128,7 +133,7 @@ struct Footprint {
     double breadth = 0;  ///< least RMS width about the mean
 };
 
-Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& frame) {
+[[gnu::flatten]] Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& frame) {
     Lanes weight = 0, gu = 0, gv = 0;                         // under G
     Lanes n = 0, u1 = 0, v1 = 0, uu = 0, uv = 0, vv = 0;      // plain: under G a few points are a line by chance
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {

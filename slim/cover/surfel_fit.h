@@ -17,6 +17,7 @@ namespace slim {
 struct Covered {
     std::uint32_t point;  ///< index in the block
     float weight;         ///< G(|p - c| / rho)
+    float u, v;           ///< place in the tangent plane, over rho
     bool in_core;         ///< |p - c| < alpha rho
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <type_traits>
 
 namespace slim {
@@ -31,71 +32,76 @@ void pad(BallPoints<T>& out) {
     }
 }
 
-using DoubleV = stdx::native_simd<double>;
-constexpr std::size_t kGroup = DoubleV::size();
 constexpr std::size_t kBucket = PointBucket::kSize;
 
-/// A group of a bucket's points relative to a centre, times a scale.
+/// As many points of a bucket as V has lanes, relative to a centre, times a scale. How far the centre is from the
+/// bucket is taken in doubles.
+template <class V>
 struct Offsets {
-    DoubleV x, y, z, sq;
+    using T = typename V::value_type;
+    Vec3<V> d;
+    V sq;
 
-    Offsets(const PointBucket& b, std::size_t i, const Vec3d& c, double scale)
-        : x((DoubleV(b.x + i, stdx::vector_aligned) - c.x) * scale),
-          y((DoubleV(b.y + i, stdx::vector_aligned) - c.y) * scale),
-          z((DoubleV(b.z + i, stdx::vector_aligned) - c.z) * scale),
-          sq(x * x + y * y + z * z) {}
+    Offsets(const PointBucket& b, std::size_t i, const Vec3d& center, double scale) {
+        const Vec3d from = (center - b.origin) * scale;
+        const auto axis = [&](const float* p, double c) {
+            using Packed = stdx::rebind_simd_t<float, V>;
+            return stdx::static_simd_cast<V>(Packed(p + i, stdx::element_aligned)) * static_cast<T>(scale) -
+                   static_cast<T>(c);
+        };
+        set({axis(b.x, from.x), axis(b.y, from.y), axis(b.z, from.z)});
+    }
+    /// The same by the positions of the block, from the first-th of the tree on.
+    Offsets(const PointTree& tree, std::size_t first, const Vec3d& center, double scale) {
+        const auto axis = [&](double Vec3d::* a) {
+            return V([&](auto lane) {
+                const std::size_t i = first + lane;
+                return i < tree.size() ? static_cast<T>((tree.position(i).*a - center.*a) * scale)
+                                       : std::numeric_limits<T>::infinity();
+            });
+        };
+        set({axis(&Vec3d::x), axis(&Vec3d::y), axis(&Vec3d::z)});
+    }
+
+private:
+    void set(const Vec3<V>& offset) {
+        d = offset;
+        sq = d.x * d.x + d.y * d.y + d.z * d.z;
+    }
 };
 
-/// Adds the points of a group whose bits are set; `first` is the index of its first in the tree.
-void take(const PointBucket& b, std::size_t i, const Offsets& d, std::uint64_t inside,
-          std::size_t first, BallPoints<double>& out) {
-    const auto put = [&](const DoubleV& from, std::vector<double>& to) {
-        compress_to<double>(from, inside, &to[out.n]);
-    };
-    const auto copy = [&](const float* from, std::vector<float>& to) {
-        compress_to<float>(LanesOfDouble<float>(from + i, stdx::vector_aligned), inside, &to[out.n]);
-    };
-    put(d.x, out.x), put(d.y, out.y), put(d.z, out.z), put(d.sq, out.sq);
-    copy(b.nx, out.nx), copy(b.ny, out.ny), copy(b.nz, out.nz);
-    const LanesOfDouble<std::uint32_t> index([&](auto lane) {
-        return static_cast<std::uint32_t>(first + i + lane);
-    });
-    compress_to<std::uint32_t>(index, inside, &out.index[out.n]);
-    out.n += static_cast<std::size_t>(std::popcount(inside));
+/// Lanes of float for as many points as V has.
+template <class V>
+stdx::rebind_simd_t<float, V> normals_at(const std::int16_t* n) {
+    using Packed = stdx::rebind_simd_t<std::int16_t, V>;
+    using Floats = stdx::rebind_simd_t<float, V>;
+    return stdx::static_simd_cast<Floats>(Packed(n, stdx::element_aligned)) * (1 / PointBucket::kUnit);
 }
 
-/// Adds a bucket's points in the ball, by groups of doubles.
-void add_bucket(const PointBucket& b, const Vec3d& c, std::size_t first, BallPoints<double>& out) {
-    for (std::size_t i = 0; i < kBucket; i += kGroup) {
-        const Offsets offsets(b, i, c, 1 / out.radius);
-        const std::uint64_t inside = lane_bits(offsets.sq < 1.0);
-        if (inside != 0) take(b, i, offsets, inside, first, out);
-    }
-}
-
-/// The same by groups of floats, two of doubles each: half the stores. No index is kept.
-void add_bucket(const PointBucket& b, const Vec3d& c, std::size_t, BallPoints<float>& out) {
-    const double scale = 1 / out.radius;
-    const auto offset = [&](const double* from, double center) {
-        const auto part = [&](std::size_t i) {
-            return stdx::static_simd_cast<LanesOfDouble<float>>(
-                (DoubleV(from + i, stdx::vector_aligned) - center) * scale);
-        };
-        return FloatV(stdx::concat(part(0), part(kGroup)));
-    };
-    for (std::size_t i = 0; i < kBucket; i += FloatV::size()) {
-        const FloatV x = offset(b.x + i, c.x), y = offset(b.y + i, c.y), z = offset(b.z + i, c.z);
-        const FloatV sq = x * x + y * y + z * z;
-        const std::uint64_t inside = lane_bits(sq < 1.0f);
+/// Puts a bucket's points in the ball behind the n that it has, by groups; `first` is the index of its first in
+/// the tree. Returns how many there are now. The ball's own n and arrays are not read between the stores.
+template <class T>
+std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d& c, double scale,
+                       std::size_t first, std::size_t n, BallPoints<T>& out) {
+    using V = stdx::native_simd<T>;
+    T *x = out.x.data(), *y = out.y.data(), *z = out.z.data(), *sq = out.sq.data();
+    float *nx = out.nx.data(), *ny = out.ny.data(), *nz = out.nz.data();
+    [[maybe_unused]] std::uint32_t* index = out.index.data();
+    for (std::size_t i = 0; i < kBucket; i += V::size()) {
+        const bool as_packed = !std::is_same_v<T, double> || b.is_exact;
+        const Offsets<V> at = as_packed ? Offsets<V>(b, i, c, scale) : Offsets<V>(tree, first + i, c, scale);
+        const std::uint64_t inside = lane_bits(at.sq < T(1));
         if (inside == 0) continue;
-        const auto copy = [&](const float* from, std::vector<float>& to) {
-            compress_to(FloatV(from + i, stdx::vector_aligned), inside, &to[out.n]);
-        };
-        compress_to(x, inside, &out.x[out.n]), compress_to(y, inside, &out.y[out.n]);
-        compress_to(z, inside, &out.z[out.n]), compress_to(sq, inside, &out.sq[out.n]);
-        copy(b.nx, out.nx), copy(b.ny, out.ny), copy(b.nz, out.nz);
-        out.n += static_cast<std::size_t>(std::popcount(inside));
+        const auto put = [&]<class W, class U>(const W& from, U* to) { compress_to(from, inside, to + n); };
+        put(at.d.x, x), put(at.d.y, y), put(at.d.z, z), put(at.sq, sq);
+        put(normals_at<V>(b.nx + i), nx), put(normals_at<V>(b.ny + i), ny), put(normals_at<V>(b.nz + i), nz);
+        if constexpr (kHasIndex<T>)
+            put(LanesOfDouble<std::uint32_t>([&](auto lane) {
+                    return static_cast<std::uint32_t>(first + i + lane);
+                }), index);
+        n += static_cast<std::size_t>(std::popcount(inside));
     }
+    return n;
 }
 
 }  // namespace
@@ -104,10 +110,9 @@ template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
-    // Centred in doubles, then scaled.
-    tree.for_buckets_in_ball(c, radius, [&](std::size_t first, const PointBucket& bucket) {
+    tree.for_buckets_in_ball(c, radius, [&, scale = 1 / radius](std::size_t first, const PointBucket& bucket) {
         reserve_points(out, out.n + 2 * kBucket);
-        add_bucket(bucket, c, first, out);
+        out.n = add_bucket(tree, bucket, c, scale, first, out.n, out);
     });
     pad(out);
 }
@@ -115,28 +120,31 @@ void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoint
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<double>&);
 
-void list_sq_distances(const PointTree& tree, const Vec3d& c, double radius,
-                       std::vector<double>& out) {
-    const double sq_radius = radius * radius;
-    std::size_t n = 0;
-    tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
-        if (out.size() < n + 2 * kBucket) out.resize(2 * (n + 2 * kBucket));
-        for (std::size_t i = 0; i < kBucket; i += kGroup) {
-            const Offsets offsets(bucket, i, c, 1);
-            const std::uint64_t inside = lane_bits(offsets.sq < sq_radius);
-            compress_to<double>(offsets.sq, inside, &out[n]);
-            n += static_cast<std::size_t>(std::popcount(inside));
-        }
-    });
-    out.resize(n);
+void shrink_ball(BallPoints<float>& ball, double radius) {
+    const auto factor = static_cast<float>(ball.radius / radius);
+    const std::size_t end = ball.padded();
+    ball.n = 0;
+    ball.radius = radius;
+    for (std::size_t i = 0; i < end; i += FloatV::size()) {
+        const auto at = [&](const std::vector<float>& a) { return FloatV(&a[i], stdx::element_aligned); };
+        const FloatV x = at(ball.x), y = at(ball.y), z = at(ball.z), sq = at(ball.sq) * (factor * factor);
+        const FloatV nx = at(ball.nx), ny = at(ball.ny), nz = at(ball.nz);
+        const std::uint64_t inside = lane_bits(sq < 1.0f);
+        compress_to(x * factor, inside, &ball.x[ball.n]), compress_to(y * factor, inside, &ball.y[ball.n]);
+        compress_to(z * factor, inside, &ball.z[ball.n]), compress_to(sq, inside, &ball.sq[ball.n]);
+        compress_to(nx, inside, &ball.nx[ball.n]), compress_to(ny, inside, &ball.ny[ball.n]);
+        compress_to(nz, inside, &ball.nz[ball.n]);
+        ball.n += static_cast<std::size_t>(std::popcount(inside));
+    }
+    pad(ball);
 }
 
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
                           std::size_t enough) {
     std::size_t n = 0;
     tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
-        for (std::size_t i = 0; i < kBucket && n < enough; i += kGroup)
-            n += static_cast<std::size_t>(stdx::popcount(Offsets(bucket, i, c, 1 / radius).sq < 1.0));
+        for (std::size_t i = 0; i < kBucket && n < enough; i += FloatV::size())
+            n += static_cast<std::size_t>(stdx::popcount(Offsets<FloatV>(bucket, i, c, 1 / radius).sq < 1.0f));
     });
     return std::min(n, enough);
 }

@@ -28,16 +28,16 @@ struct BallPoints {
     }
 };
 
-/// Fills `out` with the tree's points within `radius` of `center` (|p - c| < radius), in tree order.
+/// Fills `out` with the tree's points within `radius` of `center` (|p - c| < radius), in tree order;
+/// as doubles to the last bit of the block's positions.
 /// Cost: the buckets that meet the ball, 2 to 4 times its points.
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
 
-/// Squared distances of the tree's points in the ball to its centre, in tree order.
-void list_sq_distances(const PointTree& tree, const Vec3d& center, double radius,
-                       std::vector<double>& out);
+/// Leaves of a ball the points within a smaller radius. Cost: a pass by lanes, no memory but the ball's.
+void shrink_ball(BallPoints<float>& ball, double radius);
 
-/// Number of the tree's points in the ball, at most `enough` counted.
+/// Number of the tree's points in the ball, by their floats, at most `enough` counted.
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& center, double radius,
                           std::size_t enough);
 

@@ -231,7 +231,7 @@ const char* fallback_name(Fallback fallback) {
 }
 
 template <class T>
-BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
+[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
     using V = stdx::native_simd<T>;
     const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
     const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
@@ -256,7 +256,7 @@ BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& si
 }
 
 template <class T>
-void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
+[[gnu::flatten]] void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
     using V = LanesOfDouble<float>;
     const auto lanes = [](const std::vector<float>& a, std::size_t i) {
         return V(&a[i], stdx::element_aligned);

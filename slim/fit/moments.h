@@ -6,6 +6,7 @@
 #include "slim/model/weight_kernel.h"
 
 #include <array>
+#include <type_traits>
 #include <utility>
 
 namespace slim {
@@ -29,11 +30,16 @@ struct Moments {
 
 namespace detail {
 
+/// The lanes of floats are added as doubles, by halves: lane after lane costs as much as the points of a ball.
 template <class V>
 double lane_sum(const V& v) {
-    double sum = 0;
-    for (std::size_t i = 0; i < V::size(); ++i) sum += static_cast<double>(v[i]);
-    return sum;
+    if constexpr (std::is_same_v<typename V::value_type, double> || V::size() % 2 != 0) {
+        return static_cast<double>(stdx::reduce(v));
+    } else {
+        using Half = LanesOfDouble<double>;
+        const auto [low, high] = stdx::split<V::size() / 2, V::size() / 2>(v);
+        return stdx::reduce(stdx::static_simd_cast<Half>(low) + stdx::static_simd_cast<Half>(high));
+    }
 }
 
 /// Sums kept in lanes over a few groups of points, then emptied into doubles.
@@ -73,7 +79,7 @@ struct LaneMoments {
 /// Sums over the ball's points with weights G at |x| / shrink, shrink <= 1 being the fit's radius over the
 /// gather radius. Products in T, lanes emptied into doubles every 16 groups.
 template <int Degree, class T>
-Moments<Degree> accumulate_moments(const BallPoints<T>& points, const Frame<double>& frame,
+[[gnu::flatten]] Moments<Degree> accumulate_moments(const BallPoints<T>& points, const Frame<double>& frame,
                                    double shrink) {
     using V = stdx::native_simd<T>;
     const auto axis = [](const Vec3d& a) { return Vec3<V>{V(T(a.x)), V(T(a.y)), V(T(a.z))}; };

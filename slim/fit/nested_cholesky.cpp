@@ -54,6 +54,7 @@ NestedCholesky::NestedCholesky(int degree, const Matrix& matrix, std::span<const
 
 template <class Entry>
 void NestedCholesky::factorise(int degree, const Entry& entry, std::span<const double> heights) {
+    std::array<double, kMost> inverse;  // of the pivots: a division takes as long as the rest of a term
     for (int d = 0; d <= degree; ++d) {
         const auto first = static_cast<std::size_t>(d * (d + 1) / 2);
         for (std::size_t i = first; i < first + static_cast<std::size_t>(d) + 1; ++i) {
@@ -64,13 +65,14 @@ void NestedCholesky::factorise(int degree, const Entry& entry, std::span<const d
             for (std::size_t j = 0; j < i; ++j) {
                 double a = entry(i, j) * scale_[i] * scale_[j];
                 for (std::size_t k = 0; k < j; ++k) a -= factor_[i][k] * factor_[j][k];
-                factor_[i][j] = a / factor_[j][j];
+                factor_[i][j] = a * inverse[j];
                 rest -= factor_[i][j] * factor_[i][j];
                 y -= factor_[i][j] * y_[j];
             }
             if (!(rest > kLeastPivot)) return;
             factor_[i][i] = std::sqrt(rest);
-            y_[i] = y / factor_[i][i];
+            inverse[i] = 1 / factor_[i][i];
+            y_[i] = y * inverse[i];
         }
         rank_degree_ = d;
     }

@@ -13,6 +13,8 @@ namespace {
 constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
 constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
+constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not gathered to be thinned at once
+constexpr double kAtTheEnd = 1.2;     // an optimum so little below a radius that 2 % are not worth a search
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -34,11 +36,13 @@ RadiusLadder::RadiusLadder(const PointPyramid& points, const MdlEnergy& energy,
       degree_(degree),
       rules_(rules),
       last_rung_(0) {
+    for (int rung = -rules_.above_root - 1; rung <= kMostRungs + 1; ++rung)
+        radii_.push_back(root_radius * std::pow(kGoldenRatio, rung));
     while (last_rung_ < kMostRungs && rung_radius(last_rung_ + 1) >= least_radius_) ++last_rung_;
 }
 
 double RadiusLadder::rung_radius(int rung) const {
-    return root_radius_ * std::pow(kGoldenRatio, rung);
+    return radii_[static_cast<std::size_t>(rung + rules_.above_root + 1)];
 }
 
 std::size_t RadiusLadder::least_points() const {
@@ -47,6 +51,7 @@ std::size_t RadiusLadder::least_points() const {
     return std::min(static_cast<std::size_t>(wanted), points_.all().size());
 }
 
+/// The ball of that rung is in the workspace then, if it holds enough points.
 int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const {
     const std::size_t enough = least_points();
     int rung = last_rung_;
@@ -54,17 +59,20 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
         rung = std::clamp(
             static_cast<int>(std::log(first_guess / root_radius_) / std::log(kGoldenRatio)),
             std::min(rules_.top_rung, last_rung_), last_rung_);
-    do {
-        list_sq_distances(points_.all(), center, rung_radius(rung), work.sq_distances);
-    } while (work.sq_distances.size() < enough && --rung >= coarsest_tried());
-    if (work.sq_distances.size() < enough) return rung;
+    const auto gather = [&] { gather_ball(points_.all(), center, rung_radius(rung), work.ball); };
+    gather();
+    while (work.ball.n < enough && --rung >= coarsest_tried()) gather();
+    if (work.ball.n < enough) return rung;
     const auto holds_enough = [&](int r) {
-        const double sq_radius = rung_radius(r) * rung_radius(r);
-        std::size_t inside = 0;
-        for (const double sq : work.sq_distances) inside += sq < sq_radius ? 1u : 0u;
-        return inside >= enough;
+        const double ratio = rung_radius(r) / work.ball.radius;
+        const auto sq_ratio = static_cast<float>(ratio * ratio);
+        const auto end = work.ball.sq.begin() + static_cast<std::ptrdiff_t>(work.ball.n);
+        return static_cast<std::size_t>(std::count_if(work.ball.sq.begin(), end, [&](float sq) {
+                   return sq < sq_ratio;
+               })) >= enough;
     };
     while (rung < last_rung_ && holds_enough(rung + 1)) ++rung;
+    if (rung_radius(rung) < work.ball.radius) shrink_ball(work.ball, rung_radius(rung));
     return rung;
 }
 
@@ -76,13 +84,28 @@ bool RadiusLadder::stands_alone(const Vec3d& center, int rung) const {
            count_in_ball(points_.all(), center, rung_radius(rung + 1), 2) < 2;
 }
 
+/// The thinning of the next coarser rung, which holds 1/g^2 as many points of a surface as this one.
+std::size_t RadiusLadder::likely_level(const Rung& finer) const {
+    const double n = static_cast<double>(finer.n) / (kGoldenRatio * kGoldenRatio);
+    const bool thinned = n > kClearlyMore * static_cast<double>(rules_.sample);
+    return std::min(finer.level + (thinned ? 1 : 0), points_.n_levels() - 1);
+}
+
+/// Gathers a rung's ball, thinned from `level` on until the sample is not exceeded.
+void RadiusLadder::gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const {
+    const double radius = rung_radius(rung);
+    const bool is_here = level == 0 && work.ball.radius == radius;  // the finest rung's
+    if (!is_here) gather_ball(points_.level(level), center, radius, work.ball);
+    while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
+        gather_ball(points_.level(++level), center, radius, work.ball);
+}
+
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,
                                                          const Vec3d& center, const Vec3d& normal,
                                                          LadderWork& work) const {
     const double radius = rung_radius(rung);
-    gather_ball(points_.level(level), center, radius, work.ball);
-    while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
-        gather_ball(points_.level(++level), center, radius, work.ball);
+    gather_rung(rung, level, center, work);
+    const std::size_t n_sample = work.ball.n;
     ++work.rungs;
     LadderFit found = fit_gathered(normal, work);
     // What is missed must be known as well as E asks for; only balls that show noise alone need more points.
@@ -100,8 +123,8 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double energy = mdl(fit.sq_error, radius);
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
-    return Rung{rung,           level,          found.degree, energy,
-                upper,          energy - missed, upper - missed, missed + fit.sq_missed_slope,
+    return Rung{rung,           level,          found.degree, n_sample,
+                energy,         upper,          energy - missed, upper - missed, missed + fit.sq_missed_slope,
                 2 * fit.sq_missed_error};
 }
 
@@ -159,6 +182,17 @@ double RadiusLadder::known_optimum(const Rung& chosen, double lo, double hi) con
     return std::clamp(rho * std::pow(price / (p * missed), 1 / (2 * p + 2)), lo, hi);
 }
 
+/// Whether the energy has no minimum short of the coarsest admissible rung, the chosen one. With eps^2 = noise +
+/// C rho^2p (NUMERICS 3.2) there is one where C rho^2p exceeds price / p, which the two last rungs tell. Where eps^2
+/// fell by more than the price, they are no such pair: a search there keeps clean clouds as they are. Two in five
+/// refinements of happy_stand_raw, whose ladders mostly end at a fold, would find the end itself.
+bool RadiusLadder::falls_to_the_end(const Rung& chosen, const Rung& finer) const {
+    if (chosen.degree != finer.degree) return false;
+    const double p = chosen.degree + 1, price = energy_of(chosen.degree).price(rung_radius(chosen.index));
+    const double rise = chosen.energy - finer.energy + price * (1 / (kGoldenRatio * kGoldenRatio) - 1);
+    return rise > -price && rise < kAtTheEnd * price / p * (1 - std::pow(kGoldenRatio, 2 * p));
+}
+
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
                             const Vec3d& normal, LadderWork& work) const {
     if (work.ball.normals_count) return known_optimum(chosen, lo, hi);
@@ -203,7 +237,7 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         folded = !rungs[r];
         if (folded) break;
         coarsest = r;
-        level = rungs[r]->level;
+        level = likely_level(*rungs[r]);
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
@@ -223,9 +257,11 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     const double energy = rungs[chosen]->energy;
     const int degree = rungs[chosen]->degree;
-    const double radius = saturated || lo == hi
-                              ? rung_radius(chosen)
-                              : refine(*rungs[chosen], lo, hi, center, normal, work);
+    const bool at_the_end = saturated || lo == hi ||
+                            (chosen == coarsest && !work.ball.normals_count &&
+                             falls_to_the_end(*rungs[chosen], *rungs[chosen + 1]));
+    const double radius =
+        at_the_end ? rung_radius(chosen) : refine(*rungs[chosen], lo, hi, center, normal, work);
     return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest)};
 }
 

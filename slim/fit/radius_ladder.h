@@ -50,7 +50,6 @@ bool within_noise(std::size_t count, std::size_t n, double share);
 struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
-    std::vector<double> sq_distances;
     SharpWork<float> sharp;
     bool edge_in_sight = false;  ///< shows_edge of the last rung of the last search
     std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
@@ -78,6 +77,7 @@ private:
         int index;
         std::size_t level;     // of the pyramid
         int degree;            // of the least energy, if it is chosen
+        std::size_t n;         // points of its ball
         double energy, upper;  // E, and two standard errors above it
         double noise, noise_upper;    // eps^2 without what the next degree would find, and two errors more
         double missed, missed_error;  // that and the price lambda (T L / rho)^2; two errors
@@ -97,8 +97,11 @@ private:
     int coarsest_tried() const { return rules_.top_rung > 0 ? rules_.top_rung : -rules_.above_root; }
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
+    std::size_t likely_level(const Rung& finer) const;
+    void gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;
+    bool falls_to_the_end(const Rung& chosen, const Rung& finer) const;
     double known_optimum(const Rung& chosen, double lo, double hi) const;
     double refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
                   const Vec3d& normal, LadderWork& work) const;
@@ -106,6 +109,7 @@ private:
     const PointPyramid& points_;
     MdlEnergy energy_;
     double root_radius_, least_radius_;
+    std::vector<double> radii_;  // of the rungs from the one above the coarsest tried on
     int degree_;
     LadderRules rules_;
     int last_rung_;

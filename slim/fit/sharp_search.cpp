@@ -10,7 +10,7 @@ namespace slim {
 namespace {
 
 constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
-constexpr double kRoughest = 0.1;      // eps over rho: beyond it sheets explain nothing
+constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
 
 }  // namespace
 

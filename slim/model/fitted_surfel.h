@@ -18,8 +18,8 @@ struct FittedSurfel {
     std::uint64_t point_id = 0;  ///< the input point that is its centre
 };
 
-/// Hands surfels to its argument one by one, so that they need not all be in memory: the same ones in the
-/// same order whenever it is called.
+/// Hands surfels to its argument one by one, so that they need not all be in memory: the same ones
+/// in the same order whenever it is called.
 using SurfelVisit = std::function<void(const FittedSurfel&)>;
 using SurfelSource = std::function<void(const SurfelVisit&)>;
 

@@ -16,7 +16,8 @@ struct PointBlock {
     Vec3d origin;
     std::vector<Vec3d> position;
     std::vector<Vec3f> normal;
-    std::vector<std::uint64_t> id;   ///< number of the point in the whole input, keys its randomness
+    /// number of the point in the whole input, keys its randomness
+    std::vector<std::uint64_t> id;
     std::vector<std::uint16_t> scan; ///< which scan of a registered cloud it came from
 
     std::size_t size() const { return position.size(); }

@@ -9,9 +9,9 @@
 
 namespace slim {
 
-/// Where a surfel's data end on one side: in its tangent plane it reaches up to u * x + v * y = reach, coordinates
-/// relative to the centre and over rho; the rest of its disc would stand in the air beyond a border or an
-/// edge. Departs from the paper, whose surfels are whole balls.
+/// Where a surfel's data end on one side: in its tangent plane it reaches up to u * x + v * y =
+/// reach, coordinates relative to the centre and over rho; the rest of its disc would stand in the
+/// air beyond a border or an edge. Departs from the paper, whose surfels are whole balls.
 struct Rim {
     double u = 1, v = 0;  ///< unit
     double reach = std::numeric_limits<double>::infinity();
@@ -19,13 +19,14 @@ struct Rim {
     bool is_whole() const { return std::isinf(reach); }
 };
 
-/// A rim in a byte: one of 32 directions in the upper five bits, one of seven reaches in the lower three; 0 is the
-/// whole disc.
+/// A rim in a byte: one of 32 directions in the upper five bits, one of seven reaches in the lower
+/// three; 0 is the whole disc.
 using PackedRim = std::uint8_t;
 inline constexpr int kRimDirections = 32;
 inline constexpr int kRimReaches = 7;
 inline constexpr double kRimStep = 0.08;  ///< reaches are multiples of it, 0.56 at most
-/// Over this distance, up to the rim, the weight of a surfel falls to zero: what is blended has no step there.
+/// Over this distance, up to the rim, the weight of a surfel falls to zero: what is blended has no
+/// step there.
 inline constexpr double kRimRamp = 0.1;
 
 /// Direction k of a rim.

@@ -12,18 +12,19 @@ namespace slim {
 
 inline constexpr std::size_t kMostSheets = 3;
 
-/// A sheet reaches beyond the edge by this share of rho, for rounding: else a ray through the very edge could
-/// find each sheet ended just before the other begins.
+/// A sheet reaches beyond the edge by this share of rho, for rounding: else a ray through the very
+/// edge could find each sheet ended just before the other begins.
 inline constexpr double kEdgeTolerance = 1e-6;
 
-/// One height field of a surfel: f(x) = w - P(u, v), (u, v, w) = frame.local_from_world(x - center) / rho.
+/// One height field of a surfel: f(x) = w - P(u, v), (u, v, w) = frame.local_from_world(x - center)
+/// / rho.
 struct Sheet {
     Frame<double> frame;
     Polynomial<double> polynomial;
 };
 
-/// How two functions become one: the solid (f <= 0) is what both share (max: a convex edge) or what either
-/// holds (min: a concave one).
+/// How two functions become one: the solid (f <= 0) is what both share (max: a convex edge) or what
+/// either holds (min: a concave one).
 enum class Join : unsigned char { max, min };
 
 template <class T>
@@ -35,8 +36,8 @@ T join(Join how, const T& a, const T& b) {
 
 /// The further sheets of a sharp surfel, whose own frame and polynomial are sheet 0:
 ///     F = outer(f_0, f_1) with two sheets, F = outer(f_0, inner(f_1, f_2)) with three,
-/// which holds every corner of three faces: all edges convex (max, max), all concave (min, min), or one of
-/// them unlike the two others (that pair is joined by `inner`).
+/// which holds every corner of three faces: all edges convex (max, max), all concave (min, min), or
+/// one of them unlike the two others (that pair is joined by `inner`).
 struct SharpSheets {
     std::array<Sheet, kMostSheets - 1> extra;
     std::size_t n_extra = 1;

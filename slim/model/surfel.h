@@ -13,15 +13,16 @@
 namespace slim {
 
 /// One surfel (Ohtake 2005 eq. (1)), decoded to doubles. The surface inside the ball is
-/// f(x) = w - P(u, v) = 0 with (u, v, w) = frame.local_from_world(x - center) / support_radius; at an edge or
-/// a corner two or three such functions joined by max or min (SharpSheets).
+/// f(x) = w - P(u, v) = 0 with (u, v, w) = frame.local_from_world(x - center) / support_radius; at
+/// an edge or a corner two or three such functions joined by max or min (SharpSheets).
 struct Surfel {
     Vec3d center;           ///< local frame of the job (world minus the job's origin)
     double support_radius;  ///< rho
     Frame<double> frame;    ///< normal outwards
     Polynomial<double> polynomial;
     int degree = 2;         ///< what it was fitted with, after fallbacks: 0..3
-    std::shared_ptr<const SharpSheets> sharp = nullptr;  ///< further sheets; null: smooth, as nearly all are
+    /// further sheets; null: smooth, as nearly all are
+    std::shared_ptr<const SharpSheets> sharp = nullptr;
 
     PackedRims rims = {};  ///< of smooth surfels, in the axes of `frame`
 
@@ -62,13 +63,14 @@ struct Surfel {
 
 /// The share of rho in which stage 1 looks for the first hit (alpha, paper sec. 3).
 inline constexpr double kTrim = 2.0 / 3.0;
-/// The share of rho in which the renderers look for the first hit. Departs from the paper, whose alpha is kTrim for
-/// cover and hit alike: a point is covered within kTrim, and the surface between two such points may
-/// lie outside every core. The margin closes these gaps of single pixels: of igea's 37 in three views
-/// of 1600x1200 two are left, of bunny_raw's 14 four; a smaller core of the cover does it for 27 % more leaves.
+/// The share of rho in which the renderers look for the first hit. Departs from the paper, whose
+/// alpha is kTrim for cover and hit alike: a point is covered within kTrim, and the surface between
+/// two such points may lie outside every core. The margin closes these gaps of single pixels: of
+/// igea's 37 in three views of 1600x1200 two are left, of bunny_raw's 14 four; a smaller core of
+/// the cover does it for 27 % more leaves.
 inline constexpr double kHitTrim = 0.72;
-/// The share of rho up to which a point belongs to a surfel: one farther off is neither covered by it nor
-/// blended with it, however poor its fit.
+/// The share of rho up to which a point belongs to a surfel: one farther off is neither covered by
+/// it nor blended with it, however poor its fit.
 inline constexpr double kBelongs = 0.3;
 /// Least overlap of a covered point (gamma, paper sec. 2).
 inline constexpr double kCoverage = 0.1;

@@ -15,7 +15,8 @@ namespace {
 /// A plane in a frame whose slopes are zero.
 Sheet level_plane(const Sheet& s) {
     const auto& a = s.polynomial.a;
-    // Gradient of f = w - a0 - a1 u - a2 v; the plane's distance to the centre along the new normal.
+    // Gradient of f = w - a0 - a1 u - a2 v; the plane's distance to the centre along the new
+    // normal.
     const double len = std::sqrt(1 + a[1] * a[1] + a[2] * a[2]);
     const Vec3d normal = s.frame.world_from_local({-a[1] / len, -a[2] / len, 1 / len});
     Sheet out{frame_from_normal(round_normal(normal)), {}};
@@ -31,14 +32,16 @@ void put_sheet(const Sheet& sheet, std::span<float> out) {
         out[k] = static_cast<float>(sheet.polynomial.a[k - 2]);
 }
 
-/// A rim in other axes of nearly the same plane: the nearest direction, a step farther as it turned a little.
+/// A rim in other axes of nearly the same plane: the nearest direction, a step farther as it turned
+/// a little.
 PackedRim turn_rim(PackedRim packed, const Frame<double>& from, const Frame<double>& to) {
     if (packed == 0) return 0;
     const Rim rim = unpack_rim(packed);
     const Vec3d outwards = from.u_axis * rim.u + from.v_axis * rim.v;
     const double angle = std::atan2(dot(to.v_axis, outwards), dot(to.u_axis, outwards));
     const long k = std::lround(angle * kRimDirections / (2 * std::numbers::pi));
-    return pack_rim(static_cast<int>((k + kRimDirections) % kRimDirections), rim.reach + 0.5 * kRimStep);
+    return pack_rim(static_cast<int>((k + kRimDirections) % kRimDirections),
+                    rim.reach + 0.5 * kRimStep);
 }
 
 /// What is left of them if one reaches too far now comes first.
@@ -85,8 +88,8 @@ SurfelEncoder::SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData&
             const SurfelShape s = shape(i);
             box.extend(s.center);
             if (s.n_extra == 0) continue;
-            out.sharp.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(n_sheets),
-                                 s.n_extra, 0, 0, 0});
+            out.sharp.push_back({static_cast<std::uint32_t>(i),
+                                 static_cast<std::uint32_t>(n_sheets), s.n_extra, 0, 0, 0});
             n_sheets += s.n_extra;
         }
         out.page_origins.push_back(box.center());
@@ -100,7 +103,8 @@ void SurfelEncoder::make_room() {
     out_.sheets.assign(n_sheet_floats_, 0.0f);
 }
 
-/// Says where the records will stand, by the surfels' own degrees if that takes clearly fewer bytes, index included.
+/// Says where the records will stand, by the surfels' own degrees if that takes clearly fewer
+/// bytes, index included.
 void SurfelEncoder::lay_out_records(std::size_t n, const Shapes& shape) {
     out_.page_start.clear();
     out_.in_page.clear();
@@ -143,8 +147,9 @@ PackedRims SurfelEncoder::put(std::size_t node, const Surfel& surfel) {
 }
 
 void SurfelEncoder::put_further_sheets(std::size_t node, const SharpSheets& more) {
-    const auto entry = std::lower_bound(out_.sharp.begin(), out_.sharp.end(), node,
-                                        [](const SharpEntry& e, std::size_t n) { return e.node < n; });
+    const auto entry =
+        std::lower_bound(out_.sharp.begin(), out_.sharp.end(), node,
+                         [](const SharpEntry& e, std::size_t n) { return e.node < n; });
     SLIM_CHECK((entry == out_.sharp.end() ? kNoNode : entry->node), ==, node);
     entry->outer = static_cast<std::uint8_t>(more.outer);
     entry->inner = static_cast<std::uint8_t>(more.inner);

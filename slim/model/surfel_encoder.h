@@ -22,16 +22,16 @@ inline SurfelShape shape_of(const Surfel& s) {
             static_cast<std::uint8_t>(s.n_sheets() - 1)};
 }
 
-/// Rounds surfels to the file's floats: page origins, records, further sheets. Places are fixed by the
-/// shapes, so that the surfels themselves may come one at a time and in any order: no more than one of them
-/// needs to be in memory.
-/// Where it takes 5 % fewer bytes, every record is as long as its own surfel's degree needs, and an index says
-/// where each begins.
+/// Rounds surfels to the file's floats: page origins, records, further sheets. Places are fixed by
+/// the shapes, so that the surfels themselves may come one at a time and in any order: no more than
+/// one of them needs to be in memory.
+/// Where it takes 5 % fewer bytes, every record is as long as its own surfel's degree needs, and an
+/// index says where each begins.
 /// A surfel's frame must be the one its rounded normal gives (round_normal), or its surface turns.
 class SurfelEncoder {
 public:
-    /// Lays out `out`, whose header's degree is set; shape(i) for i in [0, n), node order, the root first. Keeps
-    /// a reference to `out`, not to `shape`; the first put() makes the room.
+    /// Lays out `out`, whose header's degree is set; shape(i) for i in [0, n), node order, the root
+    /// first. Keeps a reference to `out`, not to `shape`; the first put() makes the room.
     using Shapes = std::function<SurfelShape(std::size_t node)>;
     SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData& out);
 

@@ -14,8 +14,9 @@ Sheet SurfelTree::sheet(const float* r, int degree) {
 }
 
 std::shared_ptr<const SharpSheets> SurfelTree::sharp_sheets(std::size_t i) const {
-    const auto entry = std::lower_bound(sharp_.begin(), sharp_.end(), i,
-                                        [](const SharpEntry& e, std::size_t n) { return e.node < n; });
+    const auto entry =
+        std::lower_bound(sharp_.begin(), sharp_.end(), i,
+                         [](const SharpEntry& e, std::size_t n) { return e.node < n; });
     SLIM_CHECK((entry == sharp_.end() ? kNoNode : entry->node), ==, i);
     auto out = std::make_shared<SharpSheets>();
     out->n_extra = entry->n_extra;

@@ -15,9 +15,9 @@ namespace slim {
 /// coefficients (a linear surfel's normal is turned so that its slopes are zero): 7, 12 or 16.
 constexpr int floats_per_surfel(int degree) { return degree <= 1 ? 7 : 6 + n_coefficients(degree); }
 
-/// Where records of unequal size stand: record i begins page_start[i / kSurfelsPerPage] + in_page[i] floats
-/// into the records and is as long as its node's degree says. Empty where all are as long as the
-/// model's degree says.
+/// Where records of unequal size stand: record i begins page_start[i / kSurfelsPerPage] +
+/// in_page[i] floats into the records and is as long as its node's degree says. Empty where all are
+/// as long as the model's degree says.
 struct RecordIndex {
     std::span<const std::uint64_t> page_start;
     std::span<const std::uint16_t> in_page;
@@ -32,10 +32,12 @@ enum NodeFlags : std::uint8_t {
     kSaturated = 2,  ///< E still fell at the largest radius
     kForced = 4,     ///< radius not chosen by E: too few points, or the smallest radius
     kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
-    kLoose = 16,     ///< no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
+    /// no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
+    kLoose = 16,
 };
 
-/// Where the further sheets of a sharp node stand; sorted by node, so that smooth models carry nothing.
+/// Where the further sheets of a sharp node stand; sorted by node, so that smooth models carry
+/// nothing.
 struct SharpEntry {
     std::uint32_t node = 0;
     std::uint32_t first_sheet = 0;  ///< in the array of sheets
@@ -48,12 +50,14 @@ static_assert(sizeof(SharpEntry) == 12);
 /// Floats a further sheet takes: octahedral normal 2 and the coefficients of its surfel's degree.
 constexpr int floats_per_sheet(int degree) { return floats_per_surfel(degree) - 4; }
 
-/// Node i of the ball tree owns surfel i. Node 0 is the root: it encloses everything and has no surface.
-/// Children of a node stand together: [first_child, first_child + n_children). Parents come first.
+/// Node i of the ball tree owns surfel i. Node 0 is the root: it encloses everything and has no
+/// surface. Children of a node stand together: [first_child, first_child + n_children). Parents
+/// come first.
 struct TreeNode {
     std::uint32_t first_child = kNoNode;
     std::uint32_t n_children = 0;
-    float bound_radius = 0;     ///< ball about the surfel's centre that holds its ball and all below
+    /// ball about the surfel's centre that holds its ball and all below
+    float bound_radius = 0;
     float fit_error = 0;        ///< eps, RMS residual, model units
     std::uint32_t n_points = 0; ///< points in the ball at the fit
     std::uint8_t level : 6 = 0;    ///< 1 is the coarsest
@@ -80,7 +84,8 @@ static_assert(sizeof(TreeNode) == 24);
 
 /// What a model says of itself; small, read first.
 struct ModelHeader {
-    int degree = 2;             ///< largest degree; fixes the record size where there is no RecordIndex
+    /// largest degree; fixes the record size where there is no RecordIndex
+    int degree = 2;
     Vec3d origin;               ///< world = origin + local
     Bbox bounds;                ///< of the input points, local frame
     double diagonal = 0;        ///< L

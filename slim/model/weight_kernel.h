@@ -6,10 +6,10 @@
 
 namespace slim {
 
-/// The Gaussian-like weight G of Ohtake 2005 sec. 2 as a function of the *squared* relative distance
-/// s = (r / rho)^2:  exp(-8 s) for s <= 1/4, (16 / e^2) (1 - sqrt s)^4 up to 1, zero beyond; C^2
-/// (NUMERICS 2.3). One body for float, double and SIMD lanes. exp on [0, 2] is a polynomial of
-/// degree 8, absolute error 5e-9.
+/// The Gaussian-like weight G of Ohtake 2005 sec. 2 as a function of the *squared* relative
+/// distance s = (r / rho)^2:  exp(-8 s) for s <= 1/4, (16 / e^2) (1 - sqrt s)^4 up to 1, zero
+/// beyond; C^2 (NUMERICS 2.3). One body for float, double and SIMD lanes. exp on [0, 2] is a
+/// polynomial of degree 8, absolute error 5e-9.
 template <class T>
 [[gnu::always_inline]] inline T weight_kernel(const T& s) {
     using std::sqrt;
@@ -32,8 +32,8 @@ template <class T>
 /// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first.
 enum class FitWeight : unsigned char { gauss, polynomial };
 
-/// The weight at a squared relative distance s = (r / rho)^2: weight_kernel, or (1 - s)^4 up to 1 and zero
-/// beyond.
+/// The weight at a squared relative distance s = (r / rho)^2: weight_kernel, or (1 - s)^4 up to 1
+/// and zero beyond.
 template <class T>
 inline T fit_weight(FitWeight weight, const T& s) {
     if (weight == FitWeight::gauss) return weight_kernel(s);

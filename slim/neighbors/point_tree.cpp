@@ -6,6 +6,7 @@
 #include "slim/neighbors/morton.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -14,29 +15,49 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
+bool is_whole_block(const PointBlock& block, std::span<const std::uint32_t> chosen) {
+    if (chosen.size() != block.size()) return false;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        if (chosen[i] != i) return false;
+    return true;
+}
+
+/// The direction of a normal in whole units of PointBucket::kUnit; zero if it has none.
+Vec3f packed_normal(const Vec3f& n) {
+    const float len = length(n);
+    if (!(len > 0)) return {};
+    const float scale = PointBucket::kUnit / len;
+    return {std::rint(n.x * scale), std::rint(n.y * scale), std::rint(n.z * scale)};
+}
+
 }  // namespace
 
 PointTree::PointTree(const PointBlock& block, std::span<const std::uint32_t> chosen)
-    : source_(chosen.begin(), chosen.end()) {
-    const std::size_t n = chosen.size();
-    buckets_.resize((n + kBucket - 1) / kBucket);
+    : block_(&block), size_(chosen.size()) {
+    if (!is_whole_block(block, chosen)) source_.assign(chosen.begin(), chosen.end());
+    buckets_.resize((size() + kBucket - 1) / kBucket);
+    boxes_ = BoxTree(size(), [&](std::size_t i) { return position(i); });
     parallel_blocks(buckets_.size(), kGrain / kBucket, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) fill_bucket(block, chosen, b);
+        for (std::size_t b = begin; b < end; ++b) fill_bucket(b);
     });
-    boxes_ = BoxTree(n, [&](std::size_t i) { return position(i); });
 }
 
-void PointTree::fill_bucket(const PointBlock& block, std::span<const std::uint32_t> chosen,
-                            std::size_t bucket) {
-    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+void PointTree::fill_bucket(std::size_t bucket) {
+    constexpr float kNowhere = std::numeric_limits<float>::infinity();
     PointBucket& out = buckets_[bucket];
+    const Bbox box = boxes_.bucket(bucket);
+    out.origin = (box.lo + box.hi) * 0.5;
+    out.is_exact = true;
     for (std::size_t k = 0; k < kBucket; ++k) {
         const std::size_t i = bucket * kBucket + k;
-        const bool is_point = i < chosen.size();
-        const Vec3d p = is_point ? block.position[chosen[i]] : Vec3d{kNowhere, kNowhere, kNowhere};
-        const Vec3f n = is_point && block.has_normals() ? block.normal[chosen[i]] : Vec3f{};
+        const bool is_point = i < size();
+        const Vec3f p = is_point ? to_float(position(i) - out.origin) : Vec3f{kNowhere, kNowhere, kNowhere};
+        const Vec3f n = is_point ? packed_normal(normal(i)) : Vec3f{};
+        if (is_point) out.is_exact &= to_double(p) + out.origin == position(i);
         out.x[k] = p.x, out.y[k] = p.y, out.z[k] = p.z;
-        out.nx[k] = n.x, out.ny[k] = n.y, out.nz[k] = n.z;
+        out.nx[k] = static_cast<std::int16_t>(n.x);
+        out.ny[k] = static_cast<std::int16_t>(n.y);
+        out.nz[k] = static_cast<std::int16_t>(n.z);
     }
 }
 

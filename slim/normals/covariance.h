@@ -9,7 +9,8 @@ namespace slim {
 
 /// Spread of some points about their mean, of principal components.
 struct Spread {
-    double smallest = 0, middle = 0, largest = 0;  ///< eigenvalues of the covariance, length^2, >= 0
+    /// eigenvalues of the covariance, length^2, >= 0
+    double smallest = 0, middle = 0, largest = 0;
     Vec3d normal;                                  ///< unit eigenvector of the smallest
 };
 

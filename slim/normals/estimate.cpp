@@ -9,7 +9,8 @@
 namespace slim {
 namespace {
 
-constexpr double kSpansPlane = 1e-10;  // middle / largest eigenvalue below which the points lie on a line
+// middle / largest eigenvalue below which the points lie on a line
+constexpr double kSpansPlane = 1e-10;
 
 /// Repeats take the normal of the point before, which is their only neighbour.
 void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlock& points) {
@@ -17,7 +18,8 @@ void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlo
         const std::uint32_t i = graph.points[row];
         if (!search.is_repeat(i)) continue;
         points.normal[i] = points.normal[i - 1];
-        std::fill_n(graph.neighbors.begin() + static_cast<std::ptrdiff_t>(row * graph.k), graph.k, i - 1);
+        std::fill_n(graph.neighbors.begin() + static_cast<std::ptrdiff_t>(row * graph.k), graph.k,
+                    i - 1);
     }
 }
 

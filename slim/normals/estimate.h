@@ -31,9 +31,9 @@ struct NeighborGraph {
 /// Unit normals of the points in `wanted` (rising) by principal components: the direction of least
 /// spread of a point's k nearest neighbours at distinct places. Sign arbitrary. Neighbours that
 /// span no plane (all equal, or on a line) give any direction normal to what they span; such points
-/// are counted in `degenerate` (of those with counted[i]; empty: all). The block must be in Morton order (sort_along_curve): a repeat
-/// takes the normal of the point before it, which is its only neighbour in the graph returned.
-/// search: over the block's positions
+/// are counted in `degenerate` (of those with counted[i]; empty: all). The block must be in Morton
+/// order (sort_along_curve): a repeat takes the normal of the point before it, which is its only
+/// neighbour in the graph returned. search: over the block's positions
 /// Cost: 0.8 us a point and core; 4 k + 12 bytes a point.
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,

@@ -15,8 +15,10 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // rows of the graph a task
 constexpr float kSteep = 0.5f;        // |n_z| of a slope of 60 degrees
-constexpr double kMostlyFlat = 0.8;   // share of points less steep in a scene that is seen from above
-constexpr double kClearFlux = 0.15;  // |sum (p - c) . n| / sum |p - c| of a shape that has an outside
+// share of points less steep in a scene that is seen from above
+constexpr double kMostlyFlat = 0.8;
+// |sum (p - c) . n| / sum |p - c| of a shape that has an outside
+constexpr double kClearFlux = 0.15;
 
 /// Union-find whose members carry a sign relative to their root.
 class SignedForest {
@@ -83,7 +85,8 @@ float weight_of(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
 /// 7 %.)
 constexpr float kClasses[] = {1e-3f, 2e-3f, 4e-3f, 0.01f, 0.03f, 0.1f, 0.3f, 2.0f};
 
-void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, SignedForest& forest) {
+void join_near_parallel(const PointBlock& points, const NeighborGraph& graph,
+                        SignedForest& forest) {
     for (std::size_t row = 0; row < graph.points.size(); ++row) {
         const std::uint32_t i = graph.points[row];
         for (const std::uint32_t j : graph.of(row)) {
@@ -93,8 +96,8 @@ void join_near_parallel(const PointBlock& points, const NeighborGraph& graph, Si
     }
 }
 
-/// The edges of rows [begin, end) of the graph with lo <= weight < hi that join two trees; tree: of each
-/// point.
+/// The edges of rows [begin, end) of the graph with lo <= weight < hi that join two trees; tree: of
+/// each point.
 std::vector<Edge> edges_of_rows(const PointBlock& points, const NeighborGraph& graph,
                                 const std::vector<std::uint32_t>& tree, float lo, float hi,
                                 std::size_t begin, std::size_t end) {
@@ -134,7 +137,8 @@ SignedForest spanning_forest(const PointBlock& points, const NeighborGraph& grap
     SignedForest forest(points.size());
     join_near_parallel(points, graph, forest);
     for (std::size_t c = 1; c < std::size(kClasses); ++c)
-        for (const Edge& e : edges_between_trees(points, graph, forest, kClasses[c - 1], kClasses[c]))
+        for (const Edge& e :
+             edges_between_trees(points, graph, forest, kClasses[c - 1], kClasses[c]))
             forest.join(e.a, e.b, dot(points.normal[e.a], points.normal[e.b]) < 0);
     return forest;
 }
@@ -256,7 +260,8 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                                                       : s.up;
         bool turn = (vote < 0) != components.flipped[i];
         // An airborne scanner sees no overhang, whatever the forest says of a tree or a shed.
-        if (from_above && (seen_from_above || !s.anchored) && !s.has_clear_hints() && std::abs(points.normal[i].z) > kSteep)
+        if (from_above && (seen_from_above || !s.anchored) && !s.has_clear_hints() &&
+            std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
         (s.anchored ? report.by_neighbors : report.by_rule) += counted.empty() || counted[i];

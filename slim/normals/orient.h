@@ -13,10 +13,12 @@ namespace slim {
 /// How the sign of estimated normals was found.
 struct OrientReport {
     std::size_t by_sensor = 0;
-    std::size_t by_neighbors = 0;  ///< spread over the neighbour graph from points with a known sign
+    /// spread over the neighbour graph from points with a known sign
+    std::size_t by_neighbors = 0;
     std::size_t by_rule = 0;       ///< their component holds no point with a known sign
     std::size_t components = 0;    ///< of the neighbour graph without a known sign
-    bool from_above = false;       ///< it was taken for an airborne scan: each normal upwards by itself
+    /// it was taken for an airborne scan: each normal upwards by itself
+    bool from_above = false;
 };
 
 /// Turns the normals of `wanted` towards their scan's sensor (frame of the block). Points of scans
@@ -32,8 +34,8 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// itself. `center`, if given, stands for the centroids: that of the whole object where the points
 /// are a slice of it.
 /// counted: the report is of those points; empty: of all.
-/// seen_from_above: these rules, which found the known signs in a slice before, saw an airborne scan there: it
-/// is one here too, where slopes might look like an outside.
+/// seen_from_above: these rules, which found the known signs in a slice before, saw an airborne
+/// scan there: it is one here too, where slopes might look like an outside.
 /// hints: normals that are wrong here and there; where they agree on a component's side by more
 /// than chance, it is theirs. Own code, not CGAL's mst_orient_normals: linear memory, no re-search
 /// of neighbours, deterministic, and fast enough for every point of a slice (the sort of the edges

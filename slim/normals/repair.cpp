@@ -21,7 +21,8 @@ constexpr double kContrary = -0.3;  // cosine to the majority below which a norm
 constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 constexpr double kNoisy = 0.3;      // the height-field limit of the radius ladder
 constexpr float kLeastNeighbors = 5;
-constexpr float kAlongOneLine = 0.7f;        // |cosine| of normals that are the same but for the sign
+// |cosine| of normals that are the same but for the sign
+constexpr float kAlongOneLine = 0.7f;
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 constexpr float kNowhere = 1e30f;  // of padding: in no ball
 
@@ -38,7 +39,8 @@ struct alignas(64) LocalBucket {
     void set(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& corner) {
         for (std::size_t k = 0; k < kBucket; ++k) {
             const bool is_point = begin + k < end;
-            const Vec3f p = is_point ? to_float(points.position[begin + k] - corner) : Vec3f{kNowhere};
+            const Vec3f p =
+                is_point ? to_float(points.position[begin + k] - corner) : Vec3f{kNowhere};
             const Vec3f n = is_point ? points.normal[begin + k] : Vec3f{};
             x[k] = p.x, y[k] = p.y, z[k] = p.z;
             nx[k] = n.x, ny[k] = n.y, nz[k] = n.z;
@@ -102,14 +104,15 @@ public:
         for (std::size_t k = n_; k % kLanes != 0; ++k) lo_[0][k] = hi_[0][k] = kNowhere;
     }
 
-    /// Calls body(bucket) for every bucket whose box is nearer to a part of the box than the radius, in
-    /// order; for some that are as far but for rounding, too.
+    /// Calls body(bucket) for every bucket whose box is nearer to a part of the box than the
+    /// radius, in order; for some that are as far but for rounding, too.
     template <class Body>
     void for_buckets_near(const Bbox& part, double radius, Body&& body) const {
         const LocalBox box = local(part);
         const float reach = static_cast<float>(radius) + margin_;
         for (std::size_t first = 0; first < n_; first += kLanes)
-            for (std::uint64_t bits = near_bits(first, box, reach * reach); bits != 0; bits &= bits - 1)
+            for (std::uint64_t bits = near_bits(first, box, reach * reach); bits != 0;
+                 bits &= bits - 1)
                 body(bucket_[first + static_cast<std::size_t>(std::countr_zero(bits))]);
     }
 
@@ -155,12 +158,14 @@ struct Candidates {
                               float sq_radius) {
         if (n + kBucket > x.size()) grow();
         for (std::size_t k = 0; k < kBucket; k += kLanes) {
-            const FloatV px = lanes_at(bucket.x + k) + shift.x, py = lanes_at(bucket.y + k) + shift.y,
+            const FloatV px = lanes_at(bucket.x + k) + shift.x,
+                         py = lanes_at(bucket.y + k) + shift.y,
                          pz = lanes_at(bucket.z + k) + shift.z;
             const FloatV dx = gap(px, px, 0, extent.x), dy = gap(py, py, 0, extent.y),
                          dz = gap(pz, pz, 0, extent.z);
             const std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < FloatV(sq_radius));
-            compress_to(px, near, &x[n]), compress_to(py, near, &y[n]), compress_to(pz, near, &z[n]);
+            compress_to(px, near, &x[n]), compress_to(py, near, &y[n]),
+                compress_to(pz, near, &z[n]);
             compress_to(lanes_at(bucket.nx + k), near, &nx[n]);
             compress_to(lanes_at(bucket.ny + k), near, &ny[n]);
             compress_to(lanes_at(bucket.nz + k), near, &nz[n]);
@@ -174,8 +179,8 @@ private:
     }
 };
 
-/// Points of one bucket, a lane each, and what they find of the candidates within a radius. A candidate
-/// is looked at by all of them at once: most are near to most.
+/// Points of one bucket, a lane each, and what they find of the candidates within a radius. A
+/// candidate is looked at by all of them at once: most are near to most.
 struct Sixteen {
     BucketLanes x, y, z, nx, ny, nz;
     BucketLanes sum_x{}, sum_y{}, sum_z{}, count{};  // of normals within the radius
@@ -192,7 +197,8 @@ struct Sixteen {
             FloatV sx = 0, sy = 0, sz = 0, n = 0;
             for (std::size_t k = 0; k < c.n; ++k) {
                 const FloatV dx = c.x[k] - px, dy = c.y[k] - py, dz = c.z[k] - pz;
-                const FloatV in = select(dx * dx + dy * dy + dz * dz < FloatV(sq_radius), one, zero);
+                const FloatV in =
+                    select(dx * dx + dy * dy + dz * dz < FloatV(sq_radius), one, zero);
                 sx += in * c.nx[k], sy += in * c.ny[k], sz += in * c.nz[k];
                 n += in;
             }
@@ -217,7 +223,8 @@ struct Sixteen {
         return bits;
     }
 
-    [[gnu::flatten]] void compare_signs(const Candidates& c, float sq_radius, NormalAudit& audit) const {
+    [[gnu::flatten]] void compare_signs(const Candidates& c, float sq_radius,
+                                        NormalAudit& audit) const {
         const FloatV zero = 0, one = 1;
         for (std::size_t g = 0; g < kGroups; ++g) {
             FloatV opposed = 0, compared = 0, across = 0, across_size = 0;
@@ -239,7 +246,8 @@ struct Sixteen {
         }
     }
 
-    /// Mean of the normals within the radius of the k-th, its own left out; zero if they are too few.
+    /// Mean of the normals within the radius of the k-th, its own left out; zero if they are too
+    /// few.
     Vec3d majority(std::size_t k) const {
         const std::size_t g = k / kLanes, lane = k % kLanes;
         const float n = count[g][lane];
@@ -274,8 +282,8 @@ public:
             const std::vector<bool>& counted)
         : points_(points), all_(all), most_radius_(most_radius), counted_(counted) {}
 
-    /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on either
-    /// side of a jump of the curve are taken in parts.
+    /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on
+    /// either side of a jump of the curve are taken in parts.
     void audit(std::size_t begin, std::size_t end) {
         const Bbox box = box_of(begin, end);
         const std::size_t n_buckets = (end - begin + kBucket - 1) / kBucket;

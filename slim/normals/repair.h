@@ -15,7 +15,8 @@ struct NormalAudit {
     std::size_t missing = 0;   ///< zero or non-finite
     std::size_t contrary = 0;  ///< opposed to neighbours that agree among themselves
     std::size_t noisy = 0;     ///< not opposed, yet more than 72 degrees off neighbours that agree
-    double opposed = 0;        ///< pairs of neighbours with opposite normals, in a sample of buckets
+    /// pairs of neighbours with opposite normals, in a sample of buckets
+    double opposed = 0;
     double compared = 0;       ///< pairs with normals along one line
     double across = 0;         ///< sum over opposed pairs of n_i . (p_j - p_i) ...
     double across_size = 0;    ///< ... and of its size

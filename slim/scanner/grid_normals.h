@@ -4,8 +4,8 @@
 
 namespace slim {
 
-/// Distance in cells between the neighbours that span a normal: 1, or as many as it takes to span three
-/// standard deviations of the noise, at most 8 (a scanner's software smooths likewise).
+/// Distance in cells between the neighbours that span a normal: 1, or as many as it takes to span
+/// three standard deviations of the noise, at most 8 (a scanner's software smooths likewise).
 std::uint64_t normal_stride(double sigma, double spacing);
 
 /// A scanner's own idea of the normal at a return: sum of the cross products of neighbours `stride`

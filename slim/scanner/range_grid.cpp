@@ -12,12 +12,15 @@ namespace {
 constexpr std::uint64_t kTile = 8;  // rays on a side that share the march to the shape's vicinity
 
 /// Where all rays of a tile may begin: no ray of its cone meets the surface before.
-double tile_start(const Shape& shape, const Station& station, std::uint64_t row, std::uint64_t col) {
+double tile_start(const Shape& shape, const Station& station, std::uint64_t row,
+                  std::uint64_t col) {
     const double half = 0.5 * static_cast<double>(kTile);
     const Ray middle = station.ray(static_cast<double>(row) + half - 0.5,
                                    static_cast<double>(col) + half - 0.5);
-    // The plane at distance one meets the rays at distance >= 1, so pitch bounds the angle's tangent.
-    const double slope = std::sqrt(2.0) * half * station.pitch, radius = 0.5 * shape.bounds.diagonal();
+    // The plane at distance one meets the rays at distance >= 1, so pitch bounds the angle's
+    // tangent.
+    const double slope = std::sqrt(2.0) * half * station.pitch,
+                 radius = 0.5 * shape.bounds.diagonal();
     const double width = slope * (length(shape.bounds.center() - station.position) + radius);
     if (width > 0.1 * radius) return 0;  // a coarse grid gains nothing
     const Interval ball = clip_to_ball(middle, shape.bounds.center(), radius + width);

@@ -37,12 +37,13 @@ struct Hit {
 /// First hit within the interval; none if the ray misses or meets the back side.
 std::optional<Hit> first_hit(const Shape& shape, const Ray& ray, const Interval& part);
 
-/// Probability that a return is lost: dropout * (1 - cos)^2, nothing at normal incidence, `dropout` at
-/// the silhouette.
+/// Probability that a return is lost: dropout * (1 - cos)^2, nothing at normal incidence, `dropout`
+/// at the silhouette.
 double loss_probability(double dropout, double cos_incidence);
 
-/// Casts rows [first_row, end_row) of a station. `ray_key` is the key of the station's cell (0, 0) in this pass: a ray's
-/// random numbers hang on ray_key + row * cols + col alone. Resizes and fills `grid`.
+/// Casts rows [first_row, end_row) of a station. `ray_key` is the key of the station's cell (0, 0)
+/// in this pass: a ray's random numbers hang on ray_key + row * cols + col alone. Resizes and fills
+/// `grid`.
 void cast_rows(const Shape& shape, const ScanSettings& settings, const Station& station,
                std::uint64_t ray_key, std::uint64_t first_row, std::uint64_t end_row,
                RangeGrid& grid);

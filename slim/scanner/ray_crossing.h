@@ -19,8 +19,8 @@ struct Interval {
 
 /// The part of the ray (t >= 0) inside a box or a ball.
 Interval clip_to_box(const Ray& ray, const Bbox& box);
-/// The part of the ray where the surface may be: in the bounds of an open shape, which cut it off, and a
-/// little beyond those of a closed one, whose flat faces may lie in the bounds.
+/// The part of the ray where the surface may be: in the bounds of an open shape, which cut it off,
+/// and a little beyond those of a closed one, whose flat faces may lie in the bounds.
 Interval clip_to_shape(const Ray& ray, const Shape& shape);
 Interval clip_to_ball(const Ray& ray, const Vec3d& center, double radius);
 
@@ -31,12 +31,12 @@ struct Crossing {
 
 /// First sign change of f along the ray within the interval, to about 1e-14 in t (relative).
 ///
-/// Marches in steps that the shape's Lipschitz bound proves safe, at least 2e-4 of the diagonal (so a
-/// grazing chord shorter than that may be passed over), then secants (Illinois) and bisection.
+/// Marches in steps that the shape's Lipschitz bound proves safe, at least 2e-4 of the diagonal (so
+/// a grazing chord shorter than that may be passed over), then secants (Illinois) and bisection.
 std::optional<Crossing> next_crossing(const Shape& shape, const Ray& ray, const Interval& part);
 
-/// Largest t in the interval such that no point of the cone around the ray (radius `slope` * t) up to
-/// there meets the surface; part.end if none does. For a start outside the surface.
+/// Largest t in the interval such that no point of the cone around the ray (radius `slope` * t) up
+/// to there meets the surface; part.end if none does. For a start outside the surface.
 double cone_clearance(const Shape& shape, const Ray& ray, const Interval& part, double slope);
 
 }  // namespace slim

@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kSurplus = 1.03;                  // rays that return over points asked
 constexpr std::uint64_t kBatchRays = 1'000'000;    // in memory at a time
-constexpr std::uint64_t kLeastReturns = 2'000;     // a pass is no coarser, however few points are asked
+// a pass is no coarser, however few points are asked
+constexpr std::uint64_t kLeastReturns = 2'000;
 constexpr int kMostIdlePasses = 20;
 
 /// One band between casting and writing.
@@ -30,12 +31,14 @@ struct BandResult {
     std::uint64_t outliers = 0;
 };
 
-/// Thins the bands of a pass that only makes up for what the one before fell short of, evenly: some thousand
-/// points of 100 million once took as long as all the rest. Others in every pass, by its number.
+/// Thins the bands of a pass that only makes up for what the one before fell short of, evenly: some
+/// thousand points of 100 million once took as long as all the rest. Others in every pass, by its
+/// number.
 void keep_some_bands(std::uint64_t n_points, std::uint64_t number, ScanPass& pass) {
     constexpr double kEnough = 4;         // times the points
     constexpr std::size_t kLeastBands = 64;  // not all of them beside the shape
-    const auto wanted = static_cast<std::size_t>(pass.expected / (kEnough * static_cast<double>(n_points)));
+    const auto wanted =
+        static_cast<std::size_t>(pass.expected / (kEnough * static_cast<double>(n_points)));
     const std::size_t stride = std::min(wanted, pass.bands.size() / kLeastBands);
     if (stride < 2) return;
     std::vector<Band> some;
@@ -166,8 +169,8 @@ std::uint64_t Scanner::hash_of(const Band& band, const RangeGrid& grid, std::uin
 }
 
 /// The band's part of what is still needed, in the ratio of its returns to all that are to come;
-/// the returns with the least hashes are kept. Sequential over bands, so that errors of the estimate
-/// are made good by the bands that follow.
+/// the returns with the least hashes are kept. Sequential over bands, so that errors of the
+/// estimate are made good by the bands that follow.
 void Scanner::choose(const Band& band, BandResult& result) {
     expected_left_ = std::max(0.0, expected_left_ - band.expected);
     const double returns = static_cast<double>(result.returns);

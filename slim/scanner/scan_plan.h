@@ -8,8 +8,8 @@
 
 namespace slim {
 
-/// How many returns to expect where: mean share of the cells of each coarse row of each station that
-/// come back, from one coarse grid per station.
+/// How many returns to expect where: mean share of the cells of each coarse row of each station
+/// that come back, from one coarse grid per station.
 class ReturnEstimate {
 public:
     static constexpr std::uint64_t kCoarse = 64;

@@ -24,7 +24,8 @@ void fit_frustum(Station& s, const Bbox& bounds) {
     s.u_lo = s.v_lo = 1e300;
     s.u_hi = s.v_hi = -1e300;
     for (unsigned corner = 0; corner < 8; ++corner) {
-        const Vec3d p{(corner & 1 ? bounds.hi : bounds.lo).x, (corner & 2 ? bounds.hi : bounds.lo).y,
+        const Vec3d p{(corner & 1 ? bounds.hi : bounds.lo).x,
+                      (corner & 2 ? bounds.hi : bounds.lo).y,
                       (corner & 4 ? bounds.hi : bounds.lo).z};
         const Vec3d local = s.axes.local_from_world(p - s.position);
         s.u_lo = std::min(s.u_lo, local.x / local.z);

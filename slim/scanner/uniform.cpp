@@ -52,7 +52,8 @@ void sample_lines(const Shape& shape, const ScanSettings& settings, std::uint64_
         const Ray ray = random_line(shape, settings.seed, id);
         const Interval part = clip_to_shape(ray, shape);
         Interval rest = part;
-        // Behind a crossing the march goes on a little deeper, where f has its new sign for certain.
+        // Behind a crossing the march goes on a little deeper, where f has its new sign for
+        // certain.
         const double past = 1e-9 * shape.bounds.diagonal();
         for (std::uint64_t i = 0; i < kMostCrossings; ++i) {
             const auto crossing = next_crossing(shape, ray, rest);

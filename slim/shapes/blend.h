@@ -41,8 +41,8 @@ T absolute(const T& a) {
 }
 
 /// Union, intersection with a fillet where |a - b| < k, exactly min and max elsewhere: with
-/// h = (1 - |a - b| / k)+, min - k h^3 (4 - h) / 16. Twice continuously differentiable, so curvature
-/// is continuous at the fillet's border. Keeps the larger Lipschitz constant.
+/// h = (1 - |a - b| / k)+, min - k h^3 (4 - h) / 16. Twice continuously differentiable, so
+/// curvature is continuous at the fillet's border. Keeps the larger Lipschitz constant.
 template <class T>
 T smooth_min(const T& a, const T& b, double k) {
     const T gap = absolute(T(a - b));

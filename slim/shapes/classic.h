@@ -39,8 +39,8 @@ struct EllipsoidShape {
 };
 
 /// Dupin ring cyclide (|p|^2 + b^2 - d^2)^2 = 4 (a x - c d)^2 + 4 b^2 y^2 with b^2 = a^2 - c^2; for
-/// c = 0 a torus with radii a and d. With q = |p|^2 + b^2 - 2 root(...), d^2 on the surface and > -m
-/// everywhere, sqrt(q + m) grows like a distance.
+/// c = 0 a torus with radii a and d. With q = |p|^2 + b^2 - 2 root(...), d^2 on the surface and >
+/// -m everywhere, sqrt(q + m) grows like a distance.
 struct CyclideShape {
     static constexpr double kA = 1, kC = 0.3, kD = 0.5, kSqB = kA * kA - kC * kC;
     static constexpr double kM = kC * kC + 2 * kC * kD + 0.01;

@@ -7,8 +7,8 @@
 
 namespace slim {
 
-/// A number with its first and second derivatives in x, y, z (second-order forward mode): evaluating
-/// a formula on jets gives value, gradient and Hessian exactly, up to rounding.
+/// A number with its first and second derivatives in x, y, z (second-order forward mode):
+/// evaluating a formula on jets gives value, gradient and Hessian exactly, up to rounding.
 struct Jet2 {
     double value = 0;
     std::array<double, 3> g{};  ///< d/dx, d/dy, d/dz

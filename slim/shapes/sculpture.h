@@ -5,8 +5,8 @@
 namespace slim {
 
 /// A winged figure on a stepped pedestal, y up, about two units tall (after the Nike of Samothrace,
-/// much simplified): drapery, thin wings with engraved feathers and sharp rims, an arm that encloses
-/// a hole, engraved hair, a tunic's sharp hem, flat faces and edges of the base.
+/// much simplified): drapery, thin wings with engraved feathers and sharp rims, an arm that
+/// encloses a hole, engraved hair, a tunic's sharp hem, flat faces and edges of the base.
 ///
 /// Further than kFar from a part's bounding box the distance to the box stands for the part (it is
 /// no more than that to the part): cheaper, and no change to the surface, because parts blend over

@@ -79,7 +79,8 @@ const Shape& find_shape(std::string_view name) {
         known += known.empty() ? "" : " ";
         known += s.name;
     }
-    throw ConfigError("shape \"" + std::string(name) + "\" is not known; expected one of: " + known);
+    throw ConfigError("shape \"" + std::string(name) +
+                      "\" is not known; expected one of: " + known);
 }
 
 SurfacePoint surface_point(const Jet2& f) {

@@ -52,8 +52,8 @@ public:
     }
 
 private:
-    /// Between two layers of cells, as near as can be to the share of half of the blocks: across the longest
-    /// side, or if its layers are too full, as of a flat base, across another.
+    /// Between two layers of cells, as near as can be to the share of half of the blocks: across
+    /// the longest side, or if its layers are too full, as of a flat base, across another.
     static bool find_cut(std::span<const Cell> cells, std::uint64_t wanted, std::size_t& axis,
                          std::int64_t& at) {
         std::array<std::int64_t, 3> sides;
@@ -64,7 +64,8 @@ private:
         const double block = static_cast<double>(count(cells)) / static_cast<double>(wanted);
         double nearest = kInfinity;
         for (const std::size_t a : axes) {
-            const auto [layer, off] = nearest_layer(cells, a, block * static_cast<double>(wanted / 2));
+            const auto [layer, off] =
+                nearest_layer(cells, a, block * static_cast<double>(wanted / 2));
             if (off < nearest) nearest = off, axis = a, at = layer;
             if (nearest <= kFarOff * block) break;
         }
@@ -76,9 +77,10 @@ private:
             [axis](const Cell& x, const Cell& y) { return x.at[axis] < y.at[axis]; });
         return hi->at[axis] - lo->at[axis];
     }
-    /// The layer below which most nearly so many points lie, and how far off that is; infinitely if there is one only.
-    static std::pair<std::int64_t, double> nearest_layer(std::span<const Cell> cells, std::size_t axis,
-                                                         double share) {
+    /// The layer below which most nearly so many points lie, and how far off that is; infinitely if
+    /// there is one only.
+    static std::pair<std::int64_t, double> nearest_layer(std::span<const Cell> cells,
+                                                         std::size_t axis, double share) {
         std::map<std::int64_t, std::uint64_t> layers;
         for (const Cell& c : cells) layers[c.at[axis]] += c.n_points;
         std::pair<std::int64_t, double> nearest{0, kInfinity};
@@ -157,7 +159,8 @@ HaloCounts count_within(const BlockPlan& plan, std::span<const Cell> cells, doub
             }
         }
     });
-    HaloCounts out{std::vector<std::uint64_t>(halos.size()), std::vector<std::uint64_t>(halos.size())};
+    HaloCounts out{std::vector<std::uint64_t>(halos.size()),
+                   std::vector<std::uint64_t>(halos.size())};
     for (const auto& of_block : within)
         for (std::size_t h = 0; h < halos.size(); ++h) {
             out.most[h] = std::max(out.most[h], of_block[h]);

@@ -12,7 +12,8 @@ namespace slim {
 
 /// What the program takes whatever the cloud: code, libraries, buffers, threads.
 inline constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
-/// What a stage needs at most for one point that it holds: the fit 190 bytes (measured), estimated normals 136.
+/// What a stage needs at most for one point that it holds: the fit 190 bytes (measured), estimated
+/// normals 136.
 inline constexpr std::uint64_t kBytesPerPoint = 192;
 /// A block keeps a file open while points are dealt out.
 inline constexpr std::uint64_t kMostBlocks = 500;
@@ -22,12 +23,13 @@ std::uint64_t points_in_memory(std::uint64_t memory_bytes);
 
 /// A point of [lo, hi): every point is in one region of a plan.
 bool is_in(const Bbox& region, const Vec3d& p);
-/// A point of the region, its faces included, or not farther than a distance from it along any axis.
+/// A point of the region, its faces included, or not farther than a distance from it along any
+/// axis.
 bool is_near(const Bbox& region, const Vec3d& p, double distance);
 
-/// Space cut into blocks of nearly equal numbers of points, each across the longest side of what it holds:
-/// blocks are as thick as they can be, also where a cloud is flat, so that a halo around one costs the
-/// fewest points.
+/// Space cut into blocks of nearly equal numbers of points, each across the longest side of what it
+/// holds: blocks are as thick as they can be, also where a cloud is flat, so that a halo around one
+/// costs the fewest points.
 struct BlockPlan {
     /// A plane; children >= 0 are further splits, block b is -1 - b.
     struct Split {
@@ -44,8 +46,8 @@ struct BlockPlan {
     std::size_t block_of(const Vec3d& p) const;
 };
 
-/// About `wanted` blocks, cut between cells; fewer where cells are, as an empty block is never made.
-/// wanted >= 1, cells not empty
+/// About `wanted` blocks, cut between cells; fewer where cells are, as an empty block is never
+/// made. wanted >= 1, cells not empty
 BlockPlan plan_blocks(std::vector<Cell> cells, double width, std::uint64_t wanted);
 
 /// Points in blocks with a halo around each, one value a halo.

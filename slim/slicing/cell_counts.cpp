@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::size_t kSlots = 2 * CellCounts::kMostCells;  // of the hash table: half full at most
 constexpr double kCellsAcross = 2048;                       // of the first box
-constexpr double kFarthestBin = 0x1p51;                     // beyond, cell numbers are not exact in a double
+// beyond, cell numbers are not exact in a double
+constexpr double kFarthestBin = 0x1p51;
 constexpr int kBits = 21;                                   // of a key, for each axis
 constexpr std::int64_t kOffset = std::int64_t{1} << (kBits - 1);
 constexpr double kManyPoints = 16;       // a cell's, where its number says an area
@@ -101,7 +102,8 @@ std::vector<Cell> CellCounts::cells() const {
         if (slot.n_points == 0) continue;
         Cell& c = out.emplace_back(Cell{{}, slot.n_points});
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto part = slot.key >> (kBits * (2 - static_cast<int>(axis))) & (2 * kOffset - 1);
+            const auto part =
+                slot.key >> (kBits * (2 - static_cast<int>(axis))) & (2 * kOffset - 1);
             c.at[axis] = base_[axis] + static_cast<std::int64_t>(part) - kOffset;
         }
     }

@@ -16,10 +16,10 @@ struct Cell {
     std::uint64_t n_points;
 };
 
-/// Counts of points in the occupied cells of a grid, at most kMostCells of them, over a range that need not be
-/// known beforehand: when they become too many, eight merge in one. Cells are as wide as a power of two
-/// and begin at multiples of it, so merging and cutting are exact, and the counts do not depend on the order of
-/// the points. 4 MiB, whatever the cloud.
+/// Counts of points in the occupied cells of a grid, at most kMostCells of them, over a range that
+/// need not be known beforehand: when they become too many, eight merge in one. Cells are as wide
+/// as a power of two and begin at multiples of it, so merging and cutting are exact, and the counts
+/// do not depend on the order of the points. 4 MiB, whatever the cloud.
 class CellCounts {
 public:
     static constexpr std::size_t kMostCells = std::size_t{1} << 17;
@@ -53,8 +53,8 @@ private:
 /// The same cells, twice as wide; by place.
 std::vector<Cell> merged(const std::vector<Cell>& cells);
 
-/// Square root of the area that a point has, on a surface: from cells that hold many points. 0 without
-/// points. A plane meets 1.5 cells for each w^2 of it, on average over its slopes.
+/// Square root of the area that a point has, on a surface: from cells that hold many points. 0
+/// without points. A plane meets 1.5 cells for each w^2 of it, on average over its slopes.
 double surface_spacing(std::vector<Cell> cells, double width);
 
 }  // namespace slim

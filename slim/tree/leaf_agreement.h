@@ -9,9 +9,9 @@
 
 namespace slim {
 
-/// Places of a leaf's own surface, at which its neighbours are asked whether they are of the same: the one
-/// under its centre and six half a radius about it; of a sharp leaf as many on every sheet, where that
-/// makes the surface.
+/// Places of a leaf's own surface, at which its neighbours are asked whether they are of the same:
+/// the one under its centre and six half a radius about it; of a sharp leaf as many on every sheet,
+/// where that makes the surface.
 class LeafSamples {
 public:
     struct Sample {
@@ -31,10 +31,11 @@ private:
     double support_radius_;
 };
 
-/// How two leaves whose balls overlap stand to each other, from the smaller one's samples inside the
-/// larger one's ball: `agree` if at least four lie within kBelongs of the smaller radius of the larger one's
-/// surface with normals less than 45 degrees apart, `nearly` if two do, `beside` if any lies within
-/// two of the smaller radii of it. Rims do not count: what would lie beyond one tells the sheet just as well.
+/// How two leaves whose balls overlap stand to each other, from the smaller one's samples inside
+/// the larger one's ball: `agree` if at least four lie within kBelongs of the smaller radius of the
+/// larger one's surface with normals less than 45 degrees apart, `nearly` if two do, `beside` if
+/// any lies within two of the smaller radii of it. Rims do not count: what would lie beyond one
+/// tells the sheet just as well.
 enum class Meeting { apart, beside, nearly, agree };
 
 Meeting meeting_of(const LeafSamples& smaller, const SurfelTree& tree, std::size_t larger);

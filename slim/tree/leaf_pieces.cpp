@@ -10,7 +10,8 @@
 namespace slim {
 namespace {
 
-/// Large leaves first, octave by octave: boxes of neighbours are then of like size. 57 bits of place.
+/// Large leaves first, octave by octave: boxes of neighbours are then of like size. 57 bits of
+/// place.
 std::uint64_t order_key(const MortonCurve& curve, const Vec3d& center, double radius) {
     const int octave = std::clamp(std::ilogb(radius) + 64, 0, 127);
     return static_cast<std::uint64_t>(127 - octave) << 57 | curve.key(center) >> 6;
@@ -46,7 +47,8 @@ void LeafPieces::order_leaves() {
             order.emplace_back(order_key(curve, tree_.center(i), tree_.support_radius(i)), i);
     std::sort(order.begin(), order.end());
     node_.resize(n);
-    std::transform(order.begin(), order.end(), node_.begin(), [](const auto& e) { return e.second; });
+    std::transform(order.begin(), order.end(), node_.begin(),
+                   [](const auto& e) { return e.second; });
     std::vector<std::pair<std::uint64_t, std::uint32_t>>().swap(order);
     balls_.resize(n);
     for (std::size_t i = 0; i < n; ++i)

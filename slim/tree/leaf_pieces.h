@@ -13,11 +13,11 @@
 
 namespace slim {
 
-/// The leaves of a model and which of them hang together: pieces of leaves that agree where they overlap
-/// (leaf_agreement.h), directly or by others. Leaves are numbered from the largest to the smallest octave
-/// of radii, along a Morton curve in each. The same for any number of threads.
-/// Keeps a reference to the tree's arrays. Cost: O(pairs of overlapping leaves), in parallel; 28 bytes a
-/// leaf.
+/// The leaves of a model and which of them hang together: pieces of leaves that agree where they
+/// overlap (leaf_agreement.h), directly or by others. Leaves are numbered from the largest to the
+/// smallest octave of radii, along a Morton curve in each. The same for any number of threads.
+/// Keeps a reference to the tree's arrays. Cost: O(pairs of overlapping leaves), in parallel; 28
+/// bytes a leaf.
 class LeafPieces {
 public:
     explicit LeafPieces(const SurfelTree& tree);
@@ -39,8 +39,8 @@ public:
         Meeting meeting;
     };
 
-    /// Calls take(link) for all that `leaves` have with others and that are not apart, in a fixed order; found
-    /// in parallel, some at a time.
+    /// Calls take(link) for all that `leaves` have with others and that are not apart, in a fixed
+    /// order; found in parallel, some at a time.
     template <class Take>
     void for_links(std::span<const std::uint32_t> leaves, Take&& take) const {
         in_rounds(
@@ -49,14 +49,15 @@ public:
     }
 
 private:
-    /// For the search: relative to the middle of all. A pair that touches by less than a float's rounding is
-    /// none.
+    /// For the search: relative to the middle of all. A pair that touches by less than a float's
+    /// rounding is none.
     struct Ball {
         Vec3f center;
         float radius;
     };
     static constexpr std::size_t kGrain = 256;                   // leaves a thread takes at once
-    static constexpr std::size_t kRound = std::size_t{1} << 14;  // leaves whose links are held at once
+    // leaves whose links are held at once
+    static constexpr std::size_t kRound = std::size_t{1} << 14;
 
     /// find(i, links) for all of [0, n) in parallel, then take(link) for what was found.
     template <class Find, class Take>
@@ -104,7 +105,8 @@ private:
     SurfelTree tree_;
     std::vector<std::uint32_t> node_;
     std::vector<Ball> balls_;
-    std::vector<std::uint32_t> parent_;  // never above the leaf's own number; itself: first of its piece
+    // never above the leaf's own number; itself: first of its piece
+    std::vector<std::uint32_t> parent_;
     BoxTree boxes_;                      // of the balls
 };
 

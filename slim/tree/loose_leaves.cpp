@@ -16,8 +16,8 @@ constexpr double kSparseBeside = 0.5, kEvidenceBeside = 40;
 constexpr double kSparseAstray = 0.125, kEvidenceAstray = 3;
 constexpr double kLargeShare = 0.1;  // of the model's area
 
-/// Points and area (over pi) of leaves. Balls overlap, so both count parts of the surface more than once: only
-/// their ratio and comparisons mean anything.
+/// Points and area (over pi) of leaves. Balls overlap, so both count parts of the surface more than
+/// once: only their ratio and comparisons mean anything.
 struct Extent {
     double points = 0, area = 0;
 
@@ -83,8 +83,8 @@ private:
             if (is_small(pieces_.piece(i))) leaves_.push_back(i);
     }
 
-    /// Small pieces that nearly agree are one: a wall of few points holds together where the scales of a rim
-    /// do not.
+    /// Small pieces that nearly agree are one: a wall of few points holds together where the scales
+    /// of a rim do not.
     void join_small() {
         std::vector<Joint> joints;
         pieces_.for_links(leaves_, [&](const LeafPieces::Link& link) {
@@ -107,8 +107,8 @@ private:
         return small == small_.end() ? extent_[piece].area : small->second.own.area;
     }
 
-    /// What is left of small pieces and touches: an object of few points is several pieces, a plate of strays
-    /// one.
+    /// What is left of small pieces and touches: an object of few points is several pieces, a plate
+    /// of strays one.
     void join_touching() {
         std::vector<Joint> joints;
         pieces_.for_links(leaves_, [&](const LeafPieces::Link& link) {
@@ -151,7 +151,8 @@ void mark_above(SurfelTreeData& tree) {
         TreeNode& node = tree.nodes[i];
         if (node.is_leaf() || node.n_children == 0) continue;
         const auto first = tree.nodes.begin() + node.first_child;
-        if (std::all_of(first, first + node.n_children, [](const TreeNode& n) { return n.is_loose(); }))
+        if (std::all_of(first, first + node.n_children,
+                        [](const TreeNode& n) { return n.is_loose(); }))
             node.flags |= kLoose;
     }
 }

@@ -15,17 +15,20 @@ struct LooseCounts {
     std::uint64_t loose() const { return beside + astray; }
 };
 
-/// Marks the leaves (kLoose) that are no part of a surface, as a mesh is rid of its small components: leaves of
-/// points that a scanner put beside a rim, of strays, of scans that disagree. They stay in the model, so that
-/// their points still have a support; pictures leave them out. An internal node is loose if all below it are.
+/// Marks the leaves (kLoose) that are no part of a surface, as a mesh is rid of its small
+/// components: leaves of points that a scanner put beside a rim, of strays, of scans that disagree.
+/// They stay in the model, so that their points still have a support; pictures leave them out. An
+/// internal node is loose if all below it are.
 ///
 /// Pieces are sets of leaves that agree where they overlap. A piece of few, sparse points is loose
-/// - beside a piece of ten times its area, if it has less than half of the points to the area that the leaves
+/// - beside a piece of ten times its area, if it has less than half of the points to the area that
+///   the leaves
 ///   there have: fewer points than 40 over that share;
-/// - anywhere, with all that touches it, with less than an eighth of the model's mean points to the area: fewer
+/// - anywhere, with all that touches it, with less than an eighth of the model's mean points to the
+///   area: fewer
 ///   than 3 over the share.
-/// Neither rule touches a model whose leaves would all be loose, nor a piece of a tenth of its area.
-/// The numbers are measured (notes/0002).
+/// Neither rule touches a model whose leaves would all be loose, nor a piece of a tenth of its
+/// area. The numbers are measured (notes/0002).
 ///
 /// cost  O(pairs of overlapping leaves): 5 us a leaf, shared out; 44 bytes a leaf beside the model
 LooseCounts mark_loose(SurfelTreeData& tree);

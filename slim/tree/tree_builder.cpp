@@ -168,7 +168,8 @@ float round_up(double x) {
     return std::nextafter(static_cast<double>(f) < x ? std::nextafter(f, INFINITY) : f, INFINITY);
 }
 
-/// Bound radii from the leaves up: children come after their parents. Centres as the file stores them.
+/// Bound radii from the leaves up: children come after their parents. Centres as the file stores
+/// them.
 void set_bounds(SurfelTreeData& tree) {
     const SurfelTree view = tree.view();
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
@@ -243,7 +244,8 @@ SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const Model
         box.extend(b.center);
         out.header.n_leaves += (b.flags & kLeaf) ? 1u : 0u;
     }
-    if (out.header.n_leaves == 0) throw DataError("the fit left no surfel: nothing to build a model of");
+    if (out.header.n_leaves == 0)
+        throw DataError("the fit left no surfel: nothing to build a model of");
 
     Layout layout = lay_out_linked(balls, box, counts);
     out.nodes = std::move(layout.nodes);
@@ -252,7 +254,8 @@ SurfelTreeData build_tree(const SurfelSource& source, std::size_t n, const Model
         out.nodes.size(),
         [&](std::size_t i) { return i == 0 ? shape_of(root) : balls[layout.surfel_of[i]].shape(); },
         out);
-    std::vector<Ball>().swap(balls);  // the largest part of the peak otherwise; "= {}" would keep it
+    // the largest part of the peak otherwise; "= {}" would keep it
+    std::vector<Ball>().swap(balls);
     encoder.put(0, root);
     put_surfels(source, inverse(layout.surfel_of, n), encoder, out);
     set_bounds(out);

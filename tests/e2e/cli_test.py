@@ -2,6 +2,7 @@
 """The contract of every verb: help, configuration, errors, exit codes, signals, broken outputs."""
 import json
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -74,6 +75,14 @@ def outputs():
     check(wrong.code == 4 and "Broken pipe" in wrong.err, f"broken pipe: {wrong.code} {wrong.err}")
 
 
+def file_size_limit():
+    command = [harness.bin / "slim-scan", "sphere", "-o", "large.ply", "--points", "100000"]
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+    done = subprocess.run(command, cwd=harness.folder, capture_output=True, text=True, preexec_fn=limit)
+    check(done.returncode == 4 and "ulimit" in done.stderr, f"file size limit: {done.returncode} {done.stderr}")
+    check(not list(harness.folder.glob("large*")), "a write over the limit left a file")
+
+
 def up_to_date():
     first = run("slim-scan", "torus", "-o", "t.ply", "--points", "2000", "--json").json()
     check("up_to_date" not in first, "a first run is not up to date")
@@ -108,6 +117,7 @@ every_verb()
 front_door()
 config_file()
 outputs()
+file_size_limit()
 up_to_date()
 signals()
 harness.end()

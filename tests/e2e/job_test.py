@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """A small job from scan to page: what it writes, that it does only what changed, and that a killed
 build resumes; the model's bytes for several numbers of threads."""
+import os
+import pathlib
 import re
 import signal
 import subprocess
@@ -113,6 +115,39 @@ def killed_build_resumes():
     check(not (harness.folder / "big.slim.work").exists(), "the work folder is still there")
 
 
+def child_of(process):
+    """The process id of its one child, as soon as there is one."""
+    children = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    for _ in range(1000):
+        found = children.read_text().split()
+        if found:
+            return int(found[0])
+        time.sleep(0.005)
+    raise SystemExit("slim run starts no child")
+
+
+def a_killed_run_takes_its_child_along():
+    """Else it works on and holds the folder: the next run would end with 75."""
+    (harness.folder / "long.toml").write_text("[input]\nfiles = ['big.ply']\n"
+                                              "[fit]\nt_mdl = 0.00001\nsharp = 'on'\ndegree = 'auto'\n")
+    command = [harness.bin / "slim-run", "long.toml", "-q", "--threads", "1"]  # seconds, at the least
+    parent = subprocess.Popen(command, cwd=harness.folder, stdout=subprocess.DEVNULL)
+    child = child_of(parent)
+    time.sleep(0.3)
+    parent.kill()
+    parent.wait()
+    ended = False
+    for _ in range(200):
+        state = pathlib.Path(f"/proc/{child}/stat")
+        ended = not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] == "Z"
+        if ended:
+            break
+        time.sleep(0.005)
+    check(ended, "slim run was killed and its child works on")
+    if not ended:
+        os.kill(child, signal.SIGKILL)
+
+
 def plan():
     printed = run("slim", "plan", "job.toml", "--format", "make")
     check(printed.code == 0 and "slim-build" in printed.out, f"plan: {printed.err}")
@@ -128,12 +163,17 @@ def wrong_jobs():
     job.write_text("[input]\nfiles = ['nowhere.ply']\n")
     result = run("slim", "run", "wrong.toml", "--json")
     check(result.code == 3 and "nowhere.ply" in result.json()["error"]["message"], result.err)
+    for verb in ("run", "plan"):
+        result = run("slim", verb, "nowhere.toml", "--json")
+        check(result.code == 2 and "nowhere.toml" in result.json()["error"]["message"],
+              f"{verb} without its job file: {result.code} {result.err}")
 
 
 whole_job()
 only_what_changed()
 threads_agree()
 killed_build_resumes()
+a_killed_run_takes_its_child_along()
 plan()
 wrong_jobs()
 harness.end()

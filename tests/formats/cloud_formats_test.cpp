@@ -58,13 +58,15 @@ TEST(XyzReader, TellsNormalsFromColoursAndIntensity) {
     EXPECT_FALSE(has_normals("1 2 3 0 0 0\n1 2 4 0 0 0\n"));
     EXPECT_FALSE(has_normals("1 2 3 -1613 52 70 64\n"));
     EXPECT_TRUE(has_normals("1 2 3 200 100 50 0 0 1\n1 2 3 200 100 50 0 1 0\n"));
-    const PointChunk points = read_all(folder.write("m.txt", "1 2 3 9 8 7 0 0 1\n1 2 3 4 5 6 0 1 0\n"));
+    const PointChunk points =
+        read_all(folder.write("m.txt", "1 2 3 9 8 7 0 0 1\n1 2 3 4 5 6 0 1 0\n"));
     EXPECT_EQ(points.normal[1], (Vec3f{0, 1, 0}));
 }
 
 TEST(XyzReader, FollowsALineOfNames) {
     const TempFolder folder;
-    for (const char* names : {"nx;ny;nz;Z;Y;X;scan", "//nx ny nz z y x scan", "\"NX\",\"NY\",\"NZ\",z,y,x,scan"}) {
+    for (const char* names :
+         {"nx;ny;nz;Z;Y;X;scan", "//nx ny nz z y x scan", "\"NX\",\"NY\",\"NZ\",z,y,x,scan"}) {
         const PointChunk points =
             read_all(folder.write("n.csv", std::string(names) + "\n0,0,1,3,2,1,7\n"));
         ASSERT_EQ(points.size(), 1u) << names;
@@ -81,15 +83,18 @@ TEST(XyzReader, HoldsAPtsCountAgainstTheRows) {
     EXPECT_NE(reading_error(folder.write("c.pts", "3\n1 2 3\n4 5 6\n")).find("2 of 3 declared"),
               std::string::npos);
     EXPECT_EQ(read_all(folder.write("d.pts", "1\n1 2 3\n4 5 6\n")).size(), 2u);
-    EXPECT_NE(reading_error(folder.write("e.txt", "20\n30\n0 0 0\n")).find("PTX"), std::string::npos);
+    EXPECT_NE(reading_error(folder.write("e.txt", "20\n30\n0 0 0\n")).find("PTX"),
+              std::string::npos);
 }
 
 TEST(XyzReader, RefusesDecimalCommasByName) {
     const TempFolder folder;
-    for (const char* text : {"1,5 2,0 3,1\n", "1,5;2,0;3,1\n", "1;2;3,5\n", "x y z\n-1,5\t2\t3,1e1\n"}) {
+    for (const char* text :
+         {"1,5 2,0 3,1\n", "1,5;2,0;3,1\n", "1;2;3,5\n", "x y z\n-1,5\t2\t3,1e1\n"}) {
         const std::string error = reading_error(folder.write("comma.xyz", text));
         EXPECT_NE(error.find("decimal commas"), std::string::npos) << text << ": " << error;
-        EXPECT_NE(error.find("sed 's/,/./g' " + folder.file("comma.xyz")), std::string::npos) << error;
+        EXPECT_NE(error.find("sed 's/,/./g' " + folder.file("comma.xyz")), std::string::npos)
+            << error;
     }
     for (const char* text : {"1,2,3\n", "1, 2, 3\n", "1.5,2,3\n", "1,2,3 0,0,1\n", "1.5;2;3\n"})
         EXPECT_EQ(read_all(folder.write("a.xyz", text), 1).size(), 1u) << text;
@@ -98,7 +103,8 @@ TEST(XyzReader, RefusesDecimalCommasByName) {
 TEST(CloudKind, NamesTheFilesInTheCommandThatConverts) {
     const TempFolder folder;
     const std::string error = reading_error(folder.write("hill.laz", "LASF and more"));
-    EXPECT_NE(error.find("pdal translate " + folder.file("hill.laz") + " " + folder.file("hill.ply") + " "),
+    EXPECT_NE(error.find("pdal translate " + folder.file("hill.laz") + " " +
+                         folder.file("hill.ply") + " "),
               std::string::npos)
         << error;
 }
@@ -149,7 +155,8 @@ TEST(CloudKind, RefusesBinariesByTheirFirstBytes) {
     const TempFolder folder;
     for (const std::string magic : {"LASF\1\2", "ASTM-E57", "DRACO", "\x89PNG\r\n", "OFF\n3 1 0\n",
                                     "# .PCD v0.7\n", "SLIMTREE", "II*", "solid x\n"}) {
-        const std::string error = reading_error(folder.write("name.xyz", magic + std::string(9, '\0')));
+        const std::string error =
+            reading_error(folder.write("name.xyz", magic + std::string(9, '\0')));
         EXPECT_NE(error.find("read are PLY"), std::string::npos) << magic << error;
     }
     EXPECT_NE(reading_error(folder.write("b.bin", std::string("12 3\0 4", 7))).find("byte 4"),
@@ -160,7 +167,8 @@ TEST(SharedClouds, EveryPlyOfTheSampleFormatsIsReadOrRefusedWithAReason) {
     const fs::path data = shared_data();
     if (data.empty()) GTEST_SKIP() << "the shared test data is not there";
     // These declare no x, y or z (or only two of them).
-    const std::set<std::string> refused{"all_atomic_types_ok_ascii.ply", "exponent_values_ok_ascii.ply",
+    const std::set<std::string> refused{"all_atomic_types_ok_ascii.ply",
+                                        "exponent_values_ok_ascii.ply",
                                         "leading_spaces_ok_ascii.ply", "sized_dims.ply"};
     int n_read = 0;
     for (const fs::path& file : files_in(data / "formats")) {

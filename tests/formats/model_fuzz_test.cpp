@@ -12,10 +12,12 @@
 namespace slim::test {
 namespace {
 
-/// A sound tree of random shape: parents before children, bounds that hold all below. Every second one has
-/// surfels of mixed degrees.
+/// A sound tree of random shape: parents before children, bounds that hold all below. Every second
+/// one has surfels of mixed degrees.
 SurfelTreeData random_tree(std::uint64_t seed, std::size_t n) {
-    const auto degree_of = [&](std::size_t i) { return seed % 2 == 0 ? 2 : static_cast<int>(i % 3); };
+    const auto degree_of = [&](std::size_t i) {
+        return seed % 2 == 0 ? 2 : static_cast<int>(i % 3);
+    };
     SurfelTreeData tree;
     tree.header.degree = 2;
     tree.header.diagonal = 10;

@@ -23,7 +23,8 @@ const std::string kAscii =
 
 std::string binary_name(bool big) { return big ? "binary_big_endian" : "binary_little_endian"; }
 
-/// Two vertices behind another element, properties in odd order and of odd types; with a list if asked.
+/// Two vertices behind another element, properties in odd order and of odd types; with a list if
+/// asked.
 std::string binary_ply(bool big, bool list) {
     std::string text = "ply\nformat " + binary_name(big) +
                        " 1.0\nelement strip 2\nproperty list uchar short ids\n"
@@ -79,7 +80,8 @@ TEST(PlyReader, ReadsBothByteOrdersWithAndWithoutListsInAnyChunks) {
         for (const bool list : {false, true})
             for (const std::size_t chunk : {1u, 2u, 100u}) {
                 SCOPED_TRACE(binary_name(big) + (list ? " list" : ""));
-                const PointChunk points = read_all(folder.write("b.ply", binary_ply(big, list)), chunk);
+                const PointChunk points =
+                    read_all(folder.write("b.ply", binary_ply(big, list)), chunk);
                 ASSERT_EQ(points.size(), 2u);
                 EXPECT_EQ(points.position[0], (Vec3d{70000, -5, 1.25}));
                 EXPECT_EQ(points.position[1], (Vec3d{70001, -5, 2.25}));
@@ -204,7 +206,8 @@ TEST(PlyReader, NamesTheMissingPropertyTheBadWordAndTheRow) {
     EXPECT_NE(error_of("float z\n", "float q\n").find("no scalar property z"), std::string::npos);
     EXPECT_NE(error_of("4.5 5 6", "4.5 x5 6").find("line 13"), std::string::npos);
     EXPECT_NE(error_of("4.5 5 6", "4.5 x5 6").find("'x5'"), std::string::npos);
-    EXPECT_NE(error_of("4.5 5 6", "4.5 5").find("the row ends where property nz"), std::string::npos);
+    EXPECT_NE(error_of("4.5 5 6", "4.5 5").find("the row ends where property nz"),
+              std::string::npos);
     EXPECT_NE(error_of("4.5 5 6", "4.5 5 6 7").find("more values"), std::string::npos);
     EXPECT_NE(error_of("float z\n", "flaot z\n").find("'flaot'"), std::string::npos);
     EXPECT_NE(error_of("vertex 3", "vertex -3").find("'-3'"), std::string::npos);
@@ -235,8 +238,10 @@ TEST(PlyReader, AClosedMeshWoundInwardsIsTurned) {
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
         "100 0 0\n101 0 0\n100 1 0\n100 0 1\n";
-    const std::string outwards = folder.write("o.ply", head + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
-    const std::string inwards = folder.write("i.ply", head + "3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
+    const std::string outwards =
+        folder.write("o.ply", head + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+    const std::string inwards =
+        folder.write("i.ply", head + "3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
     EXPECT_FALSE(open_cloud(outwards)->info().faces_turned);
     EXPECT_TRUE(open_cloud(inwards)->info().faces_turned);
     EXPECT_EQ(read_all(inwards).normal, read_all(outwards).normal);
@@ -265,8 +270,10 @@ TEST(PlyReader, RefusesAnEmptyFileAHeaderAloneAndAMissingFile) {
     EXPECT_NE(reading_error(folder.write("h.ply", "ply\nformat ascii 1.0\nend_header\n"))
                   .find("no element"),
               std::string::npos);
-    EXPECT_NE(reading_error(folder.write("x.ply", "plywood")).find("PLY header"), std::string::npos);
-    EXPECT_NE(reading_error(folder.file("missing.ply")).find("cannot be opened"), std::string::npos);
+    EXPECT_NE(reading_error(folder.write("x.ply", "plywood")).find("PLY header"),
+              std::string::npos);
+    EXPECT_NE(reading_error(folder.file("missing.ply")).find("cannot be opened"),
+              std::string::npos);
     EXPECT_NE(reading_error(folder.file("")).find("not a regular file"), std::string::npos);
 }
 

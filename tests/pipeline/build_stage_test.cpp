@@ -91,7 +91,8 @@ std::string cube_text(int n) {
                 const auto side = [n](int k) { return k == 0 ? -1.0 : k == n ? 1.0 : 0.0; };
                 const Vec3d normal = normalized(Vec3d{side(x), side(y), side(z)});
                 if (!(sq_length(normal) > 0)) continue;
-                for (const double v : {double(x), double(y), double(z), normal.x, normal.y, normal.z})
+                for (const double v :
+                     {double(x), double(y), double(z), normal.x, normal.y, normal.z})
                     text += std::to_string(v) + ' ';
                 text += '\n';
             }
@@ -189,7 +190,8 @@ TEST_F(BuildStage, SharpTakesFewerLeavesAndASmallerErrorOnACubeInAnySlicesAndDeg
             EXPECT_GE(ModelFile::open(config.output).tree().sharp().size(), 20u);
             EXPECT_LT(sharp["leaves"].get<int>(), smooth["leaves"].get<int>());
             EXPECT_LT(sharp_error["l2"].get<double>(), 0.1 * smooth_error["l2"].get<double>());
-            // Floats of the file, 6e-8 of a radius; one place of the linear model still has a smooth leaf.
+            // Floats of the file, 6e-8 of a radius; one place of the linear model still has a
+            // smooth leaf.
             EXPECT_LT(sharp_error["max"].get<double>(),
                       degree == 1 ? 0.5 * smooth_error["max"].get<double>() : 1e-7);
         }

@@ -124,6 +124,16 @@ TEST(CommandLine, HelpNamesEveryFieldItsDefaultRangeAndExample) {
         EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
+TEST(CommandLine, HelpOfASwitchSaysWhatTheSwitchDoes) {
+    LineConfig config;
+    const std::string text = help_text({"line", "Draws a line.", {}}, fields_of(config));
+    EXPECT_NE(text.find("  --no-legend            turns off what is on by default: legend\n"),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find("  --strict               strict (default: off)\n"), std::string::npos)
+        << text;
+}
+
 TEST(CommandLine, HelpIsAnsweredWhateverElseIsThere) {
     LineConfig config;
     EXPECT_TRUE(parse(config, {"--help", "--unknown"}).help);

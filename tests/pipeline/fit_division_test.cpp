@@ -19,7 +19,8 @@ SlicePlan sphere_plan(std::size_t n, std::uint64_t slices) {
     CellCounts counts(Bbox{{-1, -1, -1}, {1, 1, 1}});
     for (std::size_t i = 0; i < n; ++i) {
         const double z = 2 * unit_interval(keyed_hash(1, 2 * i)) - 1;
-        const double a = 6.283185307 * unit_interval(keyed_hash(1, 2 * i + 1)), r = std::sqrt(1 - z * z);
+        const double a = 6.283185307 * unit_interval(keyed_hash(1, 2 * i + 1)),
+                     r = std::sqrt(1 - z * z);
         const Vec3d p{r * std::cos(a), r * std::sin(a), z};
         plan.bounds.extend(p);
         counts.add(p);
@@ -79,7 +80,8 @@ TEST(FitDivision, LittleMemoryNarrowsTheHaloAndEndsTheCoarseLevelsWhereTheSample
     EXPECT_FALSE(halo_suffices(plan, d));
     EXPECT_LT(d.last_coarse, d.first_fine);
     EXPECT_LE(level_radius(plan.diagonal, d.last_coarse), 10 * plan.spacing / std::sqrt(d.share));
-    // Never so narrow that a fit cannot do with it; whatever it takes where the slices were asked for.
+    // Never so narrow that a fit cannot do with it; whatever it takes where the slices were asked
+    // for.
     EXPECT_GE(divide_fit(plan, memory_for(5000)).halo, 12 * plan.spacing);
     plan.slices_given = true;
     EXPECT_TRUE(halo_suffices(plan, divide_fit(plan, memory_for(30000))));

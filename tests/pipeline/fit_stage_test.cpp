@@ -37,7 +37,8 @@ TEST_F(FitStage, WritesSurfelsAndCounts) {
     std::size_t leaves = 0;
     for (const FittedSurfel& s : file_read.surfels) leaves += (s.flags & kLeaf) != 0;
     EXPECT_EQ(r["leaves"], leaves);
-    EXPECT_EQ(r["leaves"].get<std::size_t>() + r["internals"].get<std::size_t>(), file_read.surfels.size());
+    EXPECT_EQ(r["leaves"].get<std::size_t>() + r["internals"].get<std::size_t>(),
+              file_read.surfels.size());
     EXPECT_FALSE(fs::exists(coarse_fit_path(file("work"))));
     EXPECT_TRUE(fit().value("up_to_date", false));
 }
@@ -62,7 +63,8 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
 }
 
 TEST_F(FitStage, GivenNormalsAreFollowedWhereTheyTellMoreThanNoisyPoints) {
-    const auto follows = [&](double noise, const NormalsConfig& normals_config, const FitConfig& config) {
+    const auto follows = [&](double noise, const NormalsConfig& normals_config,
+                             const FitConfig& config) {
         slice(write(sampled("bumpy", 20000, 1, noise), "c.ply"), 2);
         normals(normals_config);
         return fit(config)["follow_normals"].get<bool>();
@@ -117,7 +119,8 @@ TEST_F(FitStage, SlicesMayBeFittedOneByOneInAnyOrder) {
     normals();
     fit();
     std::vector<std::string> together;
-    for (std::size_t i = 0; i < 3; ++i) together.push_back(read_bytes(fit_path(file("work"), i).string()));
+    for (std::size_t i = 0; i < 3; ++i)
+        together.push_back(read_bytes(fit_path(file("work"), i).string()));
     for (std::size_t i = 0; i < 3; ++i) fs::remove(fit_path(file("work"), i));
     fs::remove(coarse_fit_path(file("work")));
     FitConfig config;
@@ -125,9 +128,11 @@ TEST_F(FitStage, SlicesMayBeFittedOneByOneInAnyOrder) {
         config.slice = i;
         fit(config);
     }
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(read_bytes(fit_path(file("work"), i).string()) == together[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_TRUE(read_bytes(fit_path(file("work"), i).string()) == together[i]);
     config.slice = kAllSlices;
-    EXPECT_TRUE(fit(config).contains("up_to_date")) << "which slice was asked for is no setting of the fit";
+    EXPECT_TRUE(fit(config).contains("up_to_date"))
+        << "which slice was asked for is no setting of the fit";
 }
 
 TEST_F(FitStage, SlicesHardlyChangeWhatComesOut) {
@@ -145,7 +150,8 @@ TEST_F(FitStage, SlicesHardlyChangeWhatComesOut) {
     ASSERT_GT(leaves[0], 300);
     for (std::size_t i = 1; i < leaves.size(); ++i) {
         SCOPED_TRACE(i);
-        // Neighbours beyond a cut count like others; which points serve for large k depends on the slice.
+        // Neighbours beyond a cut count like others; which points serve for large k depends on the
+        // slice.
         EXPECT_NEAR(lambda[i] / lambda[0], 1, 1e-3);
         EXPECT_NEAR(leaves[i] / leaves[0], 1, 0.01);
     }
@@ -168,8 +174,9 @@ TEST_F(FitStage, ASampleOfTheMemorysSizeNeverCostsAccuracy) {
 }
 
 TEST_F(FitStage, LittleMemoryLosesNoPointsAndMakesNoInternalSurfelsForNobody) {
-    // Half of the sculpture's points lie on a flat base: slabs across one axis were thinner than a few spacings,
-    // so was their halo, and what the sample does not resolve became internal surfels.
+    // Half of the sculpture's points lie on a flat base: slabs across one axis were thinner than a
+    // few spacings, so was their halo, and what the sample does not resolve became internal
+    // surfels.
     const std::string cloud = write(sampled("sculpture", 60000), "c.ply");
     slice(cloud, 1);
     normals();
@@ -199,7 +206,8 @@ TEST_F(FitStage, CoarseLevelsMayBeFittedAlone) {
     config.slice = 1;
     const auto time = fs::last_write_time(manifest_path(coarse_fit_path(file("work"))));
     fit(config);
-    EXPECT_EQ(fs::last_write_time(manifest_path(coarse_fit_path(file("work")))), time) << "fitted again";
+    EXPECT_EQ(fs::last_write_time(manifest_path(coarse_fit_path(file("work")))), time)
+        << "fitted again";
 }
 
 }  // namespace

@@ -59,14 +59,16 @@ std::string refusal(const std::string& text) {
 }
 
 bool has(const JobStep& step, const std::string& argument) {
-    return std::find(step.arguments.begin(), step.arguments.end(), argument) != step.arguments.end();
+    return std::find(step.arguments.begin(), step.arguments.end(), argument) !=
+           step.arguments.end();
 }
 
 TEST(Job, BecomesStepsInOrder) {
     const Job job = read_job(write_job(kDemo));
     std::vector<std::string> names;
     for (const JobStep& step : job.steps) names.push_back(step.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"scan", "build", "measure", "view front", "view iso"}));
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"scan", "build", "measure", "view front", "view iso"}));
     EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out");
 }
 
@@ -115,7 +117,8 @@ TEST(Job, SaysWhatIsLeftOut) {
     };
     const std::string plain = left_out(
         "[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\n[output]\nhtml = false\n");
-    for (const char* part : {"curvature: no AOV asks for it", "measure:", "scan:", "index.html:", "normal"})
+    for (const char* part :
+         {"curvature: no AOV asks for it", "measure:", "scan:", "index.html:", "normal"})
         EXPECT_NE(plain.find(part), std::string::npos) << part;
     const std::string demo = left_out(kDemo);
     for (const char* part : {"curvature: no", "measure:", "scan:", "index.html:"})
@@ -124,15 +127,17 @@ TEST(Job, SaysWhatIsLeftOut) {
 
 TEST(Job, IsChangedBySettings) {
     const fs::path file = write_job(kDemo);
-    const Job job = read_job(file, {"fit.degree=1", "fit.t_mdl=0.02", "render.size=64x64", "input.scan.noise=0"});
+    const Job job = read_job(
+        file, {"fit.degree=1", "fit.t_mdl=0.02", "render.size=64x64", "input.scan.noise=0"});
     EXPECT_TRUE(has(job.steps[0], "--noise=0"));
     EXPECT_TRUE(has(job.steps[1], "--degree=1"));
     EXPECT_TRUE(has(job.steps[1], "--t-mdl=0.02"));
     EXPECT_TRUE(has(job.steps[3], "--size=64x64"));
     for (const auto& [setting, message] :
-         {std::pair{"degree=1", "expected TABLE.KEY=VALUE"}, std::pair{"fit.degre=1", "did you mean 'degree'"},
-          std::pair{"fit.degree=9", "--set: degree: expected"}, std::pair{"view.size=3x3", "is a list"},
-          std::pair{"ftt.degree=1", "did you mean 'fit'"}})
+         {std::pair{"degree=1", "expected TABLE.KEY=VALUE"},
+          std::pair{"fit.degre=1", "did you mean 'degree'"},
+          std::pair{"fit.degree=9", "--set: degree: expected"},
+          std::pair{"view.size=3x3", "is a list"}, std::pair{"ftt.degree=1", "did you mean 'fit'"}})
         try {
             read_job(file, {setting});
             ADD_FAILURE() << setting << " was accepted";
@@ -175,12 +180,14 @@ TEST(Makefile, NamesEveryStepsOutputAndWhatItNeeds) {
     const Job job = read_job(write_job(kDemo));
     const std::string text = makefile_of(job, "/opt/a b");
     const std::string folder = job.folder.string();
-    EXPECT_NE(text.find(folder + "/model.slim.work/slice.done.json: " + folder + "/cloud.ply.done.json"),
-              std::string::npos);
+    EXPECT_NE(
+        text.find(folder + "/model.slim.work/slice.done.json: " + folder + "/cloud.ply.done.json"),
+        std::string::npos);
     EXPECT_NE(text.find(folder + "/front.png.done.json: " + folder + "/model.slim.done.json"),
               std::string::npos);
     EXPECT_NE(text.find("$(wildcard " + folder + "/front.k1.png)"), std::string::npos);
-    EXPECT_NE(text.find("'/opt/a b/slim-build' '" + folder + "/cloud.ply' '--degree=3'"), std::string::npos);
+    EXPECT_NE(text.find("'/opt/a b/slim-build' '" + folder + "/cloud.ply' '--degree=3'"),
+              std::string::npos);
     EXPECT_NE(text.find("\nall: " + folder + "/run.done.json\n"), std::string::npos);
     EXPECT_NE(text.find("\ninclude " + folder + "/.make/slices.mk\n"), std::string::npos);
 }
@@ -197,7 +204,8 @@ TEST(Makefile, HasARuleForEachSlice) {
     EXPECT_NE(free.find(normals_1 + work + "slice.done.json"), std::string::npos);
     EXPECT_EQ(free.find(normals_1 + work + "slice.done.json " + normals_0), std::string::npos);
     EXPECT_NE(free.find("'--degree=3' '--coarse'"), std::string::npos);
-    for (const char* slice : {"'--degree=3' '--slice=0'", "'--degree=3' '--slice=1'", "'--degree=3' '--slice=2'"})
+    for (const char* slice :
+         {"'--degree=3' '--slice=0'", "'--degree=3' '--slice=1'", "'--degree=3' '--slice=2'"})
         EXPECT_NE(free.find(slice), std::string::npos) << slice;
     // Estimated normals take their signs from the slice before.
     plan.has_normals = false;
@@ -210,7 +218,8 @@ TEST(Makefile, HasARuleForEachSlice) {
 TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
     const Job job = read_job(write_job(kDemo));
     std::vector<StepOutcome> outcomes;
-    for (const JobStep& step : job.steps) outcomes.push_back({step, nlohmann::json::object(), false, 1.25, 2e6});
+    for (const JobStep& step : job.steps)
+        outcomes.push_back({step, nlohmann::json::object(), false, 1.25, 2e6});
     outcomes[1].result = {{"points", 1000u}, {"leaves", 1234567u}, {"bytes", 2048u},
                           {"stages", {{"fit", {{"seconds", 0.5}, {"peak_memory_bytes", 1e6}}}}}};
     outcomes[2].result = {{"l2", 1.5e-4}, {"normal_rms_deg", 2.5}};

@@ -17,8 +17,9 @@ using nlohmann::json;
 class StampTest : public testing::Test {
 public:
     void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) /
-                  ("stamp_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        folder_ =
+            fs::path(testing::TempDir()) /
+            ("stamp_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
         fs::remove_all(folder_);
         fs::create_directories(folder_);
         write("in.ply", "points");
@@ -108,8 +109,8 @@ TEST_F(StampTest, TheManifestSaysWhatWasDone) {
     EXPECT_EQ(manifest.at("outputs")[0].at("bytes"), 5);
     EXPECT_EQ(manifest.at("inputs")[0].at("xxh3_128"), hash_file(folder_ / "in.ply"));
     EXPECT_EQ(manifest.at("threads"), 2);
-    for (const char* key : {"program", "config", "config_hash", "seconds", "peak_memory_bytes", "host",
-                            "finished"})
+    for (const char* key :
+         {"program", "config", "config_hash", "seconds", "peak_memory_bytes", "host", "finished"})
         EXPECT_TRUE(manifest.contains(key)) << key;
 }
 

@@ -31,20 +31,22 @@ TEST_F(MeasureStage, ErrorsOnASphereAreThoseOfTheFit) {
     EXPECT_EQ(m["bytes"], std::filesystem::file_size(file("m.slim")));
     const double diagonal = m["diagonal"];
     EXPECT_NEAR(diagonal, std::sqrt(12.0), 0.01);
-    // Quadrics of radius 0.2 leave fourth-order terms of the sphere. Measured: l2 3.0e-6, max 1.4e-5, 0.018
-    // degrees, curvatures 0.006 to 0.010.
+    // Quadrics of radius 0.2 leave fourth-order terms of the sphere. Measured: l2 3.0e-6, max
+    // 1.4e-5, 0.018 degrees, curvatures 0.006 to 0.010.
     EXPECT_LT(m["l2"].get<double>(), 6e-6);
     EXPECT_LT(m["max"].get<double>(), 5e-5);
     EXPECT_LT(m["normal_rms_deg"].get<double>(), 0.04);
     for (const char* key : {"k1_rms", "k2_rms", "mean_curvature_rms"}) {
         EXPECT_LT(m[key].get<double>(), 0.02) << key;
-        EXPECT_NEAR(m[std::string(key) + "_x_diagonal"].get<double>(), m[key].get<double>() * diagonal, 1e-12);
+        EXPECT_NEAR(m[std::string(key) + "_x_diagonal"].get<double>(),
+                    m[key].get<double>() * diagonal, 1e-12);
     }
     EXPECT_GT(m["l2"].get<double>(), 0);
 }
 
 TEST_F(MeasureStage, AnOffsetSphereIsAsFarAsItIsOff) {
-    // Radius 1.01 against 1: every point 0.01 away along its normal, normals and curvature the truth's.
+    // Radius 1.01 against 1: every point 0.01 away along its normal, normals and curvature the
+    // truth's.
     Cloud larger = cloud_;
     for (Vec3d& p : larger.positions) p *= 1.01;
     const auto m = measure(file("m.slim"), write(larger, "larger.ply"));

@@ -19,6 +19,24 @@ TEST_F(RenderFiles, OnePictureTakesTheNameItIsGiven) {
     EXPECT_FALSE(exists("x.shaded.png"));
 }
 
+TEST_F(RenderFiles, TheCaseOfAnExtensionDoesNotMatterAndIsKept) {
+    run(config("x.PNG"));
+    EXPECT_TRUE(exists("x.PNG"));
+    EXPECT_TRUE(exists("x.PNG.done.json"));
+    RenderConfig c = config("y.Png");
+    c.aov = {"shaded", "mean"};
+    run(c);
+    EXPECT_TRUE(exists("y.shaded.Png"));
+    EXPECT_TRUE(exists("y.mean.Png"));
+    c = config("z.EXR");
+    c.format = "exr";
+    run(c);
+    EXPECT_TRUE(exists("z.EXR"));
+    EXPECT_TRUE(exists("z.png"));
+    c.format = "png";
+    EXPECT_THROW(run(c), ConfigError);
+}
+
 TEST_F(RenderFiles, SeveralPicturesAreNamedByAov) {
     RenderConfig c = config("x.png");
     c.aov = {"shaded", "mean", "shaded"};

@@ -173,7 +173,8 @@ TEST_F(RenderStage, BruteModeDrawsTheSamePictureByAnotherWay) {
     const auto slow_z = read_exr(c.output).channels.at("Z").floats;
     ASSERT_EQ(fast_z.size(), slow_z.size());
     int n_far = 0;
-    for (std::size_t i = 0; i < fast_z.size(); ++i) n_far += std::abs(fast_z[i] - slow_z[i]) > 1e-5f;
+    for (std::size_t i = 0; i < fast_z.size(); ++i)
+        n_far += std::abs(fast_z[i] - slow_z[i]) > 1e-5f;
     EXPECT_LE(n_far, 2);
     EXPECT_NE(fast["distance_tests"], slow["distance_tests"]);
 }
@@ -286,8 +287,8 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
     }
 }
 
-/// Pixels that a white-backed map and the same map without its legend do not share, where the latter
-/// shows the object.
+/// Pixels that a white-backed map and the same map without its legend do not share, where the
+/// latter shows the object.
 int n_hidden(const PngImage& with, const PngImage& without) {
     int n = 0;
     for (std::size_t i = 0; i < with.rgba.size(); i += 4) {
@@ -335,7 +336,9 @@ TEST_F(RenderStage, FineFramesAreAveragedAlikeInBandsAndAtOnce) {
     c.size = "90x300", c.aov = {"normal", "mean", "shaded"}, c.legend = false;
     c.background = "transparent", c.range = {"3"}, c.light_maps = true;
     run(c);
-    const auto once = [&](const char* aov) { return read_png(file(std::string("x.") + aov + ".png")); };
+    const auto once = [&](const char* aov) {
+        return read_png(file(std::string("x.") + aov + ".png"));
+    };
     const PngImage plain[] = {once("normal"), once("mean"), once("shaded")};
     c.supersample = 2, c.output = file("y.png");
     run(c);

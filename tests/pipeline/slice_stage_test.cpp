@@ -199,7 +199,8 @@ TEST(SliceStage, Row05QuantumIsTheStepOfStoredFloats) {
 TEST(SliceStage, RefusesWhatHoldsNoPointsAndWhatOverflows) {
     const TempFolder folder;
     const auto error_of = [&](const std::string& text, bool strict = false) {
-        return slicing_error({{folder.write("a.xyz", text)}, folder.file("work"), "1GiB", 0, strict});
+        return slicing_error(
+            {{folder.write("a.xyz", text)}, folder.file("work"), "1GiB", 0, strict});
     };
     EXPECT_NE(error_of("# nothing\n").find("no points (0 non-finite"), std::string::npos);
     EXPECT_NE(error_of("nan 0 0\n0 inf 0\n").find("no points (2 non-finite"), std::string::npos);

@@ -63,6 +63,28 @@ TEST(Shade, NothingIsBlackAndHardlyAnythingBurnsOut) {
     EXPECT_LT(burnt, n_hits / 50);
 }
 
+/// Blinn-Phong in doubles, orthographic, of a normal that faces the eye.
+double reference_green(const Lighting& l, const Vec3d& n) {
+    const auto at = [&](const Vec3f& toward) { return std::max(0.0, dot(n, to_double(toward))); };
+    const Vec3d half = normalized(to_double(l.key.toward) + Vec3d{0, 0, 1});
+    const double up = 0.5 * (1 + n.y), facing = std::min(1.0, 4 * at(l.key.toward));
+    const double diffuse = l.sky.y * up + l.ground.y * (1 - up) + l.key.color.y * at(l.key.toward) +
+                           l.fill.color.y * at(l.fill.toward);
+    return l.albedo.y * diffuse +
+           l.key.color.y * l.specular * facing * std::pow(std::max(0.0, dot(n, half)), l.shininess);
+}
+
+TEST(Shade, IsBlinnPhongWithinAQuarterOfAnEightBitStep) {
+    const SphereBuffers sphere(133);  // no multiple of the lanes
+    const Picture p = sphere.shaded(orthographic_view());
+    for (std::size_t i = 0; i < p.n_pixels(); ++i) {
+        if (!sphere.hit[i]) continue;
+        const double expected = reference_green(Lighting{}, {sphere.x[i], sphere.y[i], sphere.z[i]});
+        ASSERT_NEAR(255 * srgb_from_linear(p.rgba[4 * i + 1]),
+                    255 * srgb_from_linear(static_cast<float>(expected)), 0.25);
+    }
+}
+
 TEST(Shade, AlphaIsTheHitMaskAndMissesAreZero) {
     const SphereBuffers sphere(32);
     const Picture p = sphere.shaded(orthographic_view());

@@ -13,7 +13,8 @@ inline std::optional<std::filesystem::path> shared_data(const std::filesystem::p
     const char* variable = std::getenv("SLIM_SHARED");
     // This file is <source>/tests/support/shared_data.h.
     const fs::path source = fs::path(__FILE__).parent_path().parent_path().parent_path();
-    const fs::path root = variable && *variable ? fs::path(variable) : source.parent_path() / "shared";
+    const fs::path root =
+        variable && *variable ? fs::path(variable) : source.parent_path() / "shared";
     const fs::path path = root / relative;
     std::error_code ignored;
     if (!fs::exists(path, ignored)) return std::nullopt;

@@ -83,7 +83,7 @@ void check_against_reference() {
         const typename V::mask_type all(true);
         const V lo = pick(&Case::lo), s = pick(&Case::s), guess = pick(&Case::guess);
         const auto first = first_root<Degree, V>(k, lo, s, all);
-        const auto nearest = nearest_root<Degree, V>(k, guess, s, all);
+        const auto nearest = nearest_root<Degree, V>(k, guess, -s, s, all);
         for (std::size_t lane = 0; lane < V::size(); ++lane) {
             const Case& c = cases[lane];
             if (is_critical(c, c.lo, c.s) || is_critical(c, -c.s, c.s)) continue;
@@ -118,10 +118,10 @@ void check_lanes_are_independent() {
             cases.push_back(random_case(batch * 16 + lane, Degree));
         const auto k = lanes_of<Lanes>(cases);
         const auto together =
-            nearest_root<Degree, Lanes>(k, Lanes(0.1f), Lanes(0.9f), Lanes::mask_type(true));
+            nearest_root<Degree, Lanes>(k, Lanes(0.1f), Lanes(-0.9f), Lanes(0.9f), Lanes::mask_type(true));
         for (std::size_t lane = 0; lane < Lanes::size(); ++lane) {
             const auto alone = nearest_root<Degree, OneLane>(
-                lanes_of<OneLane>({cases[lane]}), OneLane(0.1f), OneLane(0.9f),
+                lanes_of<OneLane>({cases[lane]}), OneLane(0.1f), OneLane(-0.9f), OneLane(0.9f),
                 OneLane::mask_type(true));
             ASSERT_EQ(together.hit[lane], alone.hit[0]) << batch << ' ' << lane;
             ASSERT_NEAR(together.t[lane], alone.t[0], 1e-5) << batch << ' ' << lane;
@@ -141,7 +141,7 @@ TEST(RootKernel, ReportsNoRootWhereThereIsNone) {
     EXPECT_TRUE(stdx::none_of(first_root<1, Lanes>(constant, -one, one, all).hit));
     EXPECT_TRUE(stdx::none_of(first_root<2, Lanes>(constant, -one, one, all).hit));
     EXPECT_TRUE(stdx::none_of(first_root<3, Lanes>(constant, -one, one, all).hit));
-    EXPECT_TRUE(stdx::none_of(nearest_root<3, Lanes>(constant, zero, one, all).hit));
+    EXPECT_TRUE(stdx::none_of(nearest_root<3, Lanes>(constant, zero, -one, one, all).hit));
     const PolynomialLanes<Lanes> line{Lanes(0.5f), one, zero, zero};
     EXPECT_TRUE(stdx::all_of(first_root<3, Lanes>(line, -one, one, all).hit));
     EXPECT_TRUE(stdx::none_of(first_root<3, Lanes>(line, -one, one, none).hit));

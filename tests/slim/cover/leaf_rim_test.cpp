@@ -33,7 +33,7 @@ double flat(double, double) { return 0; }
 TEST(LeafRim, ASurfaceAllAroundHasNone) {
     PointBlock block;
     const auto leaf = leaf_at({0, 0, 0}, block, [](const Vec3d&) { return true; }, flat);
-    EXPECT_EQ(rims_of(leaf, block.position), PackedRims{});
+    EXPECT_EQ(rims_of(leaf), PackedRims{});
 }
 
 TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
@@ -44,7 +44,7 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
         const auto leaf =
             leaf_at({0, 0, 0}, block, [&](const Vec3d& p) { return dot(p, out) <= 0.06; }, flat);
         const Surfel& s = leaf.fitted.surfel;
-        const Rim rim = unpack_rim(rims_of(leaf, block.position).first);
+        const Rim rim = unpack_rim(rims_of(leaf).first);
         ASSERT_FALSE(rim.is_whole());
         EXPECT_GT(dot(s.frame.u_axis * rim.u + s.frame.v_axis * rim.v, out), std::cos(0.12));
         EXPECT_GE(rim.reach, 0.06 / 0.3);  // the border, over rho
@@ -62,7 +62,7 @@ TEST(LeafRim, FewPointsAreNoRim) {
     std::size_t n = 0;
     const auto leaf = leaf_at({0, 0, 0}, block,
                               [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 6; }, flat);
-    EXPECT_EQ(rims_of(leaf, block.position), PackedRims{});
+    EXPECT_EQ(rims_of(leaf), PackedRims{});
 }
 
 /// A leaf on the upper face z = 0 of a solid whose other faces have the outer normals `walls`, all through the line or the
@@ -109,7 +109,7 @@ TEST(LeafRim, EndsAtTheEdgeThatOtherPointsShow) {
         const double a = angle * std::numbers::pi / 180;
         PointBlock block;
         const auto leaf = leaf_at_edge({{std::sin(a), 0, std::cos(a)}}, block);
-        const PackedRims rims = rims_of(leaf, block.position);
+        const PackedRims rims = rims_of(leaf);
         ASSERT_TRUE(rims.any());
         const double reach = reach_towards(leaf, unpack_rim(rims.first), {1, 0, 0});
         EXPECT_GE(reach, 0.05 / 0.3 - 1e-6);
@@ -120,7 +120,7 @@ TEST(LeafRim, EndsAtTheEdgeThatOtherPointsShow) {
 TEST(LeafRim, ACornerHasTwo) {
     PointBlock block;
     const auto leaf = leaf_at_edge({{1, 0, 0}, {0, 1, 0}}, block);
-    const PackedRims rims = rims_of(leaf, block.position);
+    const PackedRims rims = rims_of(leaf);
     ASSERT_TRUE(rims.any());
     ASSERT_NE(rims.second, 0);
     for (const PackedRim rim : {rims.first, rims.second}) {
@@ -138,13 +138,13 @@ TEST(LeafRim, AWallThatRisesIsNoEdge) {
     const std::size_t n_signs = leaf.edges.size();
     ASSERT_GT(n_signs, 10u);
     leaf.edges.clear();
-    const PackedRims by_border = rims_of(leaf, block.position);
+    const PackedRims by_border = rims_of(leaf);
     for (std::size_t i = 0; i < block.size(); ++i)
         if (block.normal[i].x > 0.5f) block.normal[i].x = -1, block.position[i].z *= -1;
     BallPoints<double> work;
     const auto concave = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work);
     ASSERT_GT(concave.edges.size(), 10u);
-    EXPECT_EQ(rims_of(concave, block.position), by_border);
+    EXPECT_EQ(rims_of(concave), by_border);
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ std::size_t forced_leaves(const Built& model) {
 TEST(Extremes, Row19DihedralsOvershootWithinABound) {
     // The row asks for no overshoot above eps. One height field a ball cannot give that: discs at
     // an edge reach up to alpha rho beyond it. Held here: today's overshoot, largest 0.0152 L at 30
-    // degrees, 0.0073 at 120 and 150, 7e-5 at 179; RMS over all leaves 1.1e-3 L. Sharp features of the fit
-    // have to lower these.
+    // degrees, 0.0073 at 120 and 150, 7e-5 at 179; RMS over all leaves 1.1e-3 L. Sharp features of
+    // the fit have to lower these.
     for (const double angle : {30., 60., 90., 120., 150., 179., 270.}) {
         SCOPED_TRACE(angle);
         const Wedge wedge(angle);

@@ -36,7 +36,8 @@ double difference(const Built& a, const Built& b, const Cloud& cloud, const Fram
         sum += (one->t - two->t) * (one->t - two->t);
         ++n;
     }
-    // At a crease the exact normal of a point may meet none of the leaves near it: 6 of 6,000 points.
+    // At a crease the exact normal of a point may meet none of the leaves near it: 6 of 6,000
+    // points.
     EXPECT_GT(5 * n, cloud.size() - cloud.size() / 500);
     return std::sqrt(sum / static_cast<double>(n));
 }

@@ -85,8 +85,8 @@ TEST(Extremes, Row25TheUsualThresholdIsNearTheBestAtAnyNoise) {
             errors.push_back(distance_to_shape(Built(block_of(cloud), t), cloud, shape));
         const double best = *std::min_element(errors.begin(), errors.end());
         EXPECT_LT(errors[0] / best, 1.05);
-        // And it smooths: the model is nearer to the truth than the points are; measured 0.41, 0.24, 0.18,
-        // 0.93. At 5 % the largest balls, rho_0 = L / 10, are two sigma wide.
+        // And it smooths: the model is nearer to the truth than the points are; measured 0.41,
+        // 0.24, 0.18, 0.93. At 5 % the largest balls, rho_0 = L / 10, are two sigma wide.
         const double sigma = noise * shape.bounds.diagonal();
         EXPECT_LT(errors[0], (noise < 0.05 ? 0.45 : 1.0) * sigma);
     }
@@ -118,7 +118,8 @@ TEST(Extremes, Row26OutliersDoBoundedHarm) {
             const auto hit = model.project(cloud.positions[i], cloud.truth[i].normal);
             off += !hit || std::abs(hit->t) > near;
         }
-        EXPECT_LT(astray, most_astray * static_cast<double>(n));  // small ones: strays are no surface
+        // small ones: strays are no surface
+        EXPECT_LT(astray, most_astray * static_cast<double>(n));
         EXPECT_LT(off, most_off * 30000);
         RecordProperty("off", std::to_string(off / 30000));
         EXPECT_TRUE(share > 0.01 || model.counts().isolated > 0);

@@ -16,7 +16,8 @@ namespace {
 std::vector<Vec3d> hard_directions() {
     std::vector<Vec3d> out;
     for (std::uint64_t i = 0; i < 20000; ++i) out.push_back(random_direction(1, i));
-    for (const double tiny : {0.0, -0.0, 1e-300, 1e-18, 1.2e-16, 2.3e-16, 1e-12, 1e-9, 3e-8, 1e-7, 1e-5})
+    for (const double tiny :
+         {0.0, -0.0, 1e-300, 1e-18, 1.2e-16, 2.3e-16, 1e-12, 1e-9, 3e-8, 1e-7, 1e-5})
         for (const double sign : {1.0, -1.0}) {
             for (std::uint64_t i = 0; i < 500; ++i) {
                 Vec3d n = random_direction(2, i);
@@ -71,8 +72,8 @@ TEST(RoundNormal, KeepsTheDirectionToFloatPrecision) {
 }
 
 TEST(RoundNormal, GivesWhatTheFilesFloatsGiveBack) {
-    // A fit is made in the frame of the rounded normal and written as two floats: the frame that the
-    // file gives back must be that frame, bit by bit, or the surface turns or jumps.
+    // A fit is made in the frame of the rounded normal and written as two floats: the frame that
+    // the file gives back must be that frame, bit by bit, or the surface turns or jumps.
     for (const Vec3d& n : hard_directions()) {
         SCOPED_TRACE(testing::Message() << n.x << ' ' << n.y << ' ' << n.z);
         const Vec3d once = round_normal(n);

@@ -28,9 +28,13 @@ std::shared_ptr<const SharpSheets> random_sheets(std::uint64_t seed, int degree)
 std::vector<Surfel> random_surfels(std::size_t n, int degree, bool mixed) {
     std::vector<Surfel> surfels;
     for (std::uint64_t i = 0; i < n; ++i) {
-        const int own = mixed ? static_cast<int>(i % static_cast<std::uint64_t>(degree + 1)) : degree;
-        Surfel s{random_in_cube(9, i), 0.01, frame_from_normal(round_normal(random_direction(10, i))),
-                 {}, own};
+        const int own =
+            mixed ? static_cast<int>(i % static_cast<std::uint64_t>(degree + 1)) : degree;
+        Surfel s{random_in_cube(9, i),
+                 0.01,
+                 frame_from_normal(round_normal(random_direction(10, i))),
+                 {},
+                 own};
         for (std::size_t c = 0; c < static_cast<std::size_t>(n_coefficients(own)); ++c)
             s.polynomial.a[c] = random_at(11, 10 * i + c);
         if (i % 7 == 3) s.sharp = random_sheets(i, own);

@@ -62,7 +62,8 @@ TEST(Surfel, LevellingKeepsThePlane) {
         EXPECT_EQ(level.center, tilted.center);
         for (std::uint64_t i = 0; i < 5; ++i) {
             const double u = random_at(8, 2 * i), v = random_at(8, 2 * i + 1);
-            const Vec3d on_plane = tilted.frame.world_from_local({u, v, tilted.polynomial.value(u, v)});
+            const Vec3d on_plane =
+                tilted.frame.world_from_local({u, v, tilted.polynomial.value(u, v)});
             const Vec3d x = level.frame.local_from_world(on_plane);
             EXPECT_NEAR(x.z, level.polynomial.value(x.x, x.y), 4e-7);  // rounding of the normal
         }

@@ -27,6 +27,9 @@ PointBlock random_cube(std::size_t n, std::uint64_t seed) {
     return block_of(std::move(positions), std::move(normals));
 }
 
+/// How far a bucket's floats may be off in a cloud of width 2: half a unit of 2^-24 on each axis, and some.
+constexpr double kOfBuckets = 3e-7;
+
 /// Clouds that a tree may stumble over: sizes about a bucket and about a node, equal points, a
 /// line.
 std::vector<PointBlock> hard_blocks() {
@@ -62,7 +65,8 @@ TEST(PointTree, BucketsInABallHoldEveryPointOfIt) {
                     const std::size_t i = first + k;
                     ASSERT_EQ(i < tree.size(), std::isfinite(bucket.x[k]));
                     if (i >= tree.size()) continue;
-                    EXPECT_EQ(tree.position(i).x, bucket.x[k]);
+                    const Vec3d at = bucket.origin + Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]};
+                    EXPECT_NEAR(length(at - tree.position(i)), 0, kOfBuckets);
                     EXPECT_TRUE(offered.insert(tree.source(i)).second) << "a bucket came twice";
                 }
             });
@@ -87,11 +91,46 @@ TEST(PointTree, GathersTheBallsPointsScaledWithTheirNormals) {
                 const Vec3d x = (block.position[i] - c) / radius;
                 ASSERT_NEAR(length(Vec3d{ball.x[k], ball.y[k], ball.z[k]} - x), 0, 1e-14);
                 ASSERT_NEAR(ball.sq[k], sq_length(x), 1e-14);
-                ASSERT_EQ((Vec3f{ball.nx[k], ball.ny[k], ball.nz[k]}), block.normal[i]);
+                const Vec3f n{ball.nx[k], ball.ny[k], ball.nz[k]};
+                ASSERT_LT(length(to_double(n - block.normal[i])), 1e-4);
             }
             for (std::size_t k = ball.n; k < ball.padded(); ++k) ASSERT_EQ(ball.sq[k], 2);
             std::sort(found.begin(), found.end());
             EXPECT_EQ(found, brute_ball(block, c, radius));
+        }
+    }
+}
+
+TEST(PointTree, ACloudOfFloatsIsKeptAsItIs) {
+    PointBlock block = random_cube(3000, 4);
+    for (Vec3d& p : block.position) p = to_double(to_float(p * 0.1 + Vec3d{0.3, 0.3, 0.3}));
+    const PointTree tree = tree_of(block);
+    BallPoints<double> ball;
+    gather_ball(tree, block.position[0], 10, ball);
+    ASSERT_EQ(ball.n, block.size());
+    for (std::size_t k = 0; k < ball.n; ++k) {
+        const Vec3d x = (tree.position(ball.index[k]) - block.position[0]) / 10;
+        ASSERT_NEAR(length(Vec3d{ball.x[k], ball.y[k], ball.z[k]} - x), 0, 1e-15);
+    }
+}
+
+TEST(ShrinkBall, LeavesWhatAGatheredBallHolds) {
+    for (const PointBlock& block : hard_blocks()) {
+        SCOPED_TRACE(block.size());
+        const PointTree tree = tree_of(block);
+        BallPoints<float> shrunk, gathered;
+        for (std::uint64_t q = 0; q < 20; ++q) {
+            const Vec3d c = random_in_cube(98, q);
+            gather_ball(tree, c, 1, shrunk);
+            shrink_ball(shrunk, 0.618);
+            gather_ball(tree, c, 0.618, gathered);
+            ASSERT_EQ(shrunk.n, gathered.n);
+            EXPECT_EQ(shrunk.radius, 0.618);
+            for (std::size_t k = 0; k < shrunk.padded(); ++k) {
+                ASSERT_NEAR(shrunk.x[k], gathered.x[k], 2e-6);
+                ASSERT_NEAR(shrunk.sq[k], gathered.sq[k], 4e-6);
+                ASSERT_EQ(shrunk.nz[k], gathered.nz[k]);
+            }
         }
     }
 }

@@ -56,7 +56,8 @@ TEST(EstimateNormals, IsWithinADegreeOnASphere) {
     double sq_sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) {
         ASSERT_NEAR(length(block.normal[i]), 1, 1e-6);
-        const double sine = length(cross(to_double(block.normal[i]), cloud.truth[block.id[i]].normal));
+        const double sine =
+            length(cross(to_double(block.normal[i]), cloud.truth[block.id[i]].normal));
         sq_sum += sine * sine;
     }
     const double rms_deg = std::sqrt(sq_sum / 20000) * 180 / std::numbers::pi;
@@ -80,7 +81,8 @@ TEST(EstimateNormals, DuplicatesGiveTheNormalsOfTheUniqueSet) {
     const Cloud cloud = sampled("torus", 3000);
     Cloud copies;
     for (int c = 0; c < 12; ++c)
-        copies.positions.insert(copies.positions.end(), cloud.positions.begin(), cloud.positions.end());
+        copies.positions.insert(copies.positions.end(), cloud.positions.begin(),
+                                cloud.positions.end());
     PointBlock once = along_curve(block_of(cloud));
     PointBlock twelve =
         along_curve(block_of(copies.positions, std::vector<Vec3f>(copies.positions.size())));
@@ -227,7 +229,8 @@ TEST(Repair, TurnsSparseFlippedNormalsBack) {
 NormalAudit audit_by_all_pairs(const PointBlock& block) {
     const BoxTree boxes(block.size(), [&](std::size_t i) { return block.position[i]; });
     std::vector<double> diagonals;
-    for (std::size_t b = 0; b < boxes.n_buckets(); ++b) diagonals.push_back(boxes.bucket(b).diagonal());
+    for (std::size_t b = 0; b < boxes.n_buckets(); ++b)
+        diagonals.push_back(boxes.bucket(b).diagonal());
     std::vector<double> sorted = diagonals;
     std::sort(sorted.begin(), sorted.end());
     NormalAudit audit;
@@ -251,8 +254,8 @@ NormalAudit audit_by_all_pairs(const PointBlock& block) {
 }
 
 TEST(Repair, FindsWhatAllPairsShow) {
-    // Two spheres of other density, so that the curve jumps and buckets straddle; a third of the normals
-    // is tilted at random.
+    // Two spheres of other density, so that the curve jumps and buckets straddle; a third of the
+    // normals is tilted at random.
     PointBlock block = block_of(sampled("sphere", 2500));
     const PointBlock far = block_of(sampled("sphere", 600));
     for (std::size_t i = 0; i < far.size(); ++i) {
@@ -315,7 +318,8 @@ TEST(Repair, CountsMissingAndNoisyNormals) {
     const NormalAudit audit = repair(block);
     EXPECT_EQ(audit.missing, 50u);
     EXPECT_EQ(audit.contrary, 0u);
-    EXPECT_NEAR(static_cast<double>(audit.noisy), static_cast<double>(tilted), 0.1 * static_cast<double>(tilted));
+    EXPECT_NEAR(static_cast<double>(audit.noisy), static_cast<double>(tilted),
+                0.1 * static_cast<double>(tilted));
     for (std::size_t i = 0; i < 50; ++i) EXPECT_EQ(block.normal[i], (Vec3f{}));
 }
 

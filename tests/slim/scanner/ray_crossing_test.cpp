@@ -10,7 +10,8 @@ namespace slim {
 namespace {
 
 Vec3d random_point(std::uint64_t key, double radius) {
-    return Vec3d{2 * unit_interval(keyed_hash(1, key)) - 1, 2 * unit_interval(keyed_hash(2, key)) - 1,
+    return Vec3d{2 * unit_interval(keyed_hash(1, key)) - 1,
+                 2 * unit_interval(keyed_hash(2, key)) - 1,
                  2 * unit_interval(keyed_hash(3, key)) - 1} *
            radius;
 }

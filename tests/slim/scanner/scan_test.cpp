@@ -26,7 +26,8 @@ ScanSettings settings_for(std::uint64_t n) {
 
 bool same_bytes(const test::Cloud& a, const test::Cloud& b) {
     const auto equal = [](const auto& x, const auto& y) {
-        return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+        return x.size() == y.size() &&
+               std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
     };
     return equal(a.positions, b.positions) && equal(a.normals, b.normals) &&
            equal(a.truth, b.truth) && equal(a.scan_ids, b.scan_ids);
@@ -129,9 +130,8 @@ TEST(Scan, OutliersHaveTheirShare) {
     s.outliers = 0.05;
     ScanSummary summary;
     const test::Cloud cloud = test::scanned("sphere", s, &summary);
-    const auto off = std::count_if(cloud.positions.begin(), cloud.positions.end(), [](const Vec3d& p) {
-        return std::abs(length(p) - 1) > 1e-9;
-    });
+    const auto off = std::count_if(cloud.positions.begin(), cloud.positions.end(),
+                                   [](const Vec3d& p) { return std::abs(length(p) - 1) > 1e-9; });
     EXPECT_EQ(static_cast<std::uint64_t>(off), summary.outliers);
     EXPECT_NEAR(static_cast<double>(off), 1'000, 100);  // 3 standard deviations: 92
 }
@@ -173,11 +173,13 @@ TEST(Scan, AnOpenShapeShowsItsFrontOnly) {
     const test::Cloud cloud = test::scanned("plane", settings_for(4'000));
     std::size_t upright = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-        ASSERT_LE(std::max(std::abs(cloud.positions[i].x), std::abs(cloud.positions[i].y)), 1 + 1e-12);
+        ASSERT_LE(std::max(std::abs(cloud.positions[i].x), std::abs(cloud.positions[i].y)),
+                  1 + 1e-12);
         ASSERT_GT(cloud.normals[i].z, 0);  // the front faces the scanner
         upright += cloud.normals[i].z > 0.9999f;
     }
-    EXPECT_GT(upright, 3'900u);  // all but corners and grazing rows, where the view direction stands in
+    // all but corners and grazing rows, where the view direction stands in
+    EXPECT_GT(upright, 3'900u);
     const std::set<std::uint16_t> seen(cloud.scan_ids.begin(), cloud.scan_ids.end());
     EXPECT_LT(seen.size(), 6u);
 }

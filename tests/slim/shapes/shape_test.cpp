@@ -139,8 +139,8 @@ TEST(Curvature, OfAnEllipsoidHasTheClosedFormProduct) {
     for (double s = 10 * kDegree; s < 3; s += 0.41) {
         const Vec3d p{a * std::sin(s) * std::cos(0.7), b * std::sin(s) * std::sin(0.7),
                       c * std::cos(s)};
-        const double sq_h =
-            1 / (p.x * p.x / (a * a * a * a) + p.y * p.y / (b * b * b * b) + p.z * p.z / (c * c * c * c));
+        const double sq_h = 1 / (p.x * p.x / (a * a * a * a) + p.y * p.y / (b * b * b * b) +
+                                 p.z * p.z / (c * c * c * c));
         const SurfacePoint q = at("ellipsoid", p);
         EXPECT_NEAR(q.k1 * q.k2, sq_h * sq_h / (a * b * c * a * b * c), 1e-9);
         EXPECT_GT(q.k2, 0);
@@ -154,8 +154,8 @@ TEST(Curvature, OfACyclideHasItsClosedForm) {
     for (double t = 0.05; t < 6.28; t += 0.5)
         for (double p = 0.02; p < 6.28; p += 0.5) {
             const double ct = std::cos(t), cp = std::cos(p), w = a - c * ct * cp;
-            const Vec3d x{(d * (c - a * ct * cp) + b * b * ct) / w, b * std::sin(t) * (a - d * cp) / w,
-                          b * std::sin(p) * (c * ct - d) / w};
+            const Vec3d x{(d * (c - a * ct * cp) + b * b * ct) / w,
+                          b * std::sin(t) * (a - d * cp) / w, b * std::sin(p) * (c * ct - d) / w};
             const double k_tube = 1 / (d - c * ct), k_ring = cp / (d * cp - a);
             const SurfacePoint s = at("cyclide", x);
             EXPECT_NEAR(s.k1, std::max(k_tube, k_ring), 1e-9) << t << ' ' << p;

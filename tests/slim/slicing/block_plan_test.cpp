@@ -21,7 +21,8 @@ std::vector<Vec3d> column_on_a_base(std::uint64_t seed, std::size_t n, double sc
     std::vector<Vec3d> points;
     for (std::size_t i = 0; i < n; ++i) {
         const double u = random(seed, i, 0), v = random(seed, i, 1), w = random(seed, i, 2);
-        const Vec3d p = i % 2 == 0 ? Vec3d{u, v, 0} : Vec3d{0.5 + 0.1 * std::cos(7 * u), 0.5, 3 * w * w};
+        const Vec3d p =
+            i % 2 == 0 ? Vec3d{u, v, 0} : Vec3d{0.5 + 0.1 * std::cos(7 * u), 0.5, 3 * w * w};
         points.push_back(p * scale + Vec3d{shift, -shift, shift});
     }
     return points;
@@ -107,7 +108,8 @@ TEST(SurfaceSpacing, IsThatOfASquareAndOfASphere) {
     for (std::size_t i = 0; i < 200000; ++i) {
         square.push_back({random(1, i, 0), random(1, i, 1), 0.3 * random(1, i, 0)});
         const double z = 2 * random(2, i, 0) - 1, a = 6.283185307 * random(2, i, 1);
-        sphere.push_back({std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z});
+        sphere.push_back(
+            {std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z});
     }
     const auto spacing = [](const std::vector<Vec3d>& points) {
         const CellCounts counts = counts_of(points);
@@ -128,7 +130,8 @@ TEST(BlockPlan, BlocksHoldNearlyEqualCountsThatAreExact) {
             ASSERT_EQ(plan.n_blocks(), wanted);
             expect_exact(plan, points);
             const double share = 40000.0 / static_cast<double>(wanted);
-            // The layer of cells at the column's foot holds 440 points; each of three cuts may miss by half of it.
+            // The layer of cells at the column's foot holds 440 points; each of three cuts may miss
+            // by half of it.
             for (const std::uint64_t n : plan.n_points)
                 EXPECT_NEAR(static_cast<double>(n), share, 0.06 * share + 660);
         }

@@ -37,7 +37,8 @@ Leaves sheet(const Vec3d& corner, const Vec3d& u, const Vec3d& v, int n, double 
     Leaves out;
     for (int i = 0; i < n; ++i)
         for (int k = 0; k < n; ++k)
-            out.push_back(leaf(corner + (u * i + v * k) * (kStep * rho), cross(u, v), rho, density));
+            out.push_back(
+                leaf(corner + (u * i + v * k) * (kStep * rho), cross(u, v), rho, density));
     return out;
 }
 
@@ -88,12 +89,15 @@ TEST(LooseLeaves, OneThatAgreesWithItsNeighboursIsNot) {
 }
 
 TEST(LooseLeaves, PartsAsDenseAsTheSurfaceBesideThemStay) {
-    // A small step, a chip of an edge: few leaves that agree with nothing, but of all the points there should be.
-    EXPECT_TRUE(mark(floor_of(16) + Leaves{leaf({6, 6, 0.3}, {1, 0, 0.3}, 0.5, kDensity)}).loose().empty());
+    // A small step, a chip of an edge: few leaves that agree with nothing, but of all the points
+    // there should be.
+    EXPECT_TRUE(
+        mark(floor_of(16) + Leaves{leaf({6, 6, 0.3}, {1, 0, 0.3}, 0.5, kDensity)}).loose().empty());
 }
 
 TEST(LooseLeaves, NoSheetOfTwoCloseOnesIsLoose) {
-    const Leaves both = floor_of(12) + sheet({0, 0, 0.4}, {0, 1, 0}, {1, 0, 0}, 4, kRho, 0.4 * kDensity);
+    const Leaves both =
+        floor_of(12) + sheet({0, 0, 0.4}, {0, 1, 0}, {1, 0, 0}, 4, kRho, 0.4 * kDensity);
     EXPECT_TRUE(mark(both).loose().empty());
 }
 
@@ -162,7 +166,8 @@ TEST(LooseLeaves, InternalSurfelsAboveNothingElseAreLooseToo) {
     FittedSurfel near = leaf({6, 6, 0}, {0, 0, 1}, 6), far = leaf({60, 0, 0}, {0, 0, 1}, 6);
     near.level = far.level = 1;
     near.flags = far.flags = 0;
-    const Marked m = mark(floor_of(16) + Leaves{leaf({60, 0, 0}, {0, 1, 0}, 2, 0.03 * kDensity), near, far});
+    const Marked m =
+        mark(floor_of(16) + Leaves{leaf({60, 0, 0}, {0, 1, 0}, 2, 0.03 * kDensity), near, far});
     std::size_t loose = 0, internal = 0;
     for (std::size_t i = 1; i < m.data.nodes.size(); ++i) {
         if (m.data.nodes[i].is_leaf()) continue;
@@ -201,7 +206,8 @@ TEST(LooseLeaves, TheSameForAnyNumberOfThreadsAndOrderOfLeaves) {
     for (int threads : {2, 7}) {
         const auto other = flags(threads);
         ASSERT_EQ(other.size(), one.size());
-        EXPECT_EQ(std::memcmp(other.data(), one.data(), one.size() * sizeof(TreeNode)), 0) << threads;
+        EXPECT_EQ(std::memcmp(other.data(), one.data(), one.size() * sizeof(TreeNode)), 0)
+            << threads;
     }
     auto before = mark(scene).loose();
     std::reverse(scene.begin(), scene.end());

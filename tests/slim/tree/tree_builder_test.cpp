@@ -242,7 +242,8 @@ TEST(BallIndex, FindsTheLeavesOverAPointLikeBruteForce) {
     EXPECT_EQ(index.n_leaves(), tree.header().n_leaves);
     std::vector<const Surfel*> found;
     for (std::uint64_t q = 0; q < 300; ++q) {
-        const Vec3d p = tree.center(1 + keyed_hash(2, q) % (tree.n_nodes() - 1)) + random_in_cube(3, q) * 0.1;
+        const Vec3d p =
+            tree.center(1 + keyed_hash(2, q) % (tree.n_nodes() - 1)) + random_in_cube(3, q) * 0.1;
         index.supporters(p, found);
         std::multiset<double> a, b;
         for (const Surfel* s : found) a.insert(s->center.x);

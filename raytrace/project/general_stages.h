@@ -1,0 +1,110 @@
+#pragma once
+
+#include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/project/tile_lanes.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace slim {
+
+/// Calls visit(tile_y, group) for the groups of lanes of a tile that a rectangle touches.
+template <class Visit>
+inline void for_each_group(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
+    const ScreenRect& c = t.clip;
+    const int y0 = std::max(r.y0, c.y0) - t.y0, y1 = std::min(r.y1, c.y1) - t.y0;
+    const int x0 = std::max(r.x0, c.x0) - t.x0, x1 = std::min(r.x1, c.x1) - t.x0;
+    if (x0 >= x1) return;
+    const int group_0 = x0 / kLanes, group_1 = (x1 - 1) / kLanes;
+    for (int y = y0; y < y1; ++y)
+        for (int group = group_0; group <= group_1; ++group) visit(y, group);
+}
+
+// The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or far off the axis.
+
+/// What the rim leaves at roots of a surfel of one sheet.
+inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, const FloatV& t) {
+    if (rim.is_whole) return FloatV(1.0f);
+    return rim.share(f.ray[0].bu + t * f.ray[0].du, f.ray[0].bv + t * f.ray[0].dv);
+}
+
+/// Stage 1: the first root of the joined function.
+template <int Degree>
+[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int tile_y, int group,
+                                              const TileSums& sums, TileBuffers& t) {
+    constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
+    const DrawRecord& r = s.sheet[0];
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const auto active = ball.sq_distance < kSqTrim;
+    if (stdx::none_of(active)) return;
+    t.counts.root_tests += s.n_sheets * kLanes;
+    const FloatV half = stdx::sqrt(stdx::max(kSqTrim - ball.sq_distance, FloatV(0.0f)));
+    const FloatV at_near = (t.near_z - base) * r.inv_radius * rays.inv_dz + ball.along;
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
+    const FloatV z_root = base + r.radius * (found.root.t - ball.along) * rays.dz;
+    const auto nearer = found.root.hit && z_root < t.z.load(i) && rim_share_at(rim, f, found.root.t) > 0.0f;
+    if (stdx::none_of(nearer)) return;
+    keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found), sums);
+}
+
+/// Stage 2: the root of the joined function nearest q^.
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
+[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int tile_y, int group,
+                                         const TileSums& sums, TileBuffers& t) {
+    const DrawRecord& r = s.sheet[0];
+    const std::size_t i = group_index(tile_y, group);
+    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV tau = (t.z.load(i) - base) * r.inv_radius * rays.inv_dz;
+    t.counts.distance_tests += kLanes;
+    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
+    if (stdx::none_of(inside)) return;
+    t.counts.root_tests += s.n_sheets * kLanes;
+    const FloatV guess = tau + ball.along;
+    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, -half, half, inside, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
+    const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
+    const FloatV& x = found.root.t;
+    const FloatV share = rim_share_at(rim, f, x);
+    const auto taken = found.root.hit && stdx::abs(x - guess) <= static_cast<float>(kBelongs) &&
+                       admitted<kSharpModel>(g, i, t) && share > 0.0f;
+    if (stdx::none_of(taken)) return;
+    add_to_sums(t, i, taken, share, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g, sums,
+                [&](const FloatV& w) {
+                    if constexpr (!kWantHessian) return;
+                    const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
+                    for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
+                    if constexpr (!kWantThird) return;
+                    const auto c = sharp_third<FloatV>(s, found);
+                    for (std::size_t k = 0; k < 10; ++k) t.third[k].add(i, w * c[k]);
+                });
+}
+
+template <int Degree>
+void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, float entry,
+                        const TileSums& sums, TileBuffers& t) {
+    const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const RimLanes rim(packed);
+    for_each_group(t, rect, [&](int y, int group) {
+        first_general_hits<Degree>(s, rim, entry, base, y, group, sums, t);
+        t.update_strip(y / kStripRows, group * kLanes);
+    });
+}
+
+template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
+void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, const TileSums& sums,
+                        TileBuffers& t) {
+    const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const RimLanes rim(packed);
+    for_each_group(t, rect, [&](int y, int group) {
+        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, y, group, sums, t);
+    });
+}
+
+}  // namespace slim

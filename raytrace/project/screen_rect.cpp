@@ -1,0 +1,100 @@
+#include "raytrace/project/screen_rect.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+/// Pixel indices [lo, hi) whose centres lie in the interval of pixel coordinates, with a guard of a
+/// thousandth of a pixel, clipped to [begin, end).
+void pixel_range(double lo, double hi, int begin, int end, int& first, int& last) {
+    constexpr double kGuard = 1e-3;
+    lo = std::clamp(std::ceil(lo - 0.5 - kGuard), double(begin), double(end));
+    hi = std::clamp(std::floor(hi - 0.5 + kGuard) + 1, double(begin), double(end));
+    first = static_cast<int>(lo);
+    last = static_cast<int>(hi);
+}
+
+/// Bounds of x / z over a ball with z > radius (NUMERICS 7.2).
+void slope_bounds(double x, double z, double radius, double& lo, double& hi) {
+    const double l = std::sqrt(x * x + (z - radius) * (z + radius));
+    lo = (x * l - radius * z) / (z * l + radius * x);
+    hi = (x * l + radius * z) / (z * l - radius * x);
+}
+
+}  // namespace
+
+ScreenRect screen_rect(const PixelView& view, const PixelWindow& w, const Vec3d& c, double radius) {
+    ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
+    if (c.z + radius < view.near_plane) return {};
+    double lo_x, hi_x, lo_y, hi_y, scale;
+    if (view.orthographic) {
+        lo_x = c.x - radius, hi_x = c.x + radius, lo_y = c.y - radius, hi_y = c.y + radius;
+        scale = view.px_per_unit;
+    } else {
+        if (c.z <= radius) return rect;
+        slope_bounds(c.x, c.z, radius, lo_x, hi_x);
+        slope_bounds(c.y, c.z, radius, lo_y, hi_y);
+        scale = view.focal_px;
+    }
+    pixel_range(view.center_x + lo_x * scale, view.center_x + hi_x * scale, rect.x0, rect.x1,
+                rect.x0, rect.x1);
+    pixel_range(view.center_y + lo_y * scale, view.center_y + hi_y * scale, rect.y0, rect.y1,
+                rect.y0, rect.y1);
+    return rect;
+}
+
+Heading::Heading(const Vec3d& normal, const Vec3d& direction)
+    : along(dot(normal, direction)), across(0), size(length(direction)) {
+    across = std::sqrt(std::max(0.0, size * size - along * along));
+}
+
+double PatchBounds::support(const Heading& h, bool forth) const {
+    const double sign = forth ? 1 : -1, along = sign * h.along;
+    if (along * radius > high * h.size)  // the ball's own extreme is cut off
+        return along * high + h.across * std::sqrt(std::max(0.0, radius * radius - high * high));
+    if (along * radius < low * h.size)
+        return along * low + h.across * std::sqrt(std::max(0.0, radius * radius - low * low));
+    return radius * h.size;
+}
+
+PatchBounds patch_bounds(double support_radius, double share, const Polynomial<double>& p) {
+    const auto& a = p.a;
+    const double mean = 0.5 * (a[3] + a[5]), half = 0.5 * (a[3] - a[5]);
+    const double spread = std::sqrt(half * half + 0.25 * a[4] * a[4]);
+    // The largest u^2 v on the unit circle is 2 / sqrt(27).
+    const double third = std::abs(a[6]) + std::abs(a[9]) + 0.385 * (std::abs(a[7]) + std::abs(a[8]));
+    const double tilt = std::sqrt(a[1] * a[1] + a[2] * a[2]);
+    const double either = share * (tilt + share * share * third) + 1e-4;
+    const double low = a[0] - either + share * share * std::min(0.0, mean - spread);
+    const double high = a[0] + either + share * share * std::max(0.0, mean + spread);
+    return {share * support_radius, std::clamp(low, -share, share) * support_radius,
+            std::clamp(high, -share, share) * support_radius};
+}
+
+PatchView::PatchView(const PixelView& pixel_view, const Vec3d& c, const Vec3d& normal)
+    : view(pixel_view), center(c), slope_x(view.orthographic ? 0 : c.x / c.z),
+      slope_y(view.orthographic ? 0 : c.y / c.z), x(normal, {1, 0, -slope_x}), y(normal, {0, 1, -slope_y}),
+      z(normal, {0, 0, 1}) {}
+
+ScreenRect screen_rect(const PatchView& from, const PixelWindow& w, const PatchBounds& p) {
+    const Vec3d& c = from.center;
+    const PixelView& view = from.view;
+    if (c.z + p.radius < view.near_plane) return {};
+    if (!view.orthographic && c.z <= 2 * p.radius) return screen_rect(view, w, c, p.radius);
+    // Over a patch x - X z <= h, the support in the direction (1, 0, -X), if X is its centre's slope, so that
+    // x / z <= X + h / (z_c - radius).
+    const double scale = view.orthographic ? view.px_per_unit : view.focal_px / (c.z - p.radius);
+    const double x = view.center_x + (view.orthographic ? c.x * scale : from.slope_x * view.focal_px);
+    const double y = view.center_y + (view.orthographic ? c.y * scale : from.slope_y * view.focal_px);
+    ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
+    if (c.z < 16 * p.radius) rect = screen_rect(view, w, c, p.radius);  // the bound is loose near the eye
+    pixel_range(x - p.support(from.x, false) * scale, x + p.support(from.x, true) * scale, rect.x0, rect.x1,
+                rect.x0, rect.x1);
+    pixel_range(y - p.support(from.y, false) * scale, y + p.support(from.y, true) * scale, rect.y0, rect.y1,
+                rect.y0, rect.y1);
+    return rect;
+}
+
+}  // namespace slim

@@ -1,0 +1,90 @@
+#include "formats/atomic_file.h"
+
+#include "tests/formats/file_support.h"
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace slim::test {
+namespace {
+
+TEST(AtomicFile, IsInvisibleUntilCommitted) {
+    const TempFolder folder;
+    const std::string path = folder.write("a", "old");
+    {
+        AtomicFile file(path);
+        file.write("new");
+        EXPECT_EQ(read_bytes(path), "old");
+    }
+    EXPECT_EQ(read_bytes(path), "old");
+    EXPECT_EQ(folder.n_files(), 1u);
+    AtomicFile file(path);
+    file.write("hallo world");
+    file.write_at(1, "e", 1);
+    file.write("!");
+    EXPECT_EQ(file.size(), 12u);
+    file.commit();
+    EXPECT_EQ(read_bytes(path), "hello world!");
+    EXPECT_EQ(folder.n_files(), 1u);
+}
+
+TEST(AtomicFile, ReplacesFilesOnly) {
+    const TempFolder folder;
+    for (const std::string& path : {std::string("/dev/null"), folder.file(".")}) {
+        try {
+            AtomicFile file(path);
+            FAIL() << path;
+        } catch (const IoError& e) {
+            EXPECT_EQ(e.code(), ExitCode::usage);
+            EXPECT_NE(std::string(e.what()).find("is a "), std::string::npos);
+        }
+    }
+}
+
+TEST(AtomicFile, TemporaryNamesDifferBetweenHosts) {
+    const TempFolder folder;
+    char host[256] = {};
+    ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
+    AtomicFile file(folder.file("a"));
+    EXPECT_TRUE(std::filesystem::exists(folder.file("a") + temporary_suffix()));
+    EXPECT_TRUE(temporary_suffix().starts_with(std::string(".tmp.") + host + "." +
+                                               std::to_string(getpid())));
+}
+
+TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {
+    const TempFolder folder;
+    // A file size limit fails a write as a full disk does.
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{1000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    ExitCode code = ExitCode::ok;
+    std::string said;
+    try {
+        write_file_atomically(folder.file("big"), std::string(5000, 'x'));
+    } catch (const IoError& error) {
+        code = error.code();
+        said = error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, old_handler);
+    EXPECT_EQ(code, ExitCode::resource);
+    EXPECT_NE(said.find("byte 1000: cannot be written: File too large (see `ulimit -f`)"),
+              std::string::npos)
+        << said;
+    EXPECT_EQ(folder.n_files(), 0u);
+    try {
+        write_file_atomically(folder.file("no/such/folder"), "x");
+        ADD_FAILURE();
+    } catch (const IoError& error) {
+        EXPECT_EQ(error.code(), ExitCode::usage);
+    }
+}
+
+}  // namespace
+}  // namespace slim::test

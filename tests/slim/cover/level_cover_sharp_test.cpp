@@ -1,0 +1,108 @@
+#include "slim/cover/level_cover.h"
+
+#include "slim/base/parallel.h"
+#include "tests/slim/cover/cover_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+/// Points on the faces of the unit cube, on a grid of `n` a side; those on edges and corners have the mean
+/// normal of their faces, as a mesh's vertices.
+PointBlock cube_points(int n) {
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    for (int x = 0; x <= n; ++x)
+        for (int y = 0; y <= n; ++y)
+            for (int z = 0; z <= n; ++z) {
+                const int at[3] = {x, y, z};
+                Vec3d normal;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    normal[axis] = at[axis] == 0 ? -1 : at[axis] == n ? 1 : 0;
+                if (!(sq_length(normal) > 0)) continue;
+                positions.push_back({double(x) / n, double(y) / n, double(z) / n});
+                normals.push_back(to_float(normalized(normal)));
+            }
+    return block_of(std::move(positions), std::move(normals));
+}
+
+/// Largest distance of a place on the cube's edges, off the grid, to the joined function of a leaf that holds
+/// it in its core; infinite if none does.
+double worst_on_edges(const std::vector<FittedSurfel>& leaves) {
+    double worst = 0;
+    for (double t = 0.0071; t < 1; t += 0.0173)
+        for (const Vec3d& p : {Vec3d{t, 0, 0}, Vec3d{1, t, 0}, Vec3d{0, 1, t}, Vec3d{1, 1, t}}) {
+            double best = INFINITY;
+            for (const FittedSurfel& f : leaves) {
+                const Vec3d x = (p - f.surfel.center) / f.surfel.support_radius;
+                if (sq_length(x) < kTrim * kTrim)
+                    best = std::min(best, std::abs(f.surfel.value(x)) * f.surfel.support_radius);
+            }
+            worst = std::max(worst, best);
+        }
+    return worst;
+}
+
+TEST(LevelCover, ACubeWithSharpEdgesIsExactAndTakesFewerLeaves) {
+    const PointBlock block = cube_points(24);
+    CoverRules rules = rules_for(block, 0.01);
+    const Cover smooth = cover(block, rules);
+    EXPECT_EQ(smooth.counts.sharp_edges + smooth.counts.sharp_corners, 0u);
+    EXPECT_EQ(smooth.counts.sharp_rungs, 0u);
+    rules.sharp = true;
+    const Cover sharp = cover(block, rules);
+    EXPECT_LT(sharp.counts.leaves * 10, smooth.counts.leaves * 8);
+    EXPECT_GE(sharp.counts.sharp_corners, 8u);
+    EXPECT_GE(sharp.counts.sharp_edges, 12u);
+    EXPECT_EQ(sharp.counts.unexplained + sharp.counts.isolated, 0u);
+    EXPECT_LT(worst_on_edges(leaves_of(sharp)), 1e-6);
+    for (const FittedSurfel& leaf : leaves_of(sharp)) {
+        if (leaf.surfel.n_sheets() < 2) continue;
+        EXPECT_EQ(leaf.surfel.sharp->outer, Join::max) << "all edges of a cube are convex";
+        EXPECT_LT(leaf.fit_error, 1e-7);
+    }
+}
+
+TEST(LevelCover, SharpLeavesAreTheSameForAnyNumberOfThreads) {
+    const PointBlock block = cube_points(16);
+    CoverRules rules = rules_for(block, 0.01);
+    rules.sharp = true;
+    std::vector<Cover> covers;
+    for (const int threads : {1, 2, 7}) {
+        const ThreadLimit limit(threads);
+        covers.push_back(cover(block, rules));
+    }
+    for (std::size_t i = 1; i < 3; ++i) {
+        expect_same(covers[0], covers[i]);
+        for (std::size_t k = 0; k < covers[0].surfels.size(); ++k) {
+            const Surfel &a = covers[0].surfels[k].surfel, &b = covers[i].surfels[k].surfel;
+            ASSERT_EQ(a.n_sheets(), b.n_sheets());
+            for (std::size_t s = 0; s < a.n_sheets(); ++s)
+                ASSERT_EQ(a.sheet_polynomial(s).a, b.sheet_polynomial(s).a);
+        }
+    }
+}
+
+TEST(LevelCover, ASmoothSurfaceHasNoSharpLeaves) {
+    for (const char* shape : {"sphere", "torus"}) {
+        const PointBlock block = block_of(sampled(shape, 6000));
+        CoverRules rules = rules_for(block);
+        const Cover smooth = cover(block, rules);
+        rules.sharp = true;
+        const Cover sharp = cover(block, rules);
+        ASSERT_EQ(smooth.surfels.size(), sharp.surfels.size());
+        for (std::size_t i = 0; i < smooth.surfels.size(); ++i) {
+            ASSERT_TRUE(same(smooth.surfels[i], sharp.surfels[i])) << i;
+            ASSERT_FALSE(sharp.surfels[i].surfel.sharp);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace slim::test
