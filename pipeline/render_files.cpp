@@ -153,8 +153,9 @@ void make_folder(const OutputPlan& plan) {
                       ExitCode::usage);
 }
 
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
-                                     const Picture& shaded, std::span<const LineKind> lines,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
+                                     const RenderedFrame& frame, const Picture& shaded,
+                                     std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
     planes.reserve(4 + lines.size() + 1);  // the channels look at the planes' values, which moving a vector keeps

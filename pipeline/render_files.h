@@ -41,8 +41,9 @@ void make_folder(const OutputPlan& plan);
 /// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
 /// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. `planes` keeps what had to be
 /// rearranged and must outlive the result.
-std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs, const RenderedFrame& frame,
-                                     const Picture& shaded, std::span<const LineKind> lines,
+std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
+                                     const RenderedFrame& frame, const Picture& shaded,
+                                     std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes);
 
 /// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths

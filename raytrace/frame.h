@@ -78,10 +78,7 @@ struct GBuffer {
         size(mean, kMeanChannel), size(gauss, kGaussChannel);
         size(k1, kK1Channel), size(k2, kK2Channel);
         for (auto& plane : direction) size(plane, kDirectionChannel);
-        for (auto& plane : third) {  // zero where no cubic surfel writes it
-            plane = {};
-            if (has(kThirdOrderChannel)) plane.resize(n_pixels());
-        }
+        for (auto& plane : third) size(plane, kThirdOrderChannel);
         size(surfel_id, kSurfelIdChannel);
         size(fit_error, kFitErrorChannel);
         size(level, kLevelChannel);

@@ -60,17 +60,16 @@ using DrawTile = void (*)(const Scene<Degree>&, std::size_t, TileBuffers&, GBuff
 
 /// Third derivatives are those of cubic surfels; of others they are zero, and not summed.
 template <int Degree>
-DrawTile<Degree> choose(bool want_hessian, bool want_third, bool sharp) {
-    if constexpr (Degree >= 3)
-        if (want_third)
-            return sharp ? draw_tile<Degree, true, true, true> : draw_tile<Degree, true, false, true>;
-    if (want_hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
+DrawTile<Degree> choose(const TileSums& sums, bool sharp) {
+    if constexpr (Degree == 3)
+        if (sums.third) return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
+    if (sums.hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
 
 template <int Degree>
 TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
-    const DrawTile<Degree> draw = choose<Degree>(scene.sums.hessian, scene.sums.third, !scene.tree.sharp().empty());
+    const DrawTile<Degree> draw = choose<Degree>(scene.sums, !scene.tree.sharp().empty());
     std::vector<TileCounts> counts(scene.bins.n_tiles());
     parallel_blocks(scene.bins.n_tiles(), 1, [&](std::size_t tile, std::size_t) {
         if (scene.bins.of(tile).empty())

@@ -35,8 +35,7 @@ struct TileCounts {
 struct TileSums {
     bool hessian, third, depth, count, node;
     explicit TileSums(Channels wanted)
-        : hessian((wanted & kHessianChannels) != 0),
-          third((wanted & kThirdOrderChannel) != 0),
+        : hessian((wanted & kHessianChannels) != 0), third((wanted & kThirdOrderChannel) != 0),
           depth((wanted & (kDepthChannel | kPositionChannel)) != 0), count((wanted & kCountChannel) != 0),
           node((wanted & (kSurfelIdChannel | kFitErrorChannel | kLevelChannel)) != 0) {}
 };
@@ -60,7 +59,7 @@ struct TileBuffers {
     /// have those with a hit.
     alignas(64) float strip_near[kStrips * kTileSize], strip_far[kStrips * kTileSize];
     TilePlane hessian[6];                ///< sum G Hess f, only if curvature is wanted
-    TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are
+    TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are wanted
     TilePlane offset;                    ///< sum G (z_i - z), only if depths are
     TilePlane winner, count;             ///< position in the tile's list; number of supporters; only if wanted
     TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes; only with sharp surfels or positions

@@ -139,7 +139,7 @@ void write_positions(const PixelView& view, const Target& target, TileBuffers& t
 
 /// Principal directions and derivatives along them, before the Hessian's planes are used up; pixels
 /// that kept q^ have none. The planes of the winner's gradient are free, as in write_normals.
-void write_directions(const PixelView& view, const Target& target, bool have_third, TileBuffers& t,
+void write_directions(const PixelView& view, const Target& target, bool cubic, TileBuffers& t,
                       GBuffer& out) {
     const Rotation rotation(view);
     const std::array<TilePlane*, 3> direction{&t.gx, &t.gy, &t.gz};
@@ -153,7 +153,7 @@ void write_directions(const PixelView& view, const Target& target, bool have_thi
             const FloatV along = rotation.component(axis, p.t1[0], p.t1[1], p.t1[2]);
             direction[axis]->store(i, select<FloatV>(known, along, zero));
         }
-        if (!have_third) continue;
+        if (!cubic || !out.has(kThirdOrderChannel)) continue;
         std::array<FloatV, 10> c;
         for (std::size_t k = 0; k < 10; ++k) c[k] = t.third[k].load(i);
         const auto q = third_order_lanes<FloatV>(p, h, c);
@@ -162,7 +162,7 @@ void write_directions(const PixelView& view, const Target& target, bool have_thi
     if (out.has(kDirectionChannel))
         for (std::size_t axis = 0; axis < 3; ++axis)
             target.copy(*direction[axis], out.direction[axis]);
-    if (have_third)
+    if (out.has(kThirdOrderChannel))
         for (std::size_t k = 0; k < 4; ++k) target.copy(t.third[k], out.third[k]);
 }
 
@@ -214,8 +214,7 @@ void resolve_tile(const PixelView& view, const PixelWindow& window, const Surfel
     if (out.has(kDepthChannel)) write_depth(target, t, out);
     if (out.has(kNormalChannel)) write_normals(view, target, t, out);
     if (out.has_any(kDirectionChannel | kThirdOrderChannel))
-        write_directions(view, target, out.has(kThirdOrderChannel) && tree.header().degree >= 3, t,
-                         out);
+        write_directions(view, target, tree.header().degree >= 3, t, out);
     if (out.has_any(kCurvatureChannel)) write_curvature(target, t, out);
     if (out.has(kPositionChannel)) write_positions(view, target, t, out);
     if (out.has(kCoverageChannel)) target.copy(t.weight, out.coverage);

@@ -158,7 +158,7 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
         if (stdx::none_of(hits_far >= near && hits_near <= far)) return;
         const RowOf<Degree> row(r, static_cast<float>(t.y0 + y));
         blend<Degree, kWantHessian, kSharpModel, kWantThird>({r, row, base, lane + static_cast<float>(t.x0 + x)}, rim,
-                                                 static_cast<std::size_t>(y * kTileSize + x), sums, t);
+                                                             static_cast<std::size_t>(y * kTileSize + x), sums, t);
     }, [](int) __attribute__((always_inline)) {});
 }
 
@@ -186,7 +186,7 @@ void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> en
             draw_blend<Degree, kWantHessian, kSharpModel, kWantThird>(list.records[i], item, list.full[i], sums, t);
         else
             draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
-                                                                  list.full[i], sums, t);
+                                                                              list.full[i], sums, t);
     }
 }
 
