@@ -2,6 +2,7 @@
 
 #include "formats/byte_reader.h"
 #include "formats/cloud_kind.h"
+#include "formats/extension.h"
 #include "formats/message.h"
 #include "formats/ply_rewriter.h"
 #include "formats/xyz_rewriter.h"
@@ -13,15 +14,6 @@
 
 namespace slim {
 namespace {
-
-std::string lower_extension(const std::string& path) {
-    const std::string name = path.substr(path.rfind('/') + 1);
-    const auto dot = name.rfind('.');
-    std::string extension = dot == std::string::npos ? "" : name.substr(dot);
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
 
 /// Points keep the format that they came in: a text has no names or types for attributes.
 void check_extension(const std::string& in, CloudKind kind, const std::string& out) {

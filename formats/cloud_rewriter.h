@@ -17,7 +17,7 @@ struct RewrittenPoint {
 };
 
 /// A cloud written anew with other positions and normals: the same format, byte order, types of coordinates,
-/// order and attributes, faces and all else byte for byte.
+/// order and attributes, faces and all else byte for byte (text: lines end with LF).
 ///
 /// PLY   gets normals (float nx ny nz) if it has none, and `float scalar_displacement`, or new values where
 ///       it has them. Coordinates and normals of integer types become double and float.

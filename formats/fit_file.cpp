@@ -126,7 +126,7 @@ bool all_finite(std::span<const double> values) {
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
            all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
-           r.fit_error >= 0 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets &&
+           r.fit_error >= 0 && r.level < 64 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets &&
            ((r.sharp & 3) == 0 || r.rim() == 0);
 }
 
@@ -226,11 +226,11 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
         if (!is_sound(r))
             throw FormatError(message(file_.path(), ": byte ",
                                       file_.offset("surfels") + i * sizeof(Record), ": surfel ", i,
-                                      " has no finite ball, shape or error, or degree ", int{r.degree},
+                                      " has no finite ball, shape or error, or level ", int{r.level}, " or degree ", int{r.degree},
                                       " or sheets ", int{r.sharp}));
         FittedSurfel surfel = unpack(r);
         if (!second_rims.empty()) surfel.surfel.rims.second = second_rims[i];
-        if (surfel.surfel.rims.second != 0 && (!surfel.surfel.rims.any() || (r.sharp & 3) != 0))
+        if (surfel.surfel.rims.second != 0 && !surfel.surfel.rims.any())
             throw FormatError(message(file_.path(), ": byte ", file_.offset("second_rims") + i, ": surfel ", i,
                                       " has a second rim and no first"));
         const std::size_t extra = r.sharp & 3u;

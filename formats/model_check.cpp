@@ -8,7 +8,6 @@
 namespace slim {
 namespace {
 
-/// The radius ladder shrinks by the golden ratio: 64 rungs are a factor of 1e13.
 constexpr double kRounding = 1e-6;  // of bounds kept as floats
 
 ModelFault check_header(const SurfelTree& tree) {

@@ -60,7 +60,10 @@ void PlyRewriter::find_columns() {
         const PlyProperty& p = vertex.properties[i];
         const auto known = std::find_if(kNames.begin(), kNames.end(),
                                         [&](const auto& name) { return p.name == name.second; });
-        if (known == kNames.end() || p.is_list) continue;
+        if (known == kNames.end()) continue;
+        if (p.is_list)
+            throw FormatError(message(in_.path(), ": property ", p.name,
+                                      " of the vertices is a list: expected a number, as it is to be rewritten"));
         columns_.push_back({known->first, written_type(p.type, known->first), p.type});
         properties_.push_back(i);
     }

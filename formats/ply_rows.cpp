@@ -136,10 +136,16 @@ double PlyRows::take(PlyType type) {
 
 bool PlyRows::pass_over(std::uint64_t n_bytes) {
     if (ranges_.empty()) return in_.skip(n_bytes);
-    const std::string_view bytes = in_.peek(n_bytes).substr(0, n_bytes);
-    raw_ += bytes;
-    in_.advance(bytes.size());
-    return bytes.size() == n_bytes;
+    constexpr std::uint64_t kAtOnce = 1 << 20;  // a count that lies must not ask for the rest of the file at once
+    while (n_bytes > 0) {
+        const std::uint64_t wanted = std::min(n_bytes, kAtOnce);
+        const std::string_view bytes = in_.peek(wanted).substr(0, wanted);
+        raw_ += bytes;
+        in_.advance(bytes.size());
+        if (bytes.size() < wanted) return false;
+        n_bytes -= wanted;
+    }
+    return true;
 }
 
 void PlyRows::next_binary() {

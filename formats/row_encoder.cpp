@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace slim {
 namespace {
@@ -33,6 +34,12 @@ int decimals_of(std::string_view word) {
     const auto point = word.find('.');
     if (point == std::string_view::npos || word.find_first_of("eE") != std::string_view::npos) return 0;
     return static_cast<int>(std::min<std::size_t>(word.size() - point - 1, kMostDecimals));
+}
+
+/// Whether a word has more digits than a float keeps, as georeferenced coordinates declared `float` in text have.
+bool has_more_than_float(std::string_view word) {
+    constexpr auto kDigits = std::numeric_limits<float>::digits10;
+    return std::count_if(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; }) > kDigits;
 }
 
 void put_decimals(double value, int decimals, std::string& out) {
@@ -111,7 +118,7 @@ void RowEncoder::put_number(const RowColumn& column, double value, std::string_v
     const bool swap = encoding_ == PlyEncoding::big_endian;
     if (encoding_ != PlyEncoding::ascii && column.type == PlyType::f64) put_binary(value, swap, out);
     else if (encoding_ != PlyEncoding::ascii) put_binary(static_cast<float>(value), swap, out);
-    else if (is_position(column.what) && column.type == PlyType::f64)
+    else if (is_position(column.what) && (column.type == PlyType::f64 || has_more_than_float(old)))
         put_decimals(value, std::max(decimals_, decimals_of(old)), out);
     else put_shortest(static_cast<float>(value), out);
 }

@@ -39,6 +39,13 @@ InputKind input_kind(const std::string& path) {
     return has_a_point(path) ? InputKind::cloud : InputKind::other;
 }
 
+void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
+    std::error_code none;
+    for (const std::string& input : inputs)
+        if (!input.empty() && !output.empty() && std::filesystem::equivalent(input, output, none))
+            throw ConfigError(output + ": is an input; expected another name to write to");
+}
+
 void require_model(const std::string& path) {
     const InputKind kind = input_kind(path);
     if (kind == InputKind::folder)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
 
 namespace slim {
@@ -13,5 +14,8 @@ InputKind input_kind(const std::string& path);
 /// FormatError that says how to make a model of it if the path is a cloud, and what a model is if
 /// it is a folder; anything else is left to the reader.
 void require_model(const std::string& path);
+
+/// Throws ConfigError if an output is one of the inputs, under whatever name; empty names are passed over.
+void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs);
 
 }  // namespace slim

@@ -176,6 +176,7 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
     if (truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
         truth = truth_path(config.cloud);
     if (config.output.empty()) return measured(config, truth, context);
+    refuse_to_overwrite(config.output, {config.model, config.cloud, truth});
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);

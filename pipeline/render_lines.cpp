@@ -1,6 +1,8 @@
 #include "pipeline/render_lines.h"
 
 #include "formats/atomic_file.h"
+#include "formats/extension.h"
+#include "pipeline/input_kind.h"
 #include "raytrace/lines/extract.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
@@ -37,9 +39,19 @@ std::vector<std::string> asked_lines(const RenderConfig& config,
     return words;
 }
 
+/// What a file of lines must be named, so that it is no picture and no model.
+void check_line_file(const std::string& path, const char* extension, const RenderConfig& config) {
+    if (path.empty()) return;
+    if (lower_extension(path) != extension)
+        throw ConfigError(path + ": expected a name ending in " + extension);
+    refuse_to_overwrite(path, {config.model});
+}
+
 }  // namespace
 
 void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    check_line_file(config.lines_ply, ".ply", config);
+    check_line_file(config.lines_obj, ".obj", config);
     if (!config.lines.empty() || contains(aovs, "lines")) return;
     if (!config.lines_ply.empty())
         throw ConfigError("lines_ply is for --lines, which are not asked for");
@@ -86,6 +98,7 @@ std::vector<std::filesystem::path> write_lines(const RenderConfig& config,
                                                std::span<const LineKind> kinds) {
     std::vector<std::filesystem::path> written;
     const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
+        if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
         write_file_atomically(path.string(), bytes);
         written.push_back(path);
     };

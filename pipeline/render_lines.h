@@ -16,7 +16,7 @@
 
 namespace slim {
 
-/// Throws ConfigError for files of lines that nobody asks for.
+/// Throws ConfigError for files of lines that nobody asks for, or whose names are not .ply and .obj.
 void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 /// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines"

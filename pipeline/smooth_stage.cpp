@@ -133,6 +133,10 @@ json smooth_faces(const Smoother& smoother) {
         throw DataError(config.cloud + ": no finite point to smooth");
     out->write(rewritten);
     out->commit();
+    if (2 * counts.held > counts.points)
+        smoother.context.reporter.warn(fmt::format(
+            "{} of {} vertices are on boundaries and stay: do faces share no vertices? weld them, or use "
+            "--mode points", counts.held, counts.points));
     json result = counts.to_json("mesh");
     result["faces"] = mesh.n_faces();
     result["faces_unsupported"] = smoothed.faces_unsupported;
@@ -153,11 +157,7 @@ void check_paths(const SmoothConfig& config) {
             "{0} is a cloud and {1} a model: expected the model first: slim smooth {1} {0} -o {2}",
             config.model, config.cloud, config.output));
     require_model(config.model);
-    std::error_code none;
-    for (const std::string& input : {config.model, config.cloud})
-        if (fs::equivalent(input, config.output, none))
-            throw ConfigError(fmt::format("{}: is an input; expected another name to write to",
-                                          config.output));
+    refuse_to_overwrite(config.output, {config.model, config.cloud});
 }
 
 json smoothed(const SmoothConfig& config, StageContext& context) {

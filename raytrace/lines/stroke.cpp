@@ -88,9 +88,9 @@ LineStyle line_style(LineKind kind) {
         case LineKind::suggestive:
             return {{0.06f, 0.06f, 0.07f}, "suggestive"};
         case LineKind::ridge:
-            return {{0.05f, 0.20f, 0.62f}, "crest-ridge"};
+            return {{0.66f, 0.08f, 0.07f}, "crest-ridge"};  // as convex in the curvature maps
         case LineKind::valley:
-            return {{0.66f, 0.08f, 0.07f}, "crest-valley"};
+            return {{0.05f, 0.20f, 0.62f}, "crest-valley"};
         case LineKind::parabolic:
             return {{0.05f, 0.40f, 0.22f}, "parabolic"};
         case LineKind::reflection:

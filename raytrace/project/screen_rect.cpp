@@ -84,15 +84,19 @@ ScreenRect screen_rect(const PatchView& from, const PixelWindow& w, const PatchB
     if (c.z + p.radius < view.near_plane) return {};
     if (!view.orthographic && c.z <= 2 * p.radius) return screen_rect(view, w, c, p.radius);
     // Over a patch x - X z <= h, the support in the direction (1, 0, -X), if X is its centre's slope, so that
-    // x / z <= X + h / (z_c - radius).
-    const double scale = view.orthographic ? view.px_per_unit : view.focal_px / (c.z - p.radius);
-    const double x = view.center_x + (view.orthographic ? c.x * scale : from.slope_x * view.focal_px);
-    const double y = view.center_y + (view.orthographic ? c.y * scale : from.slope_y * view.focal_px);
+    // x / z <= X + h / z: largest at the nearest z where h is positive, at the farthest where the patch lies beside its
+    // centre and h is negative.
+    const auto px = [&](double h) {
+        if (view.orthographic) return h * view.px_per_unit;
+        return h * view.focal_px / (h >= 0 ? c.z - p.radius : c.z + p.radius);
+    };
+    const double x = view.center_x + (view.orthographic ? c.x * view.px_per_unit : from.slope_x * view.focal_px);
+    const double y = view.center_y + (view.orthographic ? c.y * view.px_per_unit : from.slope_y * view.focal_px);
     ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
     if (c.z < 16 * p.radius) rect = screen_rect(view, w, c, p.radius);  // the bound is loose near the eye
-    pixel_range(x - p.support(from.x, false) * scale, x + p.support(from.x, true) * scale, rect.x0, rect.x1,
+    pixel_range(x - px(p.support(from.x, false)), x + px(p.support(from.x, true)), rect.x0, rect.x1,
                 rect.x0, rect.x1);
-    pixel_range(y - p.support(from.y, false) * scale, y + p.support(from.y, true) * scale, rect.y0, rect.y1,
+    pixel_range(y - px(p.support(from.y, false)), y + px(p.support(from.y, true)), rect.y0, rect.y1,
                 rect.y0, rect.y1);
     return rect;
 }

@@ -10,7 +10,15 @@ namespace slim {
 namespace {
 
 constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
-constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
+constexpr double kRoughest = 0.07;     // eps over rho: beyond it sheets explain nothing
+constexpr double kRoughestNoisy = 0.1; // the same where eps is noise
+constexpr double kNoise = 1.2;           // eps^2 over lambda up to which it may be
+
+/// Largest eps^2 of sheets that explain their points.
+double sq_roughest(double radius, double noise_variance) {
+    const double sq = radius * radius;
+    return std::max(kRoughest * kRoughest * sq, std::min(kRoughestNoisy * kRoughestNoisy * sq, kNoise * noise_variance));
+}
 
 }  // namespace
 
@@ -33,7 +41,7 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
         const double price = sharp_price(k) * energy_.noise_variance * t * t;
         if (best && best->energy <= price) break;
         const auto fit = fit_sharp(work.ball, k, degree_, energy_.noise_variance, work.sharp);
-        if (!fit || fit->sq_error > kRoughest * kRoughest * radius * radius) continue;
+        if (!fit || fit->sq_error > sq_roughest(radius, energy_.noise_variance)) continue;
         if (!within_noise(fit->n_off, work.ball.n, rules_.contrary_share)) continue;
         const double energy = fit->sq_error + price;
         const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);

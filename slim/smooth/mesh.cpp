@@ -18,6 +18,7 @@ std::vector<std::uint8_t> boundary_vertices(const Mesh& mesh) {
     edges.reserve(mesh.corner.size());
     for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
         const auto corners = mesh.face(f);
+        if (corners.size() < 3) continue;
         for (std::size_t k = 0; k < corners.size(); ++k) {
             const std::uint64_t a = corners[k], b = corners[(k + 1) % corners.size()];
             edges.push_back(std::min(a, b) << 32 | std::max(a, b));

@@ -84,6 +84,9 @@ def options():
     both = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crest,contour", "--json")
     check(both.code == 0 and set(both.json()["lines"]) == {"contour"} and "--degree 3" in both.err,
           f"crest and contour of quadrics: {both.err}")
+    for option, name in (("--lines-ply", "x.png"), ("--lines-obj", "x.ply"), ("--lines-ply", "x.slim")):
+        wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines", "contour", option, name)
+        check(wrong.code == 2 and "expected a name ending in" in wrong.err, f"{option} {name}: {wrong.err}")
     wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines-ply", "x.ply")
     check(wrong.code == 2 and "--lines" in wrong.err, f"--lines-ply alone: {wrong.err}")
     wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines", "crests")

@@ -44,6 +44,13 @@ def points():
     check(size[0] == size[1], "a second smoothing adds properties again")
 
 
+def measure_keeps_its_inputs():
+    for out in ("m.slim", "c.ply"):
+        done = run("slim", "measure", "m.slim", "c.ply", "-o", out)
+        check(done.code == 2 and "is an input" in done.err, f"measure -o {out}: exit {done.code}: {done.err}")
+    check(run("slim", "measure", "m.slim", "c.ply").code == 0, "measure fails after a refusal")
+
+
 def packed_and_text():
     (folder / "c.ply.gz").write_bytes(gzip.compress((folder / "c.ply").read_bytes()))
     smooth("c.ply", "s.ply", "--force")
@@ -123,6 +130,7 @@ def damaged():
 
 model()
 points()
+measure_keeps_its_inputs()
 packed_and_text()
 refused()
 meshes()

@@ -52,6 +52,19 @@ TEST_F(CloudRewriterTest, AsciiKeepsEveryWordOfPointsThatStay) {
                   "3 0 1 2\n");
 }
 
+TEST_F(CloudRewriterTest, AsciiFloatsOfManyDigitsKeepThem) {
+    // Georeferenced coordinates declared float: text holds what a float does not.
+    const std::string out = rewritten("u.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float "
+                                               "y\nproperty float z\nend_header\n1 2 3\n3604900.123 403000.25 1.5\n");
+    EXPECT_NE(out.find("\n3604900.373 403000.250 1.5 0 0 1 0.25\n"), std::string::npos) << out;
+}
+
+TEST_F(CloudRewriterTest, AListWhereANumberIsToBeWrittenIsRefused) {
+    const std::string in = folder_.write("l.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                                                  "y\nproperty float z\nproperty list uchar float nx\nend_header\n1 2 3 1 0\n");
+    EXPECT_THROW(rewrite_cloud(in, folder_.file("out.ply"), 0.001), FormatError);
+}
+
 TEST_F(CloudRewriterTest, BinaryOfEitherOrderKeepsTypesAndOtherBytes) {
     for (const bool big : {false, true}) {
         const std::string head = std::string("ply\nformat binary_") + (big ? "big" : "little") +

@@ -119,6 +119,30 @@ TEST(PatchBounds, HoldEveryPixelOfTheSurfaceAndLessThanTheBall) {
     EXPECT_LT(in_patch, 0.95 * in_ball);  // these are as thick as any: cubics of slope 1
 }
 
+TEST(PatchBounds, HoldALevelPlaneBesideItsCentreSeenEdgeOn) {
+    // Such a patch lies wholly on one side of its centre's ray.
+    const PixelView view = view_of(false);
+    for (const double offset : {-0.3, -0.1, 0.1, 0.3})
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            SCOPED_TRACE(testing::Message() << offset << ' ' << seed);
+            Surfel s = random_surfel(seed, 1, 1);
+            const Vec3d c = view.camera_from_local(s.center);
+            // Across the centre's ray and a little towards it, so that pixels meet the plane.
+            const Vec3d ray = normalized(s.center);
+            const Vec3d across = normalized(cross(ray, s.frame.normal));
+            s.frame = frame_from_normal(normalized(across + ray * 0.02));
+            s.polynomial = {};
+            s.polynomial.a[0] = offset;
+            const PatchView from(view, c, view.rotate_to_camera(s.frame.normal));
+            const ScreenRect r = screen_rect(from, {0, 0, 200, 200}, patch_bounds(s.support_radius, 1, s.polynomial));
+            for (int y = 0; y < 200; ++y)
+                for (int x = 0; x < 200; ++x)
+                    if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1) {
+                        ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y;
+                    }
+        }
+}
+
 TEST(RowSpans, HoldEveryPixelOfTheBallAndAreTight) {
     std::int64_t in_spans = 0, met = 0;
     for (const bool orthographic : {false, true})

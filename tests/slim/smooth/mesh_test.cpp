@@ -50,6 +50,10 @@ TEST(Mesh, OnlyEdgesOfOneFaceAreBoundary) {
         tetrahedron.add_face(face);
     EXPECT_EQ(boundary_vertices(tetrahedron), (std::vector<std::uint8_t>{0, 0, 0, 0}));
     EXPECT_EQ(boundary_vertices(square()), (std::vector<std::uint8_t>{1, 1, 1, 1}));
+    // Faces of one or two corners count for nothing.
+    tetrahedron.add_face(std::array<std::size_t, 1>{2});
+    tetrahedron.add_face(std::array<std::size_t, 2>{0, 3});
+    EXPECT_EQ(boundary_vertices(tetrahedron), (std::vector<std::uint8_t>{0, 0, 0, 0}));
 }
 
 TEST(FacePlanes, AVertexOfFacesInOnePlaneGoesThereAlongTheNormalOnly) {
