@@ -4,6 +4,7 @@
 #include "pipeline/build_summary.h"
 #include "pipeline/fit_stage.h"
 #include "pipeline/folder_lock.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
@@ -123,9 +124,7 @@ void check_output(const BuildConfig& config) {
         throw ConfigError(config.output + ": is a folder; --output expects a file to write, as " +
                           (fs::path(config.output) / "model.slim").string());
     check_replaceable(config.output);
-    for (const std::string& input : config.inputs)
-        if (fs::equivalent(input, config.output, ignored))
-            throw ConfigError(config.output + ": is an input cloud; --output would overwrite it");
+    for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
     if (parse_memory_size(config.memory) < kLeastMemory)
         throw ConfigError("--memory " + config.memory + ": expected at least " +
                           memory_size_text(kLeastMemory) + ", which the coarse levels take");

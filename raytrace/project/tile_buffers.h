@@ -58,7 +58,7 @@ struct TileBuffers {
     /// Bounds of q^ over the rows of a strip. While q^ is found `strip_far` has all pixels, afterwards both
     /// have those with a hit.
     alignas(64) float strip_near[kStrips * kTileSize], strip_far[kStrips * kTileSize];
-    TilePlane hessian[6];                ///< sum G Hess f, only if curvature is wanted
+    TilePlane hessian[6];                ///< sum G Hess f, only if curvature or what needs it is wanted
     TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are wanted
     TilePlane offset;                    ///< sum G (z_i - z), only if depths are
     TilePlane winner, count;             ///< position in the tile's list; number of supporters; only if wanted

@@ -49,6 +49,9 @@ std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf) {
     return reach;
 }
 
+/// Entry of a direction, which may be counted round the circle by one turn.
+std::size_t direction(int k) { return static_cast<std::size_t>((k + kRimDirections) % kRimDirections); }
+
 /// How far the leaf may reach in each direction, over rho.
 struct Bounds {
     std::array<double, kRimDirections> reach;
@@ -58,9 +61,6 @@ struct Bounds {
     }
     void leave_out(int k, int width) {
         for (int d = -width; d <= width; ++d) reach[direction(k + d)] = kNoRim;
-    }
-    static std::size_t direction(int k) {
-        return static_cast<std::size_t>((k + kRimDirections) % kRimDirections);
     }
 };
 
@@ -72,7 +72,7 @@ struct EdgeVotes {
     EdgeVotes(const std::vector<EdgeSign>& edges, const PerDirection& covered) {
         for (const EdgeSign& e : edges) {
             const double angle = std::atan2(e.v, e.u) / (2 * std::numbers::pi) * kRimDirections;
-            const std::size_t k = Bounds::direction(static_cast<int>(std::lround(angle)));
+            const std::size_t k = direction(static_cast<int>(std::lround(angle)));
             if (static_cast<double>(covered[k]) > static_cast<double>(e.reach) + kOfEdge) continue;
             ++n[k], reach[k] += static_cast<double>(e.reach);
         }
@@ -82,8 +82,8 @@ struct EdgeVotes {
         int count = 0;
         double sum = 0;
         for (int d = -kTogether; d <= kTogether; ++d) {
-            const std::size_t i = Bounds::direction(k + d);
-            if (n[i] > n[Bounds::direction(k)]) return kNoRim;
+            const std::size_t i = direction(k + d);
+            if (n[i] > n[direction(k)]) return kNoRim;
             count += n[i], sum += reach[i];
         }
         return count > 0 ? sum / count : kNoRim;
@@ -96,8 +96,8 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     const EdgeVotes votes(leaf.edges, covered);
     Bounds out;
     for (int k = 0; k < kRimDirections; ++k) {
-        const double last = static_cast<double>(covered[Bounds::direction(k)]);
-        out.reach[Bounds::direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
+        const double last = static_cast<double>(covered[direction(k)]);
+        out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
     }
     return out;
 }
@@ -110,11 +110,11 @@ PackedRims rims_of(const CoveringSurfel& leaf) {
     if (!reaches) return {};
     Bounds bounds = bounds_of(leaf, *reaches);
     const int first = bounds.nearest();
-    const PackedRim rim = pack_rim(first, bounds.reach[Bounds::direction(first)]);
+    const PackedRim rim = pack_rim(first, bounds.reach[direction(first)]);
     if (rim == 0) return {};
     bounds.leave_out(first, kApart);
     const int second = bounds.nearest();
-    return {rim, pack_rim(second, bounds.reach[Bounds::direction(second)])};
+    return {rim, pack_rim(second, bounds.reach[direction(second)])};
 }
 
 }  // namespace slim

@@ -8,7 +8,7 @@ namespace slim {
 /// The rims of a leaf, up to two: where the points that it covers end on one side, a little more than one spacing of
 /// theirs beyond the last of them (notes/0007), or at the edge that the ball's other points show (notes/0008). None
 /// where those are farther than 0.56 rho, as on most surfaces, and for sharp leaves.
-/// Cost: 32 products a point, by lanes.
+/// Cost: 32 products a point, until no rim is possible any more.
 PackedRims rims_of(const CoveringSurfel& leaf);
 
 }  // namespace slim
