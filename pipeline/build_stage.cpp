@@ -5,6 +5,7 @@
 #include "pipeline/fit_stage.h"
 #include "pipeline/folder_lock.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
@@ -95,7 +96,7 @@ void take_recorded_cost(const std::vector<fs::path>& manifests, nlohmann::json& 
     double seconds = 0, bytes = 0;
     for (const fs::path& path : manifests) {
         std::ifstream file(path);
-        const auto manifest = nlohmann::json::parse(file, nullptr, false);
+        const auto manifest = json_or_discarded(file);
         if (!manifest.is_object()) continue;
         seconds += manifest.value("seconds", 0.0);
         bytes = std::max(bytes, manifest.value("peak_memory_bytes", 0.0));

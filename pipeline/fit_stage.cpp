@@ -1,6 +1,7 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/normals_stage.h"
@@ -107,7 +108,7 @@ CoverCounts write_cover(const std::filesystem::path& path, const PointBlock& poi
     const Cover cover = cover_points(points, rules, context.reporter);
     context.check_stop();
     file.commit(
-        nlohmann::json{{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}.dump(),
+        text_of({{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}),
         cover.dropped);
     return cover.counts;
 }
@@ -241,7 +242,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     std::vector<NoiseVariance> noise;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
-        const auto manifest = nlohmann::json::parse(file, nullptr, false);
+        const auto manifest = json_or_discarded(file);
         if (manifest.is_discarded() || !manifest.contains("result")) {
             missing += fmt::format(" {}", i);
             continue;

@@ -1,5 +1,6 @@
 #include "pipeline/index_page.h"
 
+#include "pipeline/json_text.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/version.h"
 
@@ -78,7 +79,7 @@ std::string figure_text(const std::string& key, const json& value) {
         return memory_size_text(value.get<std::uint64_t>());
     if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
     if (value.is_number()) return fmt::format("{:.4g}", value.get<double>());
-    return value.is_string() ? escaped(value.get<std::string>()) : escaped(value.dump());
+    return value.is_string() ? escaped(value.get<std::string>()) : escaped(text_of(value));
 }
 
 using Columns = std::vector<std::pair<std::string, std::string>>;  // key, heading

@@ -5,6 +5,7 @@
 #include "formats/point_source.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
+#include "pipeline/json_text.h"
 #include "pipeline/plan_file.h"
 #include "slim/base/error.h"
 
@@ -40,7 +41,7 @@ json bounds_json(const Bbox& box, const Vec3d& origin = {}) {
 }
 
 json parsed(const std::string& text) {
-    const json value = json::parse(text, nullptr, false);
+    const json value = json_or_discarded(text);
     return value.is_discarded() ? json(text) : value;
 }
 
@@ -232,7 +233,7 @@ std::string first_bytes(const std::string& path, std::size_t n) {
 json json_info(const std::string& path) {
     std::ifstream in(path);
     try {
-        json contents = json::parse(in);
+        json contents = json_from(in);
         return {
             {"kind", "json"}, {"bytes", fs::file_size(path)}, {"contents", std::move(contents)}};
     } catch (const json::parse_error& error) {

@@ -1,6 +1,7 @@
 #include "pipeline/manifest.h"
 
 #include "formats/atomic_file.h"
+#include "pipeline/json_text.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
@@ -149,7 +150,7 @@ std::optional<json> Stamp::up_to_date() const {
     std::ifstream in(manifest_);
     if (!in) return std::nullopt;
     try {
-        const json manifest = json::parse(in);
+        const json manifest = json_from(in);
         if (manifest.at("program") != program_version() || manifest.at("stage") != context_.stage ||
             manifest.at("config_hash") != hash_text(context_.config + depends_) ||
             contents_of(manifest.at("inputs")) != contents_of(inputs_json()))
@@ -188,7 +189,7 @@ json Stamp::commit(const std::vector<fs::path>& outputs, json result, Outlasts o
             file_json(output, relative_to(folder_of(manifest_), output), hash));
         if (context_.written) (*context_.written)[output.string()] = hash;
     }
-    const std::string text = manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+    const std::string text = text_of(manifest, 2) + "\n";
     write_file_atomically(manifest_.string(), text, outlasts);
     return result;
 }

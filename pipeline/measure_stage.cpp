@@ -5,6 +5,7 @@
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -183,7 +184,7 @@ nlohmann::json run_measure(const MeasureConfig& config, StageContext& context) {
     if (!truth.empty()) stamp.input(truth);
     if (auto done = stamp.up_to_date()) return *done;
     nlohmann::json result = measured(config, truth, context);
-    write_file_atomically(config.output, result.dump(2) + "\n");
+    write_file_atomically(config.output, text_of(result, 2) + "\n");
     return stamp.commit({config.output}, std::move(result));
 }
 

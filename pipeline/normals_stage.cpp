@@ -1,6 +1,7 @@
 #include "pipeline/normals_stage.h"
 
 #include "formats/slice_file.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
@@ -111,7 +112,7 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
     if (slice == 0 || !signs_carry_over(config, plan)) return false;
     const auto path = manifest_path(rim_of(config, plan, slice - 1, slice));
     std::ifstream file(path);
-    const auto manifest = nlohmann::json::parse(file, nullptr, false);
+    const auto manifest = json_or_discarded(file);
     const auto said = nlohmann::json::json_pointer("/result/from_above");
     if (!manifest.is_object() || !manifest.contains(said) || !manifest.at(said).is_boolean())
         throw FormatError(

@@ -2,6 +2,7 @@
 
 #include "formats/atomic_file.h"
 #include "pipeline/fit_division.h"
+#include "pipeline/json_text.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -154,7 +155,7 @@ std::vector<std::size_t> slices_near(const SlicePlan& plan, std::size_t slice, d
 }
 
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
-    write_file_atomically(plan_path(work).string(), to_json(plan).dump(2) + "\n",
+    write_file_atomically(plan_path(work).string(), text_of(to_json(plan), 2) + "\n",
                           Outlasts::process);
 }
 
@@ -163,7 +164,7 @@ SlicePlan read_plan(const std::filesystem::path& work) {
     std::ifstream in(path);
     if (!in) throw IoError(fmt::format("{}: cannot be opened; run the slice stage first", path));
     try {
-        const json j = json::parse(in);
+        const json j = json_from(in);
         if (version_of(j) > kVersion)
             throw FormatError(
                 fmt::format("written by a newer slim: version {}, this one reads up to {}",

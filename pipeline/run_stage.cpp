@@ -4,6 +4,7 @@
 #include "pipeline/child_process.h"
 #include "pipeline/index_page.h"
 #include "pipeline/job.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "slim/base/check.h"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 [[noreturn]] void fail(const JobStep& step, const ChildResult& child) {
-    const json answer = json::parse(child.output, nullptr, false);
+    const json answer = json_or_discarded(child.output);
     std::string reason = fmt::format("exit code {}", child.exit_code);
     if (answer.is_object() && answer.contains("error"))
         reason = answer.at("error").value("message", reason);
@@ -35,7 +36,7 @@ using nlohmann::json;
 }
 
 StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
-    json result = json::parse(child.output, nullptr, false);
+    json result = json_or_discarded(child.output);
     if (!result.is_object())
         throw InternalError(fmt::format("{}: expected one JSON object, found '{}'", step.name,
                                         child.output.substr(0, 200)));
@@ -92,7 +93,7 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
         const fs::path name = entry.path().filename();
         if (!name.string().ends_with(".done.json") || known.contains(name)) continue;
         std::ifstream in(entry.path());
-        const json manifest = json::parse(in, nullptr, false);
+        const json manifest = json_or_discarded(in);
         if (!manifest.is_object() || manifest.value("stage", "") != "render") continue;
         for (const json& file : manifest.value("outputs", json::array()))
             old.push_back(file.value("path", ""));

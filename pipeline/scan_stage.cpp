@@ -3,6 +3,7 @@
 #include "formats/extension.h"
 #include "formats/ply_writer.h"
 #include "formats/truth_file.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "slim/scanner/scan.h"
@@ -100,7 +101,7 @@ void write_sensors(const std::string& path, const std::vector<Vec3d>& sensors) {
     for (std::size_t id = 0; id < sensors.size(); ++id)
         scans.push_back(
             {{"id", id}, {"position", {sensors[id].x, sensors[id].y, sensors[id].z}}});
-    write_file_atomically(path, nlohmann::json{{"scans", scans}}.dump(2) + "\n");
+    write_file_atomically(path, text_of({{"scans", scans}}, 2) + "\n");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pipeline/sensors.h"
 
 #include "formats/extension.h"
+#include "pipeline/json_text.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
     std::ifstream file(path);
     if (!file) throw IoError(fmt::format("{}: cannot be opened", path));
     try {
-        const auto scans = nlohmann::json::parse(file);  // named: it must outlive the loop
+        const auto scans = json_from(file);  // named: it must outlive the loop
         for (const auto& scan : scans.at("scans")) {
             const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
             // A scanner that is far away, or known by its view only, is a direction: object to

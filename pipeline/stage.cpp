@@ -2,6 +2,7 @@
 
 #include "pipeline/command_line.h"
 #include "pipeline/console.h"
+#include "pipeline/json_text.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/signals.h"
@@ -41,7 +42,7 @@ std::string value_text(const std::string& key, const json& value) {
     if (!value.is_array() || std::any_of(value.begin(), value.end(), [](const json& item) {
             return item.is_structured();
         }))
-        return value.dump();
+        return text_of(value);
     std::string text;
     for (const json& item : value) text += (text.empty() ? "" : ", ") + value_text(key, item);
     return text;
@@ -75,7 +76,7 @@ Console::Level console_level(const CommonOptions& common) {
 void print_result(const ErasedStage& stage, const CommonOptions& common,
                   const StageContext& context, const json& result) {
     if (common.json) {
-        write_stdout(result.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
+        write_stdout(text_of(result) + "\n");
     } else if (stage.description.answers || !common.quiet) {
         std::string text = context.text;
         const bool all_asked = common.verbose && !stage.description.answers;
@@ -141,7 +142,7 @@ int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const 
     Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
     if (as_json) {
         const json error = {{"error", {{"code", static_cast<int>(code)}, {"message", what}}}};
-        const std::string text = error.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+        const std::string text = text_of(error) + "\n";
         std::fwrite(text.data(), 1, text.size(), stdout);
         std::fflush(stdout);
     }

@@ -3,6 +3,7 @@
 #include "formats/fit_file.h"
 #include "formats/model_file.h"
 #include "pipeline/fit_stage.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
@@ -55,7 +56,7 @@ struct Fits {
 
 /// throws FormatError if a fit does not say its rules and counts
 nlohmann::json header_of_fit(const std::filesystem::path& path, const FitReader& fit) {
-    auto header = nlohmann::json::parse(fit.header_json(), nullptr, false);
+    auto header = json_or_discarded(fit.header_json());
     const auto says = [&](const char* key) {
         return header.is_object() && header.contains(key) && header.at(key).is_object();
     };
@@ -65,7 +66,7 @@ nlohmann::json header_of_fit(const std::filesystem::path& path, const FitReader&
     const auto degree = header.at("rules").value("degree", nlohmann::json());
     if (!degree.is_number_integer() || degree < 1 || degree > kMaxDegree)
         throw FormatError(fmt::format("{}: chunk header_json: degree {} is not 1 to {}",
-                                      path.string(), degree.dump(), kMaxDegree));
+                                      path.string(), text_of(degree), kMaxDegree));
     return header;
 }
 
@@ -79,7 +80,7 @@ Fits open_fits(const std::vector<std::filesystem::path>& paths) {
         if (header.at("rules") != out.rules)
             throw IncompleteError(fmt::format(
                 "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` again",
-                path.string(), paths[0].string(), out.rules.dump(), header.at("rules").dump()));
+                path.string(), paths[0].string(), text_of(out.rules), text_of(header.at("rules"))));
         out.counts.push_back(header.at("counts"));
     }
     return out;
@@ -148,7 +149,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     context.check_stop();
     const LooseCounts loose = mark_loose(data);
     context.check_stop();
-    write_model(config.output, data, provenance_of(plan, fits, counts).dump());
+    write_model(config.output, data, text_of(provenance_of(plan, fits, counts)));
     return stamp.commit({config.output},
                         {{"leaves", data.header.n_leaves},
                          {"nodes", data.nodes.size()},
