@@ -62,8 +62,8 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
 
 /// What the stages of a build know of each other.
 struct BuildState {
-    std::map<std::string, std::string> written;
     HandedPoints handed;
+    std::map<std::string, std::string> written = {};
 };
 
 /// Runs one stage with a context of its own; its result, with its seconds, those of all its threads
@@ -135,7 +135,7 @@ void check_output(const BuildConfig& config) {
 nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
                         StageContext& context) {
     nlohmann::json stages = nlohmann::json::object();
-    BuildState state;
+    BuildState state{HandedPoints(config.work.empty())};
     const auto run_next = [&](const char* name, const auto& of_stage, auto run) {
         return run_one(name, of_stage, run, context, state, stages);
     };

@@ -149,13 +149,19 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
                          std::size_t slice, const FitDivision& division, StageContext& context) {
     const auto output = fit_path(config.work, slice);
     const bool sliced = plan.slices.size() > 1;
+    std::optional<PointBlock> handed;
+    if (context.handed)
+        handed = context.handed->take(oriented_points_path(config.work, slice).string());
+    const bool in_memory = handed && !context.writes_handed_points();
     Stamp stamp(context, manifest_path(output));
     stamp.input(plan_path(config.work));
-    for (const std::size_t i : slices_near(plan, slice, division.halo))
-        stamp.input(oriented_points_path(config.work, i));
+    if (!in_memory)
+        for (const std::size_t i : slices_near(plan, slice, division.halo))
+            stamp.input(oriented_points_path(config.work, i));
     if (sliced) stamp.input(coarse_fit_path(config.work));
     stamp.depends(shared_values(rules));
-    if (auto done = stamp.up_to_date()) return *done;
+    if (!in_memory)
+        if (auto done = stamp.up_to_date()) return *done;
     FitFile coarse;
     if (sliced) {
         coarse = read_coarse_near(config, plan, slice, division.halo);
@@ -167,9 +173,6 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     rules.first_level = division.first_fine;
     rules.done = source_of(coarse.surfels);
     rules.dropped = coarse.dropped;
-    std::optional<PointBlock> handed;
-    if (context.handed)
-        handed = context.handed->take(oriented_points_path(config.work, slice).string());
     const PointBlock block =
         handed ? std::move(*handed) : read_with_halo(config.work, plan, slice, division.halo);
     const CoverCounts counts = write_cover(output, block, rules, context);

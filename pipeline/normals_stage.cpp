@@ -314,8 +314,11 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
                                  StageContext& context) {
     const auto input = slice_points_path(config.work, slice);
     const auto output = oriented_points_path(config.work, slice);
+    std::optional<PointBlock> handed;
+    if (context.handed) handed = context.handed->take(input.string());
+    const bool in_memory = handed && !context.writes_handed_points();
     Stamp stamp(context, manifest_path(output));
-    stamp.input(input);
+    if (!in_memory) stamp.input(input);
     stamp.input(plan_path(config.work));
     if (!config.sensors.empty()) stamp.input(config.sensors);
     for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
@@ -323,9 +326,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         stamp.input(rim_of(config, plan, i, slice));
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
-    if (auto done = stamp.up_to_date()) return *done;
-    std::optional<PointBlock> handed;
-    if (context.handed) handed = context.handed->take(input.string());
+    if (!in_memory)
+        if (auto done = stamp.up_to_date()) return *done;
     PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
@@ -340,15 +342,22 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         noise = noise_of(points, search, own, plan);
         drop_rims(own, points);
     }
-    SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
-                       points.has_scans());
-    // Neither keeps all threads busy: the file system takes one writer at a time.
-    run_both([&] { writer.append(points); },
-             [&] { if (noise.empty()) noise = noise_of(points, search, own, plan); });
-    context.check_stop();
-    writer.commit();
+    const auto measure_noise = [&] {
+        if (noise.empty()) noise = noise_of(points, search, own, plan);
+    };
+    std::vector<std::filesystem::path> outputs;
+    if (in_memory) measure_noise();
+    else {
+        SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
+                           points.has_scans());
+        // Neither keeps all threads busy: the file system takes one writer at a time.
+        run_both([&] { writer.append(points); }, measure_noise);
+        context.check_stop();
+        writer.commit();
+        outputs = {output};
+    }
     nlohmann::json result =
-        stamp.commit({output}, report_json(report, noise, points.size()), Outlasts::process);
+        stamp.commit(outputs, report_json(report, noise, points.size()), Outlasts::process);
     if (context.handed && plan.slices.size() == 1)
         context.handed->put(output.string(), std::move(points));
     return result;

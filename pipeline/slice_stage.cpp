@@ -236,15 +236,17 @@ private:
     PointBlock block_;
 };
 
-/// Writes the one slice of a job whose points were gathered.
-PointBlock write_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey) {
+/// The one slice of a job whose points were gathered: written, handed on, or both.
+void pass_on_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey,
+                      const StageContext& context) {
     PointBlock points = survey.gathered.release(plan.has_normals, plan.has_scans);
     points.origin = plan.origin;
     for (Vec3d& p : points.position) p -= plan.origin;
     plan.slices[0].bounds = plan.bounds;
     fs::create_directories(slice_folder(work, 0));
-    write_slice(slice_points_path(work, 0).string(), points);
-    return points;
+    const std::string path = slice_points_path(work, 0).string();
+    if (context.writes_handed_points()) write_slice(path, points);
+    if (context.handed) context.handed->put(path, std::move(points));
 }
 
 /// How many points are worth keeping while the clouds are read: as many as one slice may have.
@@ -334,13 +336,9 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     // From here the folder is no finished job until the new plan stands in it.
     fs::remove(plan_path(work));
     remove_slices_from(work, plan.slices.size());
+    const bool gathered = !survey.gathered.points().empty();
     watch.over([&] {
-        if (!survey.gathered.points().empty()) {
-            PointBlock points = write_gathered(work, plan, survey);
-            if (context.handed)
-                context.handed->put(slice_points_path(work, 0).string(), std::move(points));
-            return;
-        }
+        if (gathered) return pass_on_gathered(work, plan, survey, context);
         Dealer dealer(work, plan, blocks);
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
@@ -348,6 +346,8 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
         dealer.commit();
     });
     write_plan(work, plan);
+    // Without a record: points that are in memory alone are nothing to resume from.
+    if (gathered && !context.writes_handed_points()) return summary(plan);
 
     std::vector<fs::path> outputs{plan_path(work)};
     for (std::size_t i = 0; i < plan.slices.size(); ++i)

@@ -16,9 +16,14 @@
 namespace slim {
 
 /// The points of a job's one slice, handed from a stage of a build to the next, which need not read
-/// what was just written.
+/// what was just written; nor need they be written where nobody keeps the work folder: a build of one
+/// slice that was stopped begins again.
 class HandedPoints {
 public:
+    explicit HandedPoints(bool instead_of_files = false) : instead_of_files_(instead_of_files) {}
+
+    /// Whether what is put here is not written as well.
+    bool instead_of_files() const { return instead_of_files_; }
     void put(std::string path, PointBlock points) {
         path_ = std::move(path);
         points_ = std::move(points);
@@ -27,11 +32,13 @@ public:
     std::optional<PointBlock> take(const std::string& path) {
         std::optional<PointBlock> out;
         if (path == path_) out = std::move(points_);
-        *this = {};
+        path_.clear();
+        points_ = {};
         return out;
     }
 
 private:
+    bool instead_of_files_;
     std::string path_;
     PointBlock points_;
 };
@@ -52,6 +59,8 @@ struct StageContext {
     /// for its hash again.
     std::map<std::string, std::string>* written = nullptr;
     HandedPoints* handed = nullptr;  ///< within a build
+
+    bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it
     /// too.

@@ -7,7 +7,9 @@
 #include "slim/neighbors/morton.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -48,24 +50,25 @@ public:
     /// The parent of every ball, kRoot for the top.
     std::vector<std::uint32_t> link() {
         std::vector<std::uint32_t> above;  // internal surfels of the nearest level that has any
-        for (int level = 1; level <= 255; ++level) {
-            const auto here = select([&](const Ball& b) { return b.level == level; });
+        for (const std::vector<std::uint32_t>& here : levels()) {
             if (!above.empty() && !here.empty()) link_level(above, here);
-            auto internal =
-                select([&](const Ball& b) { return b.level == level && !(b.flags & kLeaf); });
+            std::vector<std::uint32_t> internal;
+            std::copy_if(here.begin(), here.end(), std::back_inserter(internal),
+                         [&](std::uint32_t i) { return !(balls_[i].flags & kLeaf); });
             if (!internal.empty()) above = std::move(internal);
         }
         return std::move(parent_);
     }
 
 private:
-    template <class Predicate>
-    std::vector<std::uint32_t> select(Predicate&& is_wanted) const {
-        std::vector<std::uint32_t> out(
-            static_cast<std::size_t>(std::count_if(balls_.begin(), balls_.end(), is_wanted)));
-        std::size_t n = 0;
+    /// Indices of the balls of level 1, 2, ... in rising order.
+    std::vector<std::vector<std::uint32_t>> levels() const {
+        std::array<std::size_t, 256> n{};
+        for (const Ball& b : balls_) ++n[b.level];
+        std::vector<std::vector<std::uint32_t>> out(255);
+        for (std::size_t level = 1; level < n.size(); ++level) out[level - 1].reserve(n[level]);
         for (std::uint32_t i = 0; i < balls_.size(); ++i)
-            if (is_wanted(balls_[i])) out[n++] = i;
+            if (balls_[i].level > 0) out[balls_[i].level - 1u].push_back(i);
         return out;
     }
     std::vector<Vec3d> centers_of(std::span<const std::uint32_t> some) const {

@@ -58,19 +58,21 @@ def two_builds_at_once():
     first.wait()
     work = harness.folder / "big.slim.work"
     check(work.exists(), "the second build removed the first one's folder")
-    # After kill -9 nothing is locked any more.
-    second = subprocess.Popen([harness.bin / "slim-build", "big.ply", "-o", "big.slim"], cwd=harness.folder,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    for _ in range(2000):
-        time.sleep(0.005)
-        if (work / "slice.done.json").exists():
-            break
-    second.send_signal(signal.SIGTERM)
-    told = second.communicate(timeout=60)[1].decode()
-    check(second.returncode == 143 and "goes on where it was, from big.slim.work" in told,
-          f"SIGTERM: {second.returncode}: {told}")
-    third = run("slim", "build", "big.ply", "-o", "big.slim", seconds=120)
-    check(third.code == 0 and not work.exists(), f"the third build: {third.err}")
+    # After kill -9 nothing is locked any more. A build in slices goes on where it was, one of a slice begins again.
+    for slices, is_sliced, stopped in (("1", "plan.json", ""), ("2", "slice.done.json", "goes on where it was, from big.slim.work")):
+        arguments = ["big.ply", "-o", "big.slim", "--slices", slices]
+        second = subprocess.Popen([harness.bin / "slim-build", *arguments], cwd=harness.folder,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        for _ in range(2000):
+            time.sleep(0.005)
+            if (work / is_sliced).exists():
+                break
+        second.send_signal(signal.SIGTERM)
+        told = second.communicate(timeout=60)[1].decode()
+        check(second.returncode == 143 and stopped in told and work.exists() == bool(stopped),
+              f"SIGTERM with {slices} slices: {second.returncode}: {told}")
+        third = run("slim", "build", *arguments, seconds=120)
+        check(third.code == 0 and not work.exists(), f"the third build with {slices} slices: {third.err}")
 
 
 def jobs():
