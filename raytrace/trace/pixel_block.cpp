@@ -1,0 +1,58 @@
+#include "raytrace/trace/pixel_block.h"
+
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+/// Where a row or column of blocks begins that holds pixel i (i >= 0).
+int block_start(int i, int size) { return i / size * size; }
+
+/// From which t on a ray (scene coordinates, doubles) may meet anything; negative if nowhere.
+double scene_entry(const Vec3d& origin, const Vec3d& direction, double t_near) {
+    constexpr double kSqRadius = 1.0001;
+    const double middle = -dot(origin, direction);
+    const double sq_distance = sq_length(origin + direction * middle);
+    if (!(sq_distance < kSqRadius)) return -1;
+    const double half = std::sqrt(kSqRadius - sq_distance);
+    if (middle + half < t_near) return -1;
+    return std::max(t_near, middle - half);
+}
+
+}  // namespace
+
+std::size_t n_block_rows(const PixelWindow& w) {
+    const int first = block_start(w.y, kPacketHeight);
+    return static_cast<std::size_t>((w.y + w.height - first + kPacketHeight - 1) / kPacketHeight);
+}
+
+void for_blocks(const PixelWindow& w, const std::function<void(std::size_t, const PixelBlock&)>& visit) {
+    const int x0 = block_start(w.x, kPacketWidth), y0 = block_start(w.y, kPacketHeight);
+    parallel_blocks(n_block_rows(w), 1, [&](std::size_t row, std::size_t) {
+        const int y = y0 + static_cast<int>(row) * kPacketHeight;
+        for (int x = x0; x < w.x + w.width; x += kPacketWidth) visit(row, {x, y, w});
+    });
+}
+
+RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block) {
+    RayPacket rays;
+    rays.origin = rays.direction = LanesOfVec(Vec3f{0, 0, 1});
+    for (int lane = 0; lane < kLanes; ++lane) {
+        if (!block.holds(lane)) continue;
+        const double px = block.x_of(lane) + 0.5, py = block.y_of(lane) + 0.5;
+        const Vec3d direction = view.ray_direction(px, py);
+        const Vec3d origin = (view.ray_origin(px, py) - frame.middle) / frame.unit;
+        const double t_near = view.near_plane / (dot(direction, view.forward) * frame.unit);
+        const double t = scene_entry(origin, direction, t_near);
+        if (t < 0) continue;
+        rays.origin.set(lane, to_float(origin + direction * t));
+        rays.direction.set(lane, to_float(direction));
+        rays.far[static_cast<std::size_t>(lane)] = kFar;
+    }
+    return rays;
+}
+
+}  // namespace slim
