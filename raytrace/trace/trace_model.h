@@ -1,8 +1,8 @@
 #pragma once
 
 #include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/scene_frame.h"
 #include "raytrace/trace/bvh.h"
-#include "slim/base/bbox.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
 
@@ -11,16 +11,6 @@
 #include <vector>
 
 namespace slim {
-
-/// Coordinates of a scene in floats: relative to its middle and over half its diagonal, so that
-/// everything is of the order of 1 whatever a model's units are.
-struct SceneFrame {
-    Vec3d middle;
-    double unit = 1;  ///< model units
-
-    Vec3f from_job(const Vec3d& p) const { return to_float((p - middle) / unit); }
-    Vec3d to_job(const Vec3d& p) const { return middle + p * unit; }
-};
 
 /// A surfel ready for rays from anywhere: floats, the scene's axes; two cache lines.
 struct alignas(64) TraceRecord {

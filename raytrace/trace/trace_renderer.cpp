@@ -2,7 +2,7 @@
 
 #include "raytrace/intersect/curvature_kernel.h"
 #include "raytrace/intersect/third_order_kernel.h"
-#include "raytrace/trace/pixel_block.h"
+#include "raytrace/trace/primary_rays.h"
 
 #include <bit>
 #include <chrono>
@@ -34,6 +34,7 @@ struct Writer {
     const PixelBlock& block;
     const SurfaceHits& hits;
     GBuffer& out;
+    TracedPlanes* planes;
 
     template <class Write>
     void for_hits(Write&& write) const {
@@ -53,6 +54,13 @@ struct Writer {
                 if (out.has(kPositionChannel)) out.position[axis][pixel] = position[axis];
                 if (out.has(kNormalChannel)) out.normal[axis][pixel] = normal[axis];
             }
+        });
+    }
+
+    void leave() const {
+        for_hits([&](int, std::size_t k, std::size_t pixel) {
+            planes->clearance[pixel] = hits.clearance[k];
+            if (!planes->model.empty()) planes->model[pixel] = static_cast<std::uint16_t>(hits.model[k]);
         });
     }
 
@@ -105,7 +113,7 @@ struct Writer {
 };
 
 void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock& block, Derivatives wanted,
-                GBuffer& out, Counts& counts) {
+                GBuffer& out, TracedPlanes* planes, Counts& counts) {
     const RayPacket rays = primary_rays(view, scene.frame(), block);
     if (stdx::none_of(rays.active())) return;
     const SurfaceHits hits = scene.surface(rays, wanted, counts.trace);
@@ -113,8 +121,9 @@ void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock
     if (stdx::none_of(hit)) return;
     counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
     counts.unblended += static_cast<std::uint64_t>(stdx::popcount(hit && !(hits.sums.weight > 0.0f)));
-    const Writer write{view, scene, block, hits, out};
+    const Writer write{view, scene, block, hits, out, planes};
     write.place();
+    if (planes) write.leave();
     if (out.has_any(kSurfelIdChannel | kFitErrorChannel | kLevelChannel | kCoverageChannel | kCountChannel)) write.fit();
     if (out.has_any(kCurvatureChannel)) write.curvature();
     if (out.has_any(kDirectionChannel | kThirdOrderChannel)) write.directions(wanted == Derivatives::third);
@@ -122,15 +131,19 @@ void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock
 
 }  // namespace
 
-RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out) {
+RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out, TracedPlanes* planes) {
     const auto start = std::chrono::steady_clock::now();
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
     out.reset(window.width, window.height, request.wanted);
+    if (planes) {
+        planes->clearance.assign(out.n_pixels(), 0.0f);
+        planes->model.assign(scene.models().size() > 1 ? out.n_pixels() : 0, 0);
+    }
     const Derivatives wanted = derivatives_for(out, degree_of(scene));
     std::vector<Counts> rows(n_block_rows(window));
     for_blocks(window, [&](std::size_t row, const PixelBlock& block) {
-        draw_block(scene, view, block, wanted, out, rows[row]);
+        draw_block(scene, view, block, wanted, out, planes, rows[row]);
     });
     RenderStats stats;
     TraceCounts sum;

@@ -1,14 +1,16 @@
 #pragma once
 
-#include "raytrace/camera.h"
 #include "raytrace/renderer.h"
-#include "raytrace/trace/ray_packet.h"
-#include "raytrace/trace/trace_model.h"
+#include "slim/base/simd.h"
 
 #include <cstddef>
 #include <functional>
 
 namespace slim {
+
+/// A packet has a block of pixels in its lanes: kPacketWidth x kPacketHeight, row by row.
+inline constexpr int kPacketWidth = kLanes >= 4 ? 4 : kLanes;
+inline constexpr int kPacketHeight = kLanes / kPacketWidth;
 
 /// The pixels of a packet: those of a block of the whole picture that lie in a window. Blocks start at multiples of their size in
 /// the picture, so that a window's pixels are in the packets that the picture's are in.
@@ -32,8 +34,5 @@ struct PixelBlock {
 /// Calls visit(row of blocks, block) for all blocks of a window; rows of blocks, which count from 0, over threads.
 void for_blocks(const PixelWindow& window, const std::function<void(std::size_t, const PixelBlock&)>& visit);
 std::size_t n_block_rows(const PixelWindow& window);
-
-/// Rays through the centres of a block's pixels, from where they enter the scene on; lanes that miss its sphere have none.
-RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block);
 
 }  // namespace slim
