@@ -5,6 +5,7 @@
 #include "raytrace/intersect/sharp_kernel.h"
 #include "raytrace/trace/ray_packet.h"
 #include "raytrace/trace/trace_model.h"
+#include "slim/blend/blend.h"
 
 #include <bit>
 #include <cstdint>
@@ -49,6 +50,18 @@ struct KernelRay {
         ball.px = base.x, ball.py = base.y, ball.pz = base.z;
     }
 };
+
+/// Lanes whose ray leaves the very surface it would hit: its origin lies in the surfel's ball and belongs to it, and the hit is of the
+/// same sheet there: its gradient agrees with the normal closely, or it is a way out from below. The surfels about a point
+/// differ by more than eps where their cores end, and each but the outermost would else lie in the shadow of another.
+[[gnu::always_inline]] inline FloatV::mask_type leaves_own(const RayPacket& rays, const FloatV& sq_origin, const FloatV& f_origin,
+                                                           const GradientLanes<FloatV>& g) {
+    const FloatV agreement = g.x * rays.normal.x + g.y * rays.normal.y + g.z * rays.normal.z;
+    const FloatV along = g.x * rays.direction.x + g.y * rays.direction.y + g.z * rays.direction.z;
+    const FloatV size = stdx::sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
+    const auto same_sheet = agreement > static_cast<float>(kSharpGate) * size || (agreement > 0.0f && along > 0.0f);
+    return sq_origin < 1.0f && stdx::abs(f_origin) <= static_cast<float>(kBelongs) && same_sheet;
+}
 
 /// Takes first hits along: keeps the nearest.
 struct KeepNearest {
@@ -98,6 +111,9 @@ template <int Degree, class Keep>
     if (stdx::none_of(hit)) return true;
     const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
     if (r.rims.any()) hit = hit && RimLanes(r.rims).share(u, v) > 0.0f;
+    if (rays.leaves_surface)
+        hit = hit && !leaves_own(rays, at.sq_distance + start * start, lanes_value<FloatV>(k, start),
+                                 gradient_at<Degree, FloatV>(r, u, v));
     keep(hit, t, FloatV(std::bit_cast<float>(number)),
          [&]() __attribute__((always_inline)) { return gradient_at<Degree, FloatV>(r, u, v); });
     return true;
@@ -118,8 +134,11 @@ inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint
     const auto found = best_joined_root<Degree, FloatV>(sharp, f, stdx::max(-half, start), half, met,
                                                         [](const FloatV& x) { return x; });
     const FloatV t = at.t + found.root.t * FloatV(r.radius);
-    const auto hit = found.root.hit && t <= keep.far();
+    auto hit = found.root.hit && t <= keep.far();
     if (stdx::none_of(hit)) return true;
+    if (rays.leaves_surface)
+        hit = hit && !leaves_own(rays, at.sq_distance + start * start, FloatV(0.0f),
+                                 sharp_gradient<Degree, FloatV>(sharp, f, found));
     keep(hit, t, FloatV(std::bit_cast<float>(number)),
          [&] { return sharp_gradient<Degree, FloatV>(sharp, f, found); });
     return true;

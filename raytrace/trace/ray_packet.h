@@ -13,6 +13,9 @@ inline constexpr float kFar = std::numeric_limits<float>::infinity();
 struct RayPacket {
     LanesOfVec origin, direction;
     FloatV far{-1.0f};
+    /// They leave a surface whose normal, on their side, this is: what makes that surface there does not stop them (LeavesOwn).
+    LanesOfVec normal{Vec3f{}};
+    bool leaves_surface = false;
 
     FloatV::mask_type active() const { return far >= 0.0f; }
 };
