@@ -17,8 +17,8 @@ std::optional<double> ground_height(const RenderConfig& config);
 /// --ground-color; none is "shadow". Throws ConfigError.
 std::optional<Vec3f> ground_color(const RenderConfig& config);
 
-/// Throws ConfigError for what only rays can do without --mode raytrace, for options of what is not asked for, and for lights and
-/// materials that are none.
+/// Throws ConfigError for what only rays can do without --mode raytrace, for options of what is not
+/// asked for, and for lights and materials that are none.
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 }  // namespace slim

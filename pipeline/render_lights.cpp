@@ -46,13 +46,15 @@ void read_angle(WordList& words, const LightSetting& setting, LightSource& light
 }
 
 LightSource read_studio(WordList& words, const LightSetting& setting) {
-    LightSource light = words.kind() == "key" ? studio_key(setting.view) : studio_fill(setting.view);
+    LightSource light =
+        words.kind() == "key" ? studio_key(setting.view) : studio_fill(setting.view);
     const Vec3f own = light.color;
     const bool colored = words.has("color");
     read_common(words, light, {1, 1, 1});
     const float strength = std::max({own.x, own.y, own.z});
-    light.color = colored ? light.color * strength
-                          : Vec3f{light.color.x * own.x, light.color.y * own.y, light.color.z * own.z};
+    light.color = colored
+                      ? light.color * strength
+                      : Vec3f{light.color.x * own.x, light.color.y * own.y, light.color.z * own.z};
     read_angle(words, setting, light);
     return light;
 }
@@ -108,9 +110,11 @@ LightSource read_placed(WordList& words, const LightSetting& setting, LightKind 
     light.kind = kind;
     if (!words.has("at")) words.fail("expected at=x,y,z");
     light.position = words.vector("at", {}) - setting.origin;
-    const Vec3d target = words.vector("to", setting.bounds.center() + setting.origin) - setting.origin;
+    const Vec3d target =
+        words.vector("to", setting.bounds.center() + setting.origin) - setting.origin;
     light.reference = length(light.position - target);
-    if (!(light.reference > 0)) words.fail("expected it to be elsewhere than what it shines at (to)");
+    if (!(light.reference > 0))
+        words.fail("expected it to be elsewhere than what it shines at (to)");
     light.toward = normalized(light.position - target);
     read_common(words, light, {1, 1, 1});
     light.color = light.color * kUsualPower;
@@ -128,8 +132,8 @@ LightSource read_light(WordList& words, const LightSetting& setting) {
     if (kind == "rect") return read_placed(words, setting, LightKind::rectangle);
     if (kind == "disc") return read_placed(words, setting, LightKind::disc);
     const std::vector<std::string> kinds{"key", "fill", "sun", "point", "spot", "rect", "disc"};
-    words.fail(fmt::format("expected a kind of light first ({}), found '{}'{}", fmt::join(kinds, ", "), kind,
-                           suggestion(kind, kinds)));
+    words.fail(fmt::format("expected a kind of light first ({}), found '{}'{}",
+                           fmt::join(kinds, ", "), kind, suggestion(kind, kinds)));
 }
 
 }  // namespace

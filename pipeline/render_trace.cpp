@@ -1,8 +1,8 @@
 #include "pipeline/render_trace.h"
 
 #include "pipeline/input_kind.h"
-#include "pipeline/render_bands.h"
 #include "pipeline/ray_options.h"
+#include "pipeline/render_bands.h"
 #include "pipeline/render_lights.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
@@ -20,20 +20,23 @@ bool contains(const std::vector<std::string>& words, const char* word) {
 
 LightRig rig_of(const RenderConfig& config, const ModelHeader& header, const ShadeView& view) {
     LightRig rig;
-    rig.lights = parse_lights(config.light, {view, header.bounds, header.origin, up_vector(up_axis(config))});
+    rig.lights = parse_lights(config.light,
+                              {view, header.bounds, header.origin, up_vector(up_axis(config))});
     const auto ambient = static_cast<float>(config.ambient);
     rig.sky = rig.sky * ambient, rig.ground = rig.ground * ambient, rig.up = view.up;
     return rig;
 }
 
 Openness openness_of(const RenderConfig& config, const ModelHeader& header) {
-    return {config.ao_distance > 0 ? config.ao_distance : 0.1 * header.bounds.diagonal(), config.ao_samples};
+    return {config.ao_distance > 0 ? config.ao_distance : 0.1 * header.bounds.diagonal(),
+            config.ao_samples};
 }
 
 GroundPlane ground_of(const RenderConfig& config, const TracedModels& models) {
     const Vec3d up = up_vector(up_axis(config));
     const auto height = ground_height(config);
-    return {up, height ? *height - dot(up, models.header().origin) : models.lowest(up), ground_color(config)};
+    return {up, height ? *height - dot(up, models.header().origin) : models.lowest(up),
+            ground_color(config)};
 }
 
 std::optional<GroundPlane> wanted_ground(const FrameLight& light) {
@@ -61,7 +64,8 @@ struct FramePlanes {
     SurfacePlanes planes;
 
     FramePlanes(const Camera& camera, const RenderedFrame& frame)
-        : view(pixel_view(camera, frame.size.width, frame.size.height)), normals(turned(frame)),
+        : view(pixel_view(camera, frame.size.width, frame.size.height)),
+          normals(turned(frame)),
           planes{view, {0, 0, frame.size.width, frame.size.height}, frame.buffer, normals} {}
     FramePlanes(const FramePlanes&) = delete;
     FramePlanes& operator=(const FramePlanes&) = delete;
@@ -69,7 +73,8 @@ struct FramePlanes {
 private:
     static std::array<std::vector<float>, 3> turned(const RenderedFrame& frame) {
         const GBuffer& b = frame.buffer;
-        return turned_normals(b.width, b.height, frame.view, {b.normal[0], b.normal[1], b.normal[2]}, b.hit);
+        return turned_normals(b.width, b.height, frame.view,
+                              {b.normal[0], b.normal[1], b.normal[2]}, b.hit);
     }
 };
 
@@ -77,7 +82,8 @@ void shade_traced(const FrameLight& light, const PictureSize& size, RenderedFram
     const FramePlanes planes(light.camera, frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     const TraceLook look = look_of(light, frame.view);
-    const std::span<const float> open = light.config.ao ? std::span<const float>(frame.open) : std::span<const float>{};
+    const std::span<const float> open =
+        light.config.ao ? std::span<const float>(frame.open) : std::span<const float>{};
     frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
         return light_rows(surface, look, open, rows, frame.light_counts);
     });
@@ -86,7 +92,8 @@ void shade_traced(const FrameLight& light, const PictureSize& size, RenderedFram
 /// Forward projection with lights or a material of one's own.
 void shade_lit(const FrameLight& light, const PictureSize& size, RenderedFrame& frame) {
     const FramePlanes planes(light.camera, frame);
-    const SceneFrame scene{light.header.bounds.center(), std::max(0.5 * light.header.bounds.diagonal(), 1e-300)};
+    const SceneFrame scene{light.header.bounds.center(),
+                           std::max(0.5 * light.header.bounds.diagonal(), 1e-300)};
     const LightRig rig = rig_of(light.config, light.header, frame.view);
     const Material material = parse_materials(light.config.material)[0];
     frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
@@ -111,25 +118,29 @@ void shade_plain(const PictureSize& size, RenderedFrame& frame) {
 
 bool is_plain(const RenderConfig& config) {
     const RenderConfig usual;
-    return config.light == usual.light && config.material == usual.material && config.ambient == usual.ambient;
+    return config.light == usual.light && config.material == usual.material &&
+           config.ambient == usual.ambient;
 }
 
 }  // namespace
 
 Channels light_channels(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const bool shaded = contains(aovs, "shaded"), open = contains(aovs, "ao");
-    if (is_traced(config) ? shaded || open : shaded && !is_plain(config)) return kNormalChannel | kPositionChannel;
+    if (is_traced(config) ? shaded || open : shaded && !is_plain(config))
+        return kNormalChannel | kPositionChannel;
     return 0;
 }
 
-TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first) : header_(first.header()) {
+TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
+    : header_(first.header()) {
     std::vector<ScenePart> parts{{&first, {}}};
     for (const std::string& path : config.add) {
         require_model(path);
         files_.push_back(std::make_unique<ModelFile>(ModelFile::open(path)));
         trees_.push_back(std::make_unique<SurfelTree>(files_.back()->tree()));
         const SurfelTree& tree = *trees_.back();
-        if (tree.header().n_leaves == 0) throw DataError(path + ": a model without surfels cannot be drawn");
+        if (tree.header().n_leaves == 0)
+            throw DataError(path + ": a model without surfels cannot be drawn");
         const Vec3d offset = tree.header().origin - header_.origin;
         parts.push_back({&tree, offset});
         header_.bounds.extend(tree.header().bounds.lo + offset);
@@ -137,7 +148,8 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first) 
     }
     const auto start = std::chrono::steady_clock::now();
     scene_ = std::make_unique<TraceScene>(parts, config.loose);
-    build_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    build_ms_ =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 double TracedModels::lowest(const Vec3d& up) const {
@@ -146,7 +158,8 @@ double TracedModels::lowest(const Vec3d& up) const {
     for (const TraceModel& model : scene_->models()) {
         if (model.bvh.nodes.empty()) continue;
         const BoxF& box = model.bvh.nodes[0].box;
-        lowest = std::min({lowest, dot(frame.to_job(to_double(box.lo)), up), dot(frame.to_job(to_double(box.hi)), up)});
+        lowest = std::min({lowest, dot(frame.to_job(to_double(box.lo)), up),
+                           dot(frame.to_job(to_double(box.hi)), up)});
     }
     return std::isfinite(lowest) ? lowest : dot(header_.bounds.lo, up);
 }
@@ -154,13 +167,17 @@ double TracedModels::lowest(const Vec3d& up) const {
 void find_openness(const FrameLight& light, RenderedFrame& frame) {
     const FramePlanes planes(light.camera, frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
-    frame.open = openness_plane(surface, openness_of(light.config, light.header), wanted_ground(light), frame.light_counts);
+    frame.open = openness_plane(surface, openness_of(light.config, light.header),
+                                wanted_ground(light), frame.light_counts);
 }
 
 void shade_frame(const FrameLight& light, const PictureSize& size, RenderedFrame& frame) {
-    if (light.traced) shade_traced(light, size, frame);
-    else if (is_plain(light.config)) shade_plain(size, frame);
-    else shade_lit(light, size, frame);
+    if (light.traced)
+        shade_traced(light, size, frame);
+    else if (is_plain(light.config))
+        shade_plain(size, frame);
+    else
+        shade_lit(light, size, frame);
 }
 
 }  // namespace slim

@@ -15,7 +15,8 @@ std::vector<std::string> split_descriptions(const std::string& text) {
     std::vector<std::string> out;
     std::stringstream in(text);
     for (std::string part; std::getline(in, part, ';');) {
-        const std::size_t first = part.find_first_not_of(" \t"), last = part.find_last_not_of(" \t");
+        const std::size_t first = part.find_first_not_of(" \t"),
+                          last = part.find_last_not_of(" \t");
         if (first != std::string::npos) out.push_back(part.substr(first, last - first + 1));
     }
     return out;
@@ -29,7 +30,8 @@ WordList::WordList(std::string where, const std::string& text, bool has_kind)
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0)
             fail(fmt::format("expected key=value, found \"{}\"", word));
-        if (has(word.substr(0, equals))) fail(fmt::format("{} is given twice", word.substr(0, equals)));
+        if (has(word.substr(0, equals)))
+            fail(fmt::format("{} is given twice", word.substr(0, equals)));
         words_.emplace_back(word.substr(0, equals), word.substr(equals + 1));
     }
 }
@@ -37,31 +39,39 @@ WordList::WordList(std::string where, const std::string& text, bool has_kind)
 void WordList::fail(const std::string& why) const { throw ConfigError(where_ + ": " + why); }
 
 bool WordList::has(std::string_view key) const {
-    return std::any_of(words_.begin(), words_.end(), [&](const auto& word) { return word.first == key; });
+    return std::any_of(words_.begin(), words_.end(),
+                       [&](const auto& word) { return word.first == key; });
 }
 
 std::string WordList::text(const char* key, const std::string& otherwise) {
     known_.push_back(key);
-    const auto it = std::find_if(words_.begin(), words_.end(), [&](const auto& word) { return word.first == key; });
+    const auto it = std::find_if(words_.begin(), words_.end(),
+                                 [&](const auto& word) { return word.first == key; });
     if (it == words_.end()) return otherwise;
     const std::string value = it->second;
     words_.erase(it);
     return value;
 }
 
-std::vector<double> WordList::numbers(const char* key, std::size_t n, std::vector<double> otherwise) {
+std::vector<double> WordList::numbers(const char* key, std::size_t n,
+                                      std::vector<double> otherwise) {
     const std::string value = text(key, "");
     if (value.empty()) return otherwise;
     const std::vector<double> numbers = parse_numbers(value);
     if (numbers.size() != n)
         fail(fmt::format("{}: expected {} number{} {}, found \"{}\"", key, n, n == 1 ? "" : "s",
-                         n == 3 ? "x,y,z" : n == 2 ? "a,b" : "", value));
+                         n == 3   ? "x,y,z"
+                         : n == 2 ? "a,b"
+                                  : "",
+                         value));
     return numbers;
 }
 
 double WordList::number(const char* key, double otherwise, double min, double max) {
     const double value = numbers(key, 1, {otherwise})[0];
-    if (!(value >= min && value <= max)) fail(fmt::format("{}: expected a number in [{:g}, {:g}], found {:g}", key, min, max, value));
+    if (!(value >= min && value <= max))
+        fail(
+            fmt::format("{}: expected a number in [{:g}, {:g}], found {:g}", key, min, max, value));
     return value;
 }
 
@@ -88,7 +98,8 @@ Vec3f WordList::color(const char* key, const Vec3f& otherwise) {
 void WordList::finish() const {
     if (words_.empty()) return;
     const std::string& key = words_.front().first;
-    fail(fmt::format("unknown key '{}'{}: expected {}", key, suggestion(key, known_), fmt::join(known_, ", ")));
+    fail(fmt::format("unknown key '{}'{}: expected {}", key, suggestion(key, known_),
+                     fmt::join(known_, ", ")));
 }
 
 }  // namespace slim

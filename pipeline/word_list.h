@@ -9,8 +9,9 @@
 
 namespace slim {
 
-/// One thing described in words: "KIND key=value key=value", as options that hold several of them say it. Values are taken out one
-/// by one; what is left over is an unknown word. All throw ConfigError beginning with `where`, the option and the description.
+/// One thing described in words: "KIND key=value key=value", as options that hold several of them
+/// say it. Values are taken out one by one; what is left over is an unknown word. All throw
+/// ConfigError beginning with `where`, the option and the description.
 class WordList {
 public:
     WordList(std::string where, const std::string& text, bool has_kind);

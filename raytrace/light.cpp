@@ -15,7 +15,8 @@ void eighth_turn(const FloatV& a, FloatV& sin, FloatV& cos) {
 
 /// 0 up to a, 1 from b on, without kinks (3 t^2 - 2 t^3).
 FloatV smooth_step(float a, float b, const FloatV& x) {
-    const FloatV t = stdx::min(stdx::max((x - a) / std::max(b - a, 1e-6f), FloatV(0.0f)), FloatV(1.0f));
+    const FloatV t =
+        stdx::min(stdx::max((x - a) / std::max(b - a, 1e-6f), FloatV(0.0f)), FloatV(1.0f));
     return t * t * (3.0f - 2.0f * t);
 }
 
@@ -41,25 +42,37 @@ void disc_point(const FloatV& s, const FloatV& t, FloatV& x, FloatV& y) {
 SceneLight scene_light(const LightSource& light, const SceneFrame& frame) {
     const double per_unit = light.kind == LightKind::directional ? 1 : 1 / frame.unit;
     const double reference = light.reference / frame.unit;
-    return {light.kind, to_float(light.toward), frame.from_job(light.position), to_float(light.u_axis * per_unit),
-            to_float(light.v_axis * per_unit), light.color, static_cast<float>(reference * reference),
-            static_cast<float>(light.cos_core), static_cast<float>(light.cos_cone), light.highlight, light.shadows,
-            light.has_extent(), light.samples};
+    return {light.kind,
+            to_float(light.toward),
+            frame.from_job(light.position),
+            to_float(light.u_axis * per_unit),
+            to_float(light.v_axis * per_unit),
+            light.color,
+            static_cast<float>(reference * reference),
+            static_cast<float>(light.cos_core),
+            static_cast<float>(light.cos_cone),
+            light.highlight,
+            light.shadows,
+            light.has_extent(),
+            light.samples};
 }
 
-IncidentLight light_at(const SceneLight& light, const LanesOfVec& point, const FloatV& s, const FloatV& t) {
+IncidentLight light_at(const SceneLight& light, const LanesOfVec& point, const FloatV& s,
+                       const FloatV& t) {
     FloatV x(0.0f), y(0.0f);
     if (light.has_extent) place_on(light, s, t, x, y);
     const LanesOfVec across = LanesOfVec(light.u_axis) * x + LanesOfVec(light.v_axis) * y;
     if (light.kind == LightKind::directional)
-        return {(LanesOfVec(light.toward) + across).unit(), FloatV(std::numeric_limits<float>::infinity()), FloatV(1.0f)};
+        return {(LanesOfVec(light.toward) + across).unit(),
+                FloatV(std::numeric_limits<float>::infinity()), FloatV(1.0f)};
     const LanesOfVec way = LanesOfVec(light.position) + across - point;
     const FloatV sq = stdx::max(way.dot(way), FloatV(1e-12f)), inverse = inverse_sqrt(sq);
     IncidentLight out{way * inverse, sq * inverse, light.sq_reference / sq};
     if (light.kind == LightKind::point) return out;
     const FloatV cosine = out.toward.dot(LanesOfVec(light.toward));
-    out.strength = out.strength * (light.kind == LightKind::spot ? smooth_step(light.cos_cone, light.cos_core, cosine)
-                                                                 : stdx::max(cosine, FloatV(0.0f)));
+    out.strength = out.strength * (light.kind == LightKind::spot
+                                       ? smooth_step(light.cos_cone, light.cos_core, cosine)
+                                       : stdx::max(cosine, FloatV(0.0f)));
     return out;
 }
 

@@ -22,11 +22,13 @@ struct Material {
 /// The lights of a picture, and a hemisphere of ambient light.
 struct LightRig {
     std::vector<LightSource> lights;
-    Vec3f sky = Lighting{}.sky, ground = Lighting{}.ground;  ///< on a normal along `up`, and against it
-    Vec3d up{0, 1, 0};                                       ///< unit; the camera's
+    Vec3f sky = Lighting{}.sky,
+          ground = Lighting{}.ground;  ///< on a normal along `up`, and against it
+    Vec3d up{0, 1, 0};                 ///< unit; the camera's
 };
 
-/// The key and the fill light of the shaded look, which stand still relative to the camera; only the key throws shadows.
+/// The key and the fill light of the shaded look, which stand still relative to the camera; only
+/// the key throws shadows.
 LightSource studio_key(const ShadeView& view);
 LightSource studio_fill(const ShadeView& view);
 LightRig studio_rig(const ShadeView& view);

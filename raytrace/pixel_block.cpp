@@ -15,7 +15,8 @@ std::size_t n_block_rows(const PixelWindow& w) {
     return static_cast<std::size_t>((w.y + w.height - first + kPacketHeight - 1) / kPacketHeight);
 }
 
-void for_blocks(const PixelWindow& w, const std::function<void(std::size_t, const PixelBlock&)>& visit) {
+void for_blocks(const PixelWindow& w,
+                const std::function<void(std::size_t, const PixelBlock&)>& visit) {
     const int x0 = block_start(w.x, kPacketWidth), y0 = block_start(w.y, kPacketHeight);
     parallel_blocks(n_block_rows(w), 1, [&](std::size_t row, std::size_t) {
         const int y = y0 + static_cast<int>(row) * kPacketHeight;

@@ -10,24 +10,27 @@
 
 namespace slim {
 
-/// A key for the random numbers of each lane: of its pixel and of what they are for, so that threads cannot change them.
+/// A key for the random numbers of each lane: of its pixel and of what they are for, so that
+/// threads cannot change them.
 struct LaneKeys {
     std::array<std::uint64_t, kLanes> key;
 
     LaneKeys(const PixelBlock& block, std::uint64_t purpose) {
         for (int lane = 0; lane < kLanes; ++lane) {
-            const auto x = static_cast<std::uint64_t>(block.x_of(lane)), y = static_cast<std::uint64_t>(block.y_of(lane));
+            const auto x = static_cast<std::uint64_t>(block.x_of(lane)),
+                       y = static_cast<std::uint64_t>(block.y_of(lane));
             key[static_cast<std::size_t>(lane)] = keyed_hash(0x726179, y << 32 | x, purpose);
         }
     }
 };
 
-/// Samples of [0, 1]^2, one in each cell of a square grid: stratified, and alike in neighbouring lanes, so that their rays keep
-/// together.
+/// Samples of [0, 1]^2, one in each cell of a square grid: stratified, and alike in neighbouring
+/// lanes, so that their rays keep together.
 class SampleGrid {
 public:
     /// At least n samples.
-    explicit SampleGrid(int n) : side_(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(n)) - 1e-9))) {}
+    explicit SampleGrid(int n)
+        : side_(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(n)) - 1e-9))) {}
 
     int n() const { return side_ * side_; }
     void sample(int i, const LaneKeys& keys, FloatV& s, FloatV& t) const {

@@ -14,8 +14,9 @@ namespace slim {
 /// Points of a surface to shade, one per lane; scene coordinates.
 struct ShadePoints {
     LanesOfVec point{Vec3f{}};
-    LanesOfVec normal{Vec3f{0, 0, 1}}, toward_eye{Vec3f{0, 0, 1}};  ///< unit; the normal turned to the eye
-    FloatV clearance{0.0f};  ///< rays that leave start this far off the surface
+    LanesOfVec normal{Vec3f{0, 0, 1}},
+        toward_eye{Vec3f{0, 0, 1}};  ///< unit; the normal turned to the eye
+    FloatV clearance{0.0f};          ///< rays that leave start this far off the surface
     FloatV::mask_type on{false};
 };
 
@@ -32,11 +33,13 @@ inline FloatV whole_power(FloatV base, int exponent) {
     return product;
 }
 
-/// Lambert's and Blinn's terms of one light (as in shade.cpp), the mean over the light's extent; a light that is a point in
-/// effect, or `only_middle`, has one sample. unblocked(points, lanes, incident) -> lanes that the light reaches.
+/// Lambert's and Blinn's terms of one light (as in shade.cpp), the mean over the light's extent; a
+/// light that is a point in effect, or `only_middle`, has one sample. unblocked(points, lanes,
+/// incident) -> lanes that the light reaches.
 template <class Unblocked>
-LightSums gather_light(const SceneLight& light, const ShadePoints& at, int shininess, const PixelBlock& block,
-                       std::uint64_t purpose, bool only_middle, const Unblocked& unblocked) {
+LightSums gather_light(const SceneLight& light, const ShadePoints& at, int shininess,
+                       const PixelBlock& block, std::uint64_t purpose, bool only_middle,
+                       const Unblocked& unblocked) {
     const bool spread = light.has_extent && !only_middle;
     const SampleGrid grid(spread ? light.samples : 1);
     const LaneKeys keys(block, purpose);
@@ -54,7 +57,8 @@ LightSums gather_light(const SceneLight& light, const ShadePoints& at, int shini
         // The highlight fades in with n.l, so that it cannot shine on the dark side.
         const FloatV fade = stdx::min(4.0f * facing, FloatV(1.0f));
         sums.diffuse += strength * facing;
-        sums.shine += strength * fade * whole_power(stdx::max(at.normal.dot(half), FloatV(0.0f)), shininess);
+        sums.shine +=
+            strength * fade * whole_power(stdx::max(at.normal.dot(half), FloatV(0.0f)), shininess);
     }
     const float share = 1 / static_cast<float>(grid.n());
     sums.diffuse *= share, sums.shine *= light.highlight * share;
@@ -67,34 +71,39 @@ inline LanesOfVec ambient_light(const SceneRig& rig, const LanesOfVec& normal, c
     return (LanesOfVec(rig.sky) * upward + LanesOfVec(rig.ground) * (1.0f - upward)) * open;
 }
 
-/// Light that the points send to the eye, linear. `purpose` tells the random numbers of one call from another's.
+/// Light that the points send to the eye, linear. `purpose` tells the random numbers of one call
+/// from another's.
 template <class Unblocked>
-LanesOfVec lit_color(const SceneRig& rig, const Material& material, const ShadePoints& at, const FloatV& open,
-                     const PixelBlock& block, std::uint64_t purpose, bool only_middle, const Unblocked& unblocked) {
+LanesOfVec lit_color(const SceneRig& rig, const Material& material, const ShadePoints& at,
+                     const FloatV& open, const PixelBlock& block, std::uint64_t purpose,
+                     bool only_middle, const Unblocked& unblocked) {
     LanesOfVec diffuse = ambient_light(rig, at.normal, open), shine{Vec3f{}};
     for (std::size_t i = 0; i < rig.lights.size(); ++i) {
         const SceneLight& light = rig.lights[i];
-        const LightSums sums = gather_light(light, at, material.shininess, block, purpose + i, only_middle,
-                                            [&](const ShadePoints& p, const auto& lit, const IncidentLight& incident) {
-                                                return light.shadows ? unblocked(p, lit, incident) : lit;
-                                            });
+        const LightSums sums =
+            gather_light(light, at, material.shininess, block, purpose + i, only_middle,
+                         [&](const ShadePoints& p, const auto& lit, const IncidentLight& incident) {
+                             return light.shadows ? unblocked(p, lit, incident) : lit;
+                         });
         diffuse = diffuse + LanesOfVec(light.color) * sums.diffuse;
         shine = shine + LanesOfVec(light.color) * sums.shine;
     }
     const LanesOfVec albedo(material.albedo);
-    return {albedo.x * diffuse.x + material.specular * shine.x, albedo.y * diffuse.y + material.specular * shine.y,
+    return {albedo.x * diffuse.x + material.specular * shine.x,
+            albedo.y * diffuse.y + material.specular * shine.y,
             albedo.z * diffuse.z + material.specular * shine.z};
 }
 
 /// Writes the lanes of a block as premultiplied colour; `picture` is of the block's window.
-void store_block(const PixelBlock& block, const LanesOfVec& color, const FloatV& alpha, Picture& picture);
+void store_block(const PixelBlock& block, const LanesOfVec& color, const FloatV& alpha,
+                 Picture& picture);
 
 /// What was seen of a surface; the planes are those of `window`, a part of the view's picture.
 struct SurfacePlanes {
     const PixelView& view;
     PixelWindow window;
-    const GBuffer& buffer;                               ///< hits and positions
-    const std::array<std::vector<float>, 3>& normals;    ///< turned to the eye: turned_normals
+    const GBuffer& buffer;                             ///< hits and positions
+    const std::array<std::vector<float>, 3>& normals;  ///< turned to the eye: turned_normals
 
     /// Some rows of them, as a part of the picture.
     PixelWindow band(const RowRange& rows) const {
@@ -106,11 +115,12 @@ struct SurfacePlanes {
 };
 
 /// The surface in a block's pixels; clearances are 0.
-ShadePoints load_points(const SurfacePlanes& planes, const SceneFrame& frame, const PixelBlock& block);
+ShadePoints load_points(const SurfacePlanes& planes, const SceneFrame& frame,
+                        const PixelBlock& block);
 
-/// Shades rows of a frame by any lights, without shadows and each light as if it were at its middle: what forward projection
-/// can do. Rows, which count from the window's first, in parallel.
-Picture shade_lit_rows(const SurfacePlanes& planes, const SceneFrame& frame, const LightRig& rig, const Material& material,
-                       const RowRange& rows);
+/// Shades rows of a frame by any lights, without shadows and each light as if it were at its
+/// middle: what forward projection can do. Rows, which count from the window's first, in parallel.
+Picture shade_lit_rows(const SurfacePlanes& planes, const SceneFrame& frame, const LightRig& rig,
+                       const Material& material, const RowRange& rows);
 
 }  // namespace slim

@@ -36,9 +36,11 @@ struct RimLanes {
 };
 
 /// exp(-8 s) on [0, 1/4], the highest power first: interpolated at Chebyshev's points.
-inline constexpr std::array<float, 7> kBlendExp{138.185089f, -208.353479f, 160.585256f, -84.4941842f, 31.9660136f, -7.99947649f, 0.999998668f};
+inline constexpr std::array<float, 7> kBlendExp{
+    138.185089f, -208.353479f, 160.585256f, -84.4941842f, 31.9660136f, -7.99947649f, 0.999998668f};
 
-/// weight_kernel for what is blended: exp by a polynomial of degree 6 and a quick root, absolute error below 3e-6.
+/// weight_kernel for what is blended: exp by a polynomial of degree 6 and a quick root, absolute
+/// error below 3e-6.
 [[gnu::always_inline]] inline FloatV blend_weight(const FloatV& s) {
     FloatV e(kBlendExp[0]);
     for (std::size_t k = 1; k < kBlendExp.size(); ++k) e = e * s + FloatV(kBlendExp[k]);

@@ -97,7 +97,8 @@ private:
         Binning(float low, float high)
             : lo(low), scale(static_cast<float>(kBins) * 0.99999f / (high - low)) {}
         std::uint32_t of(float x) const {
-            return std::min(kBins - 1, static_cast<std::uint32_t>(std::max(0.0f, (x - lo) * scale)));
+            return std::min(kBins - 1,
+                            static_cast<std::uint32_t>(std::max(0.0f, (x - lo) * scale)));
         }
     };
 
@@ -143,7 +144,8 @@ private:
                 if (split.cost < best.cost) best = split;
             }
         const float whole = box.half_area();
-        const bool pays = best.axis >= 0 && 2 * whole + kItemCost * best.cost < kItemCost * n * whole;
+        const bool pays =
+            best.axis >= 0 && 2 * whole + kItemCost * best.cost < kItemCost * n * whole;
         if (!pays && r.size() <= kMostLeafItems) return r.begin;
         if (best.axis < 0) return r.begin + r.size() / 2;
         axis = best.axis;

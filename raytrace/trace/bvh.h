@@ -20,11 +20,11 @@ struct BoxF {
 /// A box that holds nothing; the first extend() makes it that of something.
 BoxF empty_box();
 
-/// A node of a binary tree of boxes; half a cache line. Children stand side by side; the second one's
-/// items lie on the far side along `axis`.
+/// A node of a binary tree of boxes; half a cache line. Children stand side by side; the second
+/// one's items lie on the far side along `axis`.
 struct BvhNode {
     BoxF box;
-    std::uint32_t first = 0;  ///< of two children, or of the items of a leaf
+    std::uint32_t first = 0;    ///< of two children, or of the items of a leaf
     std::uint16_t n_items = 0;  ///< 0: an inner node
     std::uint16_t axis = 0;
 
@@ -33,8 +33,8 @@ struct BvhNode {
 static_assert(sizeof(BvhNode) == 32);
 
 struct Bvh {
-    std::vector<BvhNode> nodes;         ///< node 0 is the root; none without items
-    std::vector<std::uint32_t> order;   ///< items by leaf
+    std::vector<BvhNode> nodes;        ///< node 0 is the root; none without items
+    std::vector<std::uint32_t> order;  ///< items by leaf
 };
 
 inline constexpr std::uint32_t kMostLeafItems = 8;

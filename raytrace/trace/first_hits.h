@@ -14,25 +14,27 @@ namespace slim {
 
 /// First hits of a packet so far (stage 1): q^ and what stage 2 needs to know of it.
 struct FirstHits {
-    FloatV t{kFar};         ///< also the far end of the search; negative: no ray
-    FloatV record{0.0f};    ///< bits of the record's number
-    LanesOfVec gradient;    ///< of the winner, times rho
+    FloatV t{kFar};       ///< also the far end of the search; negative: no ray
+    FloatV record{0.0f};  ///< bits of the record's number
+    LanesOfVec gradient;  ///< of the winner, times rho
 
-    /// Lanes where a root t of record number `id` comes first; of equal ones the lower number does, so that a lane's hit does
-    /// not depend on the order of the search.
+    /// Lanes where a root t of record number `id` comes first; of equal ones the lower number does,
+    /// so that a lane's hit does not depend on the order of the search.
     [[gnu::always_inline]] FloatV::mask_type nearer(const FloatV& at, const FloatV& id) const {
         return at < t || (at == t && id < record);
     }
 };
 
-/// A surfel's ball along some rays: the point nearest its centre (over rho) and where on the ray it is.
+/// A surfel's ball along some rays: the point nearest its centre (over rho) and where on the ray it
+/// is.
 struct RayAtBall {
     LanesOfVec p;
-    FloatV t;            ///< scene units
+    FloatV t;  ///< scene units
     FloatV sq_distance;
 
     [[gnu::always_inline]] RayAtBall(const TraceRecord& r, const RayPacket& rays) {
-        const LanesOfVec from{FloatV(r.center[0]) - rays.origin.x, FloatV(r.center[1]) - rays.origin.y,
+        const LanesOfVec from{FloatV(r.center[0]) - rays.origin.x,
+                              FloatV(r.center[1]) - rays.origin.y,
                               FloatV(r.center[2]) - rays.origin.z};
         t = from.dot(rays.direction);
         p = (rays.direction * t - from) * FloatV(r.inv_radius);
@@ -51,15 +53,19 @@ struct KernelRay {
     }
 };
 
-/// Lanes whose ray leaves the very surface it would hit: its origin lies in the surfel's ball and belongs to it, and the hit is of the
-/// same sheet there: its gradient agrees with the normal closely, or it is a way out from below. The surfels about a point
-/// differ by more than eps where their cores end, and each but the outermost would else lie in the shadow of another.
-[[gnu::always_inline]] inline FloatV::mask_type leaves_own(const RayPacket& rays, const FloatV& sq_origin, const FloatV& f_origin,
+/// Lanes whose ray leaves the very surface it would hit: its origin lies in the surfel's ball and
+/// belongs to it, and the hit is of the same sheet there: its gradient agrees with the normal
+/// closely, or it is a way out from below. The surfels about a point differ by more than eps where
+/// their cores end, and each but the outermost would else lie in the shadow of another.
+[[gnu::always_inline]] inline FloatV::mask_type leaves_own(const RayPacket& rays,
+                                                           const FloatV& sq_origin,
+                                                           const FloatV& f_origin,
                                                            const GradientLanes<FloatV>& g) {
     const FloatV agreement = g.x * rays.normal.x + g.y * rays.normal.y + g.z * rays.normal.z;
     const FloatV along = g.x * rays.direction.x + g.y * rays.direction.y + g.z * rays.direction.z;
     const FloatV size = stdx::sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
-    const auto same_sheet = agreement > static_cast<float>(kSharpGate) * size || (agreement > 0.0f && along > 0.0f);
+    const auto same_sheet =
+        agreement > static_cast<float>(kSharpGate) * size || (agreement > 0.0f && along > 0.0f);
     return sq_origin < 1.0f && stdx::abs(f_origin) <= static_cast<float>(kBelongs) && same_sheet;
 }
 
@@ -69,8 +75,8 @@ struct KeepNearest {
 
     [[gnu::always_inline]] const FloatV& far() const { return hits.t; }
     template <class Gradient>
-    [[gnu::always_inline]] void operator()(const FloatV::mask_type& hit, const FloatV& t, const FloatV& id,
-                                           Gradient&& gradient) const {
+    [[gnu::always_inline]] void operator()(const FloatV::mask_type& hit, const FloatV& t,
+                                           const FloatV& id, Gradient&& gradient) const {
         const auto nearer = hit && hits.nearer(t, id);
         if (stdx::none_of(nearer)) return;
         hits.t = select<FloatV>(nearer, t, hits.t);
@@ -86,16 +92,17 @@ struct EndAtAny {
 
     [[gnu::always_inline]] const FloatV& far() const { return end; }
     template <class Gradient>
-    [[gnu::always_inline]] void operator()(const FloatV::mask_type& hit, const FloatV& t, const FloatV&,
-                                           Gradient&&) const {
+    [[gnu::always_inline]] void operator()(const FloatV::mask_type& hit, const FloatV& t,
+                                           const FloatV&, Gradient&&) const {
         end = select<FloatV>(hit && t <= end, FloatV(-1.0f), end);
     }
 };
 
-/// Stage 1 of one smooth surfel: its first root in the shrunken ball, this side of its rim. Returns whether roots were asked for.
+/// Stage 1 of one smooth surfel: its first root in the shrunken ball, this side of its rim. Returns
+/// whether roots were asked for.
 template <int Degree, class Keep>
-[[gnu::always_inline]] inline bool smooth_hits(const TraceRecord& r, std::uint32_t number, const RayPacket& rays,
-                                               const Keep& keep) {
+[[gnu::always_inline]] inline bool smooth_hits(const TraceRecord& r, std::uint32_t number,
+                                               const RayPacket& rays, const Keep& keep) {
     constexpr auto kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const RayAtBall at(r, rays);
     const auto met = at.sq_distance < kSqTrim && keep.far() >= 0.0f;
@@ -112,17 +119,20 @@ template <int Degree, class Keep>
     const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
     if (r.rims.any()) hit = hit && RimLanes(r.rims).share(u, v) > 0.0f;
     if (rays.leaves_surface)
-        hit = hit && !leaves_own(rays, at.sq_distance + start * start, lanes_value<FloatV>(k, start),
-                                 gradient_at<Degree, FloatV>(r, u, v));
-    keep(hit, t, FloatV(std::bit_cast<float>(number)),
-         [&]() __attribute__((always_inline)) { return gradient_at<Degree, FloatV>(r, u, v); });
+        hit =
+            hit && !leaves_own(rays, at.sq_distance + start * start, lanes_value<FloatV>(k, start),
+                               gradient_at<Degree, FloatV>(r, u, v));
+    keep(
+        hit, t, FloatV(std::bit_cast<float>(number)), [&]() __attribute__((always_inline)) {
+            return gradient_at<Degree, FloatV>(r, u, v);
+        });
     return true;
 }
 
 /// The same of a sharp surfel: the first root of the joined function.
 template <int Degree, class Keep>
-inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint32_t number, const RayPacket& rays,
-                       const Keep& keep) {
+inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint32_t number,
+                       const RayPacket& rays, const Keep& keep) {
     constexpr auto kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const RayAtBall at(r, rays);
     const auto met = at.sq_distance < kSqTrim && keep.far() >= 0.0f;
@@ -131,8 +141,8 @@ inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint
     const SharpRays<FloatV> f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
     const FloatV half = stdx::sqrt(stdx::max(kSqTrim - at.sq_distance, FloatV(0.0f)));
     const FloatV start = -at.t * FloatV(r.inv_radius);
-    const auto found = best_joined_root<Degree, FloatV>(sharp, f, stdx::max(-half, start), half, met,
-                                                        [](const FloatV& x) { return x; });
+    const auto found = best_joined_root<Degree, FloatV>(sharp, f, stdx::max(-half, start), half,
+                                                        met, [](const FloatV& x) { return x; });
     const FloatV t = at.t + found.root.t * FloatV(r.radius);
     auto hit = found.root.hit && t <= keep.far();
     if (stdx::none_of(hit)) return true;
@@ -146,8 +156,8 @@ inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint
 
 /// Stage 1 of the surfel with this number in its model.
 template <class Keep>
-[[gnu::flatten]] inline bool surfel_hits(const TraceModel& model, std::uint32_t number, const RayPacket& rays,
-                                         const Keep& keep) {
+[[gnu::flatten]] inline bool surfel_hits(const TraceModel& model, std::uint32_t number,
+                                         const RayPacket& rays, const Keep& keep) {
     const TraceRecord& r = model.records[number];
     if (r.sharp != TraceRecord::kNotSharp) {
         const SharpRecord& sharp = model.sharp[r.sharp];
@@ -155,7 +165,8 @@ template <class Keep>
                              : sharp_hits<2>(r, sharp, number, rays, keep);
     }
     if (r.degree == 2) return smooth_hits<2>(r, number, rays, keep);
-    return r.degree == 1 ? smooth_hits<1>(r, number, rays, keep) : smooth_hits<3>(r, number, rays, keep);
+    return r.degree == 1 ? smooth_hits<1>(r, number, rays, keep)
+                         : smooth_hits<3>(r, number, rays, keep);
 }
 
 }  // namespace slim

@@ -18,16 +18,18 @@ struct TracedSurface {
     const TracedPlanes& traced;
 };
 
-/// Openness of every hit, 1 where nothing is near; 0 elsewhere. The ground is near, too, where there is one. Rows in parallel.
+/// Openness of every hit, 1 where nothing is near; 0 elsewhere. The ground is near, too, where
+/// there is one. Rows in parallel.
 std::vector<float> openness_plane(const TracedSurface& surface, const Openness& openness,
                                   const std::optional<GroundPlane>& ground, TraceCounts& counts);
 
-/// Shades rows of a traced frame: light with shadows, mirror images, the ground. `open` is openness_plane if the look has
-/// openness, else empty.
+/// Shades rows of a traced frame: light with shadows, mirror images, the ground. `open` is
+/// openness_plane if the look has openness, else empty.
 ///
 /// returns  premultiplied linear Rec.709
-/// cost     a shadow ray for each hit, light and sample; what the look leaves out costs nothing. Rows in parallel.
-Picture light_rows(const TracedSurface& surface, const TraceLook& look, std::span<const float> open, const RowRange& rows,
-                   TraceCounts& counts);
+/// cost     a shadow ray for each hit, light and sample; what the look leaves out costs nothing.
+/// Rows in parallel.
+Picture light_rows(const TracedSurface& surface, const TraceLook& look, std::span<const float> open,
+                   const RowRange& rows, TraceCounts& counts);
 
 }  // namespace slim

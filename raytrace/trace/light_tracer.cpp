@@ -9,11 +9,14 @@ namespace {
 constexpr std::uint64_t kOpenness = 1 << 15;
 
 /// Rays that leave surface points above them, in the lanes wanted.
-RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted, const LanesOfVec& direction, const FloatV& far) {
-    return {at.point + at.normal * at.clearance, direction, select<FloatV>(wanted, far, FloatV(-1.0f)), at.normal, true};
+RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted,
+                  const LanesOfVec& direction, const FloatV& far) {
+    return {at.point + at.normal * at.clearance, direction,
+            select<FloatV>(wanted, far, FloatV(-1.0f)), at.normal, true};
 }
 
-/// Directions about a normal whose density goes with the cosine: points of a disc, raised to the sphere.
+/// Directions about a normal whose density goes with the cosine: points of a disc, raised to the
+/// sphere.
 LanesOfVec about(const LanesOfVec& n, const FloatV& s, const FloatV& t) {
     FloatV x, y;
     disc_point(s, t, x, y);
@@ -21,7 +24,8 @@ LanesOfVec about(const LanesOfVec& n, const FloatV& s, const FloatV& t) {
     // The basis of Duff et al. (JCGT 2017).
     const FloatV sign = lanes_copysign<FloatV>(FloatV(1.0f), n.z);
     const FloatV a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-    const LanesOfVec u{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, v{b, sign + n.y * n.y * a, -n.y};
+    const LanesOfVec u{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x},
+        v{b, sign + n.y * n.y * a, -n.y};
     return u * x + v * y + n * z;
 }
 
@@ -45,7 +49,8 @@ LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
     if (look.ground) ground_.emplace(*look.ground, scene.frame());
 }
 
-FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const {
+FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
+                               const RaySite& site) const {
     const SampleGrid grid(openness.samples);
     const LaneKeys keys(site.block, site.purpose() + kOpenness);
     const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
@@ -89,28 +94,33 @@ LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) con
     const auto hit = at.on && hits.hit() && hits.t <= ground;
     if (stdx::none_of(hit)) return seen;
     ShadePoints there;
-    there.point = hits.point, there.toward_eye = -direction, there.clearance = hits.clearance, there.on = hit;
+    there.point = hits.point, there.toward_eye = -direction, there.on = hit;
+    there.clearance = hits.clearance + kPlaceRounding;
     there.normal = select_vec(hits.normal.dot(direction) > 0.0f, -hits.normal, hits.normal);
     std::array<std::uint16_t, kLanes> model;
     for (std::size_t k = 0; k < kLanes; ++k) model[k] = static_cast<std::uint16_t>(hits.model[k]);
     return select_vec(hit, color(there, model, FloatV(1.0f), site), seen);
 }
 
-LanesOfVec LightTracer::lit(const ShadePoints& at, const Material& material, const FloatV& open, const RaySite& site) const {
-    const LanesOfVec own = lit_color(rig_, material, at, open, site.block, site.purpose(), false,
-                                     [&](const ShadePoints& p, const FloatV::mask_type& lanes, const IncidentLight& light) {
-                                         return unblocked(p, lanes, light, site.counts);
-                                     });
+LanesOfVec LightTracer::lit(const ShadePoints& at, const Material& material, const FloatV& open,
+                            const RaySite& site) const {
+    const LanesOfVec own = lit_color(
+        rig_, material, at, open, site.block, site.purpose(), false,
+        [&](const ShadePoints& p, const FloatV::mask_type& lanes, const IncidentLight& light) {
+            return unblocked(p, lanes, light, site.counts);
+        });
     if (!(material.mirror > 0) || site.level >= look_.bounces) return own;
-    return own * FloatV(1 - material.mirror) + mirrored(at, site.behind_mirror()) * FloatV(material.mirror);
+    return own * FloatV(1 - material.mirror) +
+           mirrored(at, site.behind_mirror()) * FloatV(material.mirror);
 }
 
-LanesOfVec LightTracer::color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model, const FloatV& open,
-                              const RaySite& site) const {
+LanesOfVec LightTracer::color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
+                              const FloatV& open, const RaySite& site) const {
     LanesOfVec out{Vec3f{}};
     ShadePoints rest = at;
     while (stdx::any_of(rest.on)) {
-        const std::uint16_t m = model[static_cast<std::size_t>(std::countr_zero(lane_bits(rest.on)))];
+        const std::uint16_t m =
+            model[static_cast<std::size_t>(std::countr_zero(lane_bits(rest.on)))];
         ShadePoints own = rest;
         own.on = rest.on && FloatV([&](auto k) { return model[k] == m ? 1.0f : 0.0f; }) > 0.0f;
         out = select_vec(own.on, lit(own, look_.material(m), open, site), out);
@@ -119,22 +129,28 @@ LanesOfVec LightTracer::color(const ShadePoints& at, const std::array<std::uint1
     return out;
 }
 
-FloatV LightTracer::shadow_alpha(const ShadePoints& at, const FloatV& open, const RaySite& site) const {
+FloatV LightTracer::shadow_alpha(const ShadePoints& at, const FloatV& open,
+                                 const RaySite& site) const {
     const Material white{{1, 1, 1}, 0, 1, 0};
-    const auto all = [](const ShadePoints&, const FloatV::mask_type& lanes, const IncidentLight&) { return lanes; };
-    const FloatV bright = luminance(lit_color(rig_, white, at, FloatV(1.0f), site.block, site.purpose(), false, all));
+    const auto all = [](const ShadePoints&, const FloatV::mask_type& lanes, const IncidentLight&) {
+        return lanes;
+    };
+    const FloatV bright =
+        luminance(lit_color(rig_, white, at, FloatV(1.0f), site.block, site.purpose(), false, all));
     const FloatV seen = luminance(lit(at, white, open, site));
     return select<FloatV>(at.on && bright > 0.0f, 1.0f - seen / bright, FloatV(0.0f));
 }
 
-LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site, FloatV& alpha) const {
+LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
+                                     FloatV& alpha) const {
     alpha = FloatV(0.0f);
     const FloatV t = ground_->distance(rays.origin, rays.direction);
     ShadePoints at;
     at.on = rays.active() && t < far && t < kFar;
     if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
     at.point = rays.origin + rays.direction * select<FloatV>(at.on, t, FloatV(0.0f));
-    at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction, at.clearance = FloatV(1e-5f);
+    at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
+    at.clearance = FloatV(1e-5f);
     const FloatV open = look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
     if (!look_.ground->color) {
         alpha = shadow_alpha(at, open, site);

@@ -10,6 +10,9 @@
 
 namespace slim {
 
+/// Places in the floats of a G-buffer, and of rays, are this exact (scene units).
+inline constexpr float kPlaceRounding = 4e-7f;
+
 /// A ground plane in scene coordinates.
 struct SceneGround {
     Vec3f normal;
@@ -41,16 +44,18 @@ public:
     FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
 
     /// Colour of the points, each of the material of its model.
-    LanesOfVec color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model, const FloatV& open,
-                     const RaySite& site) const;
+    LanesOfVec color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
+                     const FloatV& open, const RaySite& site) const;
 
     /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`.
-    LanesOfVec ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site, FloatV& alpha) const;
+    LanesOfVec ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
+                            FloatV& alpha) const;
 
 private:
-    FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit, const IncidentLight& light,
-                                TraceCounts& counts) const;
-    LanesOfVec lit(const ShadePoints& at, const Material& material, const FloatV& open, const RaySite& site) const;
+    FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
+                                const IncidentLight& light, TraceCounts& counts) const;
+    LanesOfVec lit(const ShadePoints& at, const Material& material, const FloatV& open,
+                   const RaySite& site) const;
     LanesOfVec mirrored(const ShadePoints& at, const RaySite& site) const;
     LanesOfVec background(const LanesOfVec& direction) const;
     FloatV shadow_alpha(const ShadePoints& at, const FloatV& open, const RaySite& site) const;

@@ -7,7 +7,8 @@
 
 namespace slim {
 
-/// Rays through the centres of a block's pixels, from where they enter the scene on; lanes that miss its sphere have none.
+/// Rays through the centres of a block's pixels, from where they enter the scene on; lanes that
+/// miss its sphere have none.
 RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block);
 
 }  // namespace slim

@@ -9,11 +9,13 @@ namespace slim {
 
 inline constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// Rays origin + t direction for t in [0, far], scene coordinates; |direction| = 1. `far` < 0 is a lane without a ray.
+/// Rays origin + t direction for t in [0, far], scene coordinates; |direction| = 1. `far` < 0 is a
+/// lane without a ray.
 struct RayPacket {
     LanesOfVec origin, direction;
     FloatV far{-1.0f};
-    /// They leave a surface whose normal, on their side, this is: what makes that surface there does not stop them (LeavesOwn).
+    /// They leave a surface whose normal, on their side, this is: what makes that surface there
+    /// does not stop them (LeavesOwn).
     LanesOfVec normal{Vec3f{}};
     bool leaves_surface = false;
 

@@ -66,13 +66,17 @@ struct Slab {
         const float mean = 0.5f * (a[3] + a[5]), half = 0.5f * (a[3] - a[5]);
         const float spread = std::sqrt(half * half + 0.25f * a[4] * a[4]);
         // The largest u^2 v on the unit circle is 2 / sqrt(27).
-        const float third = std::abs(a[6]) + std::abs(a[9]) + 0.385f * (std::abs(a[7]) + std::abs(a[8]));
+        const float third =
+            std::abs(a[6]) + std::abs(a[9]) + 0.385f * (std::abs(a[7]) + std::abs(a[8]));
         const float tilt = std::sqrt(a[1] * a[1] + a[2] * a[2]);
         const float either = share * (tilt + share * share * third) + 1e-4f;
-        low = std::clamp(a[0] - either + share * share * std::min(0.0f, mean - spread), -share, share);
-        high = std::clamp(a[0] + either + share * share * std::max(0.0f, mean + spread), -share, share);
+        low = std::clamp(a[0] - either + share * share * std::min(0.0f, mean - spread), -share,
+                         share);
+        high = std::clamp(a[0] + either + share * share * std::max(0.0f, mean + spread), -share,
+                          share);
     }
-    /// How far the slab within the ball of radius `share` reaches in the unit direction whose part along the normal is n.
+    /// How far the slab within the ball of radius `share` reaches in the unit direction whose part
+    /// along the normal is n.
     float reach(float n, float share) const {
         if (n * share > high) return rest(n, high, share);
         if (n * share < low) return rest(n, low, share);
@@ -106,13 +110,16 @@ BoxF core_box(const TraceRecord& r) {
     return box;
 }
 
-std::vector<std::uint32_t> wanted_leaves(const SurfelTree& tree, bool loose, std::uint64_t& hidden) {
+std::vector<std::uint32_t> wanted_leaves(const SurfelTree& tree, bool loose,
+                                         std::uint64_t& hidden) {
     std::vector<std::uint32_t> leaves;
     for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) {
         const TreeNode& node = tree.node(i);
         if (!node.is_leaf()) continue;
-        if (loose || !node.is_loose()) leaves.push_back(i);
-        else ++hidden;
+        if (loose || !node.is_loose())
+            leaves.push_back(i);
+        else
+            ++hidden;
     }
     return leaves;
 }
@@ -140,7 +147,8 @@ void reorder(TraceModel& model) {
 
 }  // namespace
 
-TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset, bool loose) {
+TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset,
+                       bool loose) {
     TraceModel model;
     model.is_sharp = !tree.sharp().empty();
     const auto leaves = wanted_leaves(tree, loose, model.loose_hidden);

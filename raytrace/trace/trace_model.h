@@ -22,27 +22,30 @@ struct alignas(64) TraceRecord {
     std::uint32_t node;
     std::uint32_t sharp = kNotSharp;  ///< entry in TraceModel::sharp
     PackedRims rims;
-    std::uint8_t degree;              ///< 1 to 3; a disc counts as 1
-    float clearance;                  ///< max(2 eps, 1e-4 rho), scene units (NUMERICS 7.3)
+    std::uint8_t degree;  ///< 1 to 3; a disc counts as 1
+    float clearance;      ///< max(2 eps, 1e-4 rho), scene units (NUMERICS 7.3)
 
     static constexpr std::uint32_t kNotSharp = 0xffffffffu;
 };
 static_assert(sizeof(TraceRecord) == 128);
 
-/// The leaves of a model in the order of a tree of boxes over what stage 1 can hit: their surface in
-/// the ball shrunken by kHitTrim. The same tree with the boxes of the whole balls finds supporters.
+/// The leaves of a model in the order of a tree of boxes over what stage 1 can hit: their surface
+/// in the ball shrunken by kHitTrim. The same tree with the boxes of the whole balls finds
+/// supporters.
 struct TraceModel {
-    Bvh bvh;                          ///< `order` is empty: record i is item i
-    std::vector<BoxF> balls;          ///< of each node
+    Bvh bvh;                  ///< `order` is empty: record i is item i
+    std::vector<BoxF> balls;  ///< of each node
     std::vector<TraceRecord> records;
-    std::vector<SharpRecord> sharp;   ///< sheets in the scene's axes; fields of a view unused
+    std::vector<SharpRecord> sharp;  ///< sheets in the scene's axes; fields of a view unused
     std::uint64_t loose_hidden = 0;
-    bool is_sharp = false;            ///< the model has sharp surfels: the close gate (Gate in slim/blend)
+    bool is_sharp = false;  ///< the model has sharp surfels: the close gate (Gate in slim/blend)
 };
 
-/// Decodes a model's leaves for rays; `offset` is where its own frame lies in the job's. Loose leaves only if asked.
+/// Decodes a model's leaves for rays; `offset` is where its own frame lies in the job's. Loose
+/// leaves only if asked.
 ///
 /// cost  O(n log n) for n leaves, in parallel; 220 bytes a leaf
-TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset, bool loose);
+TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset,
+                       bool loose);
 
 }  // namespace slim

@@ -23,7 +23,8 @@ Derivatives derivatives_for(const GBuffer& out, int degree) {
 
 int degree_of(const TraceScene& scene) {
     int degree = 1;
-    for (const ScenePart& part : scene.parts()) degree = std::max(degree, part.tree->header().degree);
+    for (const ScenePart& part : scene.parts())
+        degree = std::max(degree, part.tree->header().degree);
     return degree;
 }
 
@@ -47,9 +48,11 @@ struct Writer {
     void place() const {
         for_hits([&](int lane, std::size_t, std::size_t pixel) {
             out.hit[pixel] = 1;
-            const Vec3d p = scene.frame().to_job(to_double(hits.point.at(lane)) + to_double(hits.point_low.at(lane)));
+            const Vec3d p = scene.frame().to_job(to_double(hits.point.at(lane)) +
+                                                 to_double(hits.point_low.at(lane)));
             const Vec3f position = to_float(p), normal = hits.normal.at(lane);
-            if (out.has(kDepthChannel)) out.depth[pixel] = static_cast<float>(dot(p - view.eye, view.forward));
+            if (out.has(kDepthChannel))
+                out.depth[pixel] = static_cast<float>(dot(p - view.eye, view.forward));
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 if (out.has(kPositionChannel)) out.position[axis][pixel] = position[axis];
                 if (out.has(kNormalChannel)) out.normal[axis][pixel] = normal[axis];
@@ -60,7 +63,8 @@ struct Writer {
     void leave() const {
         for_hits([&](int, std::size_t k, std::size_t pixel) {
             planes->clearance[pixel] = hits.clearance[k];
-            if (!planes->model.empty()) planes->model[pixel] = static_cast<std::uint16_t>(hits.model[k]);
+            if (!planes->model.empty())
+                planes->model[pixel] = static_cast<std::uint16_t>(hits.model[k]);
         });
     }
 
@@ -72,7 +76,8 @@ struct Writer {
             if (out.has(kFitErrorChannel)) out.fit_error[pixel] = of.fit_error;
             if (out.has(kLevelChannel)) out.level[pixel] = of.level;
             if (out.has(kCoverageChannel)) out.coverage[pixel] = hits.sums.weight[k];
-            if (out.has(kCountChannel)) out.count[pixel] = static_cast<std::uint32_t>(hits.sums.count[k]);
+            if (out.has(kCountChannel))
+                out.count[pixel] = static_cast<std::uint32_t>(hits.sums.count[k]);
         });
     }
 
@@ -101,7 +106,8 @@ struct Writer {
         const auto p = principal_lanes<FloatV>(g.x, g.y, g.z, hits.sums.hessian);
         if (out.has(kDirectionChannel))
             for_blended([&](int, std::size_t k, std::size_t pixel) {
-                for (std::size_t axis = 0; axis < 3; ++axis) out.direction[axis][pixel] = p.t1[axis][k];
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    out.direction[axis][pixel] = p.t1[axis][k];
             });
         if (!third) return;
         const auto q = third_order_lanes<FloatV>(p, hits.sums.hessian, hits.sums.third);
@@ -112,26 +118,31 @@ struct Writer {
     }
 };
 
-void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock& block, Derivatives wanted,
-                GBuffer& out, TracedPlanes* planes, Counts& counts) {
+void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock& block,
+                Derivatives wanted, GBuffer& out, TracedPlanes* planes, Counts& counts) {
     const RayPacket rays = primary_rays(view, scene.frame(), block);
     if (stdx::none_of(rays.active())) return;
     const SurfaceHits hits = scene.surface(rays, wanted, counts.trace);
     const auto hit = hits.hit();
     if (stdx::none_of(hit)) return;
     counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
-    counts.unblended += static_cast<std::uint64_t>(stdx::popcount(hit && !(hits.sums.weight > 0.0f)));
+    counts.unblended +=
+        static_cast<std::uint64_t>(stdx::popcount(hit && !(hits.sums.weight > 0.0f)));
     const Writer write{view, scene, block, hits, out, planes};
     write.place();
     if (planes) write.leave();
-    if (out.has_any(kSurfelIdChannel | kFitErrorChannel | kLevelChannel | kCoverageChannel | kCountChannel)) write.fit();
+    if (out.has_any(kSurfelIdChannel | kFitErrorChannel | kLevelChannel | kCoverageChannel |
+                    kCountChannel))
+        write.fit();
     if (out.has_any(kCurvatureChannel)) write.curvature();
-    if (out.has_any(kDirectionChannel | kThirdOrderChannel)) write.directions(wanted == Derivatives::third);
+    if (out.has_any(kDirectionChannel | kThirdOrderChannel))
+        write.directions(wanted == Derivatives::third);
 }
 
 }  // namespace
 
-RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out, TracedPlanes* planes) {
+RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out,
+                          TracedPlanes* planes) {
     const auto start = std::chrono::steady_clock::now();
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
@@ -151,7 +162,8 @@ RenderStats render_traced(const TraceScene& scene, const RenderRequest& request,
         sum += c.trace;
         stats.covered_pixels += c.covered, stats.unblended_pixels += c.unblended;
     }
-    stats.nodes_visited = sum.nodes_visited, stats.root_tests = sum.root_tests, stats.distance_tests = sum.distance_tests;
+    stats.nodes_visited = sum.nodes_visited, stats.root_tests = sum.root_tests,
+    stats.distance_tests = sum.distance_tests;
     stats.surfels_drawn = scene.n_surfels();
     for (const TraceModel& model : scene.models()) stats.loose_hidden += model.loose_hidden;
     stats.draw_ms = stats.total_ms =

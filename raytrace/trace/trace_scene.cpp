@@ -21,7 +21,8 @@ Bbox bounds_of(std::span<const ScenePart> parts) {
 }
 
 std::uint32_t record_at(const FirstHits& hits, int lane) {
-    return std::bit_cast<std::uint32_t>(static_cast<float>(hits.record[static_cast<std::size_t>(lane)]));
+    return std::bit_cast<std::uint32_t>(
+        static_cast<float>(hits.record[static_cast<std::size_t>(lane)]));
 }
 
 /// o + t d per lane in two floats each: q^ to a few units of the second.
@@ -34,7 +35,8 @@ void point_on(const FloatV& o, const FloatV& d, const FloatV& t, FloatV& high, F
 
 /// Stage 2 within one model, for the lanes whose q^ is its own.
 template <Derivatives kWanted>
-void blend_in(const TraceModel& model, const RaysAtHits& at, BlendLanes& sums, TraceCounts& counts) {
+void blend_in(const TraceModel& model, const RaysAtHits& at, BlendLanes& sums,
+              TraceCounts& counts) {
     for_leaves_around(model.bvh, model.balls, at.point, at.hit, [&](const BvhNode& leaf) {
         for (std::uint32_t k = 0; k < leaf.n_items; ++k)
             blend_surfel<kWanted>(model, model.records[leaf.first + k], at, sums);
@@ -42,11 +44,15 @@ void blend_in(const TraceModel& model, const RaysAtHits& at, BlendLanes& sums, T
     });
 }
 
-void blend_in(const TraceModel& model, Derivatives wanted, const RaysAtHits& at, BlendLanes& sums, TraceCounts& counts) {
+void blend_in(const TraceModel& model, Derivatives wanted, const RaysAtHits& at, BlendLanes& sums,
+              TraceCounts& counts) {
     switch (wanted) {
-        case Derivatives::first: return blend_in<Derivatives::first>(model, at, sums, counts);
-        case Derivatives::second: return blend_in<Derivatives::second>(model, at, sums, counts);
-        case Derivatives::third: return blend_in<Derivatives::third>(model, at, sums, counts);
+        case Derivatives::first:
+            return blend_in<Derivatives::first>(model, at, sums, counts);
+        case Derivatives::second:
+            return blend_in<Derivatives::second>(model, at, sums, counts);
+        case Derivatives::third:
+            return blend_in<Derivatives::third>(model, at, sums, counts);
     }
 }
 
@@ -56,7 +62,8 @@ void average(const RaysAtHits& at, const FloatV& t_first, SurfaceHits& out) {
     const auto blended = at.hit && out.sums.weight > 0.0f;
     const FloatV offset = select<FloatV>(blended, out.sums.offset / out.sums.weight, zero);
     out.t = select<FloatV>(at.hit, t_first + offset, FloatV(kFar));
-    const auto moved = [&](const FloatV& p, const FloatV& low, const FloatV& d, FloatV& high, FloatV& rest) {
+    const auto moved = [&](const FloatV& p, const FloatV& low, const FloatV& d, FloatV& high,
+                           FloatV& rest) {
         const FloatV step = low + offset * d;
         high = p + step;
         rest = (p - high) + step;
@@ -79,7 +86,8 @@ TraceScene::TraceScene(std::span<const ScenePart> parts, bool loose)
     : parts_(parts.begin(), parts.end()), bounds_(bounds_of(parts)) {
     frame_.middle = bounds_.center();
     frame_.unit = std::max(0.5 * bounds_.diagonal(), 1e-300);
-    for (const ScenePart& part : parts_) models_.push_back(trace_model(*part.tree, frame_, part.offset, loose));
+    for (const ScenePart& part : parts_)
+        models_.push_back(trace_model(*part.tree, frame_, part.offset, loose));
 }
 
 std::size_t TraceScene::n_surfels() const {
@@ -98,7 +106,8 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
         const FloatV before = hits.t;
         counts.nodes_visited += for_leaves_along(model.bvh, rays, hits.t, [&](const BvhNode& leaf) {
             for (std::uint32_t k = 0; k < leaf.n_items; ++k)
-                if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits})) counts.root_tests += kLanes;
+                if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits}))
+                    counts.root_tests += kLanes;
         });
         for (std::uint64_t bits = lane_bits(hits.t < before); bits != 0; bits &= bits - 1)
             winner[static_cast<std::size_t>(std::countr_zero(bits))] = m;
@@ -109,7 +118,8 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     return hits;
 }
 
-SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts) const {
+SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
+                                TraceCounts& counts) const {
     SurfaceHits out;
     const FirstHits hits = first_hits(rays, out.model, counts);
     RaysAtHits at;
@@ -124,7 +134,8 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, Trace
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         RaysAtHits own = at;
         if (models_.size() > 1)
-            own.hit = own.hit && FloatV([&](auto k) { return out.model[k] == m ? 1.0f : 0.0f; }) > 0.0f;
+            own.hit =
+                own.hit && FloatV([&](auto k) { return out.model[k] == m ? 1.0f : 0.0f; }) > 0.0f;
         if (stdx::any_of(own.hit)) blend_in(models_[m], wanted, own, out.sums, counts);
     }
     average(at, hits.t, out);
@@ -142,7 +153,8 @@ FloatV::mask_type TraceScene::unblocked(const RayPacket& rays, TraceCounts& coun
     for (const TraceModel& model : models_)
         counts.nodes_visited += for_leaves_along(model.bvh, rays, far, [&](const BvhNode& leaf) {
             for (std::uint32_t k = 0; k < leaf.n_items; ++k)
-                if (surfel_hits(model, leaf.first + k, rays, EndAtAny{far})) counts.root_tests += kLanes;
+                if (surfel_hits(model, leaf.first + k, rays, EndAtAny{far}))
+                    counts.root_tests += kLanes;
         });
     counts.rays += static_cast<std::uint64_t>(stdx::popcount(rays.active()));
     return rays.active() && far >= 0.0f;

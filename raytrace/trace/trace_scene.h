@@ -54,11 +54,13 @@ public:
     const Bbox& bounds() const { return bounds_; }
     std::size_t n_surfels() const;
 
-    /// Stage 1: the first hits on the shrunken balls (Ohtake 2005, sec. 3), front to back; of several models the
-    /// nearest. `model` gets the number of the winner's.
-    FirstHits first_hits(const RayPacket& rays, std::array<std::uint32_t, kLanes>& model, TraceCounts& counts) const;
+    /// Stage 1: the first hits on the shrunken balls (Ohtake 2005, sec. 3), front to back; of
+    /// several models the nearest. `model` gets the number of the winner's.
+    FirstHits first_hits(const RayPacket& rays, std::array<std::uint32_t, kLanes>& model,
+                         TraceCounts& counts) const;
 
-    /// Both stages: what is seen along the rays. Lanes that have no weight in stage 2 keep q^ (sums.weight is 0 there).
+    /// Both stages: what is seen along the rays. Lanes that have no weight in stage 2 keep q^
+    /// (sums.weight is 0 there).
     SurfaceHits surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts) const;
 
     /// Lanes whose ray meets no surface up to its far end: stage 1 only, any hit ends a ray.

@@ -12,7 +12,8 @@ namespace slim {
 /// 1 / d, huge instead of infinite, so that no 0 * infinity arises in a box test.
 inline FloatV box_slope(const FloatV& d) {
     constexpr float kLeast = 1e-20f;
-    return 1.0f / select<FloatV>(stdx::abs(d) < kLeast, lanes_copysign<FloatV>(FloatV(kLeast), d), d);
+    return 1.0f /
+           select<FloatV>(stdx::abs(d) < kLeast, lanes_copysign<FloatV>(FloatV(kLeast), d), d);
 }
 
 /// What box tests need of a packet.
@@ -21,9 +22,13 @@ struct BoxRays {
     std::array<bool, 3> forth;  ///< most rays run this way along the axis
 
     explicit BoxRays(const RayPacket& rays)
-        : origin(rays.origin), slope(box_slope(rays.direction.x), box_slope(rays.direction.y), box_slope(rays.direction.z)) {
+        : origin(rays.origin),
+          slope(box_slope(rays.direction.x), box_slope(rays.direction.y),
+                box_slope(rays.direction.z)) {
         const auto on = rays.active();
-        const auto sum = [&](const FloatV& d) { return stdx::reduce(select<FloatV>(on, d, FloatV(0.0f))) >= 0; };
+        const auto sum = [&](const FloatV& d) {
+            return stdx::reduce(select<FloatV>(on, d, FloatV(0.0f))) >= 0;
+        };
         forth = {sum(rays.direction.x), sum(rays.direction.y), sum(rays.direction.z)};
     }
 
@@ -40,11 +45,12 @@ struct BoxRays {
     }
 };
 
-/// Calls leaf(node) for the leaves that some ray of a packet meets before `far`, nearer ones first on the whole. `leaf` may lessen
-/// `far` as it finds hits, and ends the search by making all of it negative. Returns the number of nodes visited.
+/// Calls leaf(node) for the leaves that some ray of a packet meets before `far`, nearer ones first
+/// on the whole. `leaf` may lessen `far` as it finds hits, and ends the search by making all of it
+/// negative. Returns the number of nodes visited.
 template <class Leaf>
-[[gnu::always_inline]] inline std::uint64_t for_leaves_along(const Bvh& bvh, const RayPacket& rays, const FloatV& far,
-                                                             Leaf&& leaf) {
+[[gnu::always_inline]] inline std::uint64_t for_leaves_along(const Bvh& bvh, const RayPacket& rays,
+                                                             const FloatV& far, Leaf&& leaf) {
     if (bvh.nodes.empty()) return 0;
     const BoxRays at(rays);
     std::array<std::uint32_t, kMostBvhDepth + 1> stack;
@@ -68,7 +74,8 @@ template <class Leaf>
 
 /// Calls leaf(node) for the leaves that hold one of some points, always in the same order.
 template <class Leaf>
-[[gnu::always_inline]] inline void for_leaves_around(const Bvh& bvh, std::span<const BoxF> boxes, const LanesOfVec& p,
+[[gnu::always_inline]] inline void for_leaves_around(const Bvh& bvh, std::span<const BoxF> boxes,
+                                                     const LanesOfVec& p,
                                                      const FloatV::mask_type& active, Leaf&& leaf) {
     if (bvh.nodes.empty()) return;
     std::array<std::uint32_t, kMostBvhDepth + 1> stack;
@@ -77,8 +84,8 @@ template <class Leaf>
     while (n > 0) {
         const std::uint32_t i = stack[--n];
         const BoxF& b = boxes[i];
-        const auto inside = active && p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y && p.y <= b.hi.y &&
-                            p.z >= b.lo.z && p.z <= b.hi.z;
+        const auto inside = active && p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y &&
+                            p.y <= b.hi.y && p.z >= b.lo.z && p.z <= b.hi.z;
         if (stdx::none_of(inside)) continue;
         const BvhNode& node = bvh.nodes[i];
         if (node.is_leaf()) {
