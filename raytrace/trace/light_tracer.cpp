@@ -11,8 +11,11 @@ constexpr std::uint64_t kOpenness = 1 << 15;
 /// Rays that leave surface points above them, in the lanes wanted.
 RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted,
                   const LanesOfVec& direction, const FloatV& far) {
-    return {at.point + at.normal * at.clearance, direction,
-            select<FloatV>(wanted, far, FloatV(-1.0f)), at.normal, true};
+    RayPacket rays;
+    rays.origin = at.point + at.normal * at.clearance, rays.direction = direction;
+    rays.far = select<FloatV>(wanted, far, FloatV(-1.0f));
+    rays.normal = at.normal, rays.leaves_surface = true;
+    return rays;
 }
 
 /// Directions about a normal whose density goes with the cosine: points of a disc, raised to the

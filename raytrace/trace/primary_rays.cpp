@@ -17,6 +17,13 @@ double scene_entry(const Vec3d& origin, const Vec3d& direction, double t_near) {
     return std::max(t_near, middle - half);
 }
 
+/// A vector in two floats each.
+void set_exact(int lane, const Vec3d& v, LanesOfVec& high, LanesOfVec& low) {
+    const Vec3f rounded = to_float(v);
+    high.set(lane, rounded);
+    low.set(lane, to_float(v - to_double(rounded)));
+}
+
 }  // namespace
 
 RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block) {
@@ -30,8 +37,8 @@ RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const Pix
         const double t_near = view.near_plane / (dot(direction, view.forward) * frame.unit);
         const double t = scene_entry(origin, direction, t_near);
         if (t < 0) continue;
-        rays.origin.set(lane, to_float(origin + direction * t));
-        rays.direction.set(lane, to_float(direction));
+        set_exact(lane, origin + direction * t, rays.origin, rays.origin_low);
+        set_exact(lane, direction, rays.direction, rays.direction_low);
         rays.far[static_cast<std::size_t>(lane)] = kFar;
     }
     return rays;

@@ -14,6 +14,8 @@ inline constexpr float kFar = std::numeric_limits<float>::infinity();
 struct RayPacket {
     LanesOfVec origin, direction;
     FloatV far{-1.0f};
+    /// What their floats lack of the exact ray: places on it are found with them.
+    LanesOfVec origin_low{Vec3f{}}, direction_low{Vec3f{}};
     /// They leave a surface whose normal, on their side, this is: what makes that surface there
     /// does not stop them (LeavesOwn).
     LanesOfVec normal{Vec3f{}};

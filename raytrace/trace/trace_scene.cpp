@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 namespace slim {
 namespace {
@@ -25,12 +26,21 @@ std::uint32_t record_at(const FirstHits& hits, int lane) {
         static_cast<float>(hits.record[static_cast<std::size_t>(lane)]));
 }
 
-/// o + t d per lane in two floats each: q^ to a few units of the second.
-void point_on(const FloatV& o, const FloatV& d, const FloatV& t, FloatV& high, FloatV& low) {
-    const FloatV product = t * d, product_low = lanes_fma<FloatV>(t, d, -product);
+/// o + t d per lane and axis in two floats each: q^ to a few units of the second.
+void point_on(const FloatV& o, const FloatV& o_low, const FloatV& d, const FloatV& d_low,
+              const FloatV& t, FloatV& high, FloatV& low) {
+    const FloatV product = t * d, product_low = lanes_fma<FloatV>(t, d, -product) + t * d_low;
     high = o + product;
     const FloatV back = high - o;
-    low = ((o - (high - back)) + (product - back)) + product_low;
+    low = ((o - (high - back)) + (product - back)) + (product_low + o_low);
+}
+
+void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
+    const auto& [o, d, o_low, d_low] =
+        std::tie(rays.origin, rays.direction, rays.origin_low, rays.direction_low);
+    point_on(o.x, o_low.x, d.x, d_low.x, t, at.point.x, at.point_low.x);
+    point_on(o.y, o_low.y, d.y, d_low.y, t, at.point.y, at.point_low.y);
+    point_on(o.z, o_low.z, d.z, d_low.z, t, at.point.z, at.point_low.z);
 }
 
 /// Stage 2 within one model, for the lanes whose q^ is its own.
@@ -127,9 +137,7 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
     if (stdx::none_of(at.hit)) return out;
     at.direction = rays.direction, at.gradient = hits.gradient;
     const FloatV t = select<FloatV>(at.hit, hits.t, FloatV(0.0f));
-    point_on(rays.origin.x, rays.direction.x, t, at.point.x, at.point_low.x);
-    point_on(rays.origin.y, rays.direction.y, t, at.point.y, at.point_low.y);
-    point_on(rays.origin.z, rays.direction.z, t, at.point.z, at.point_low.z);
+    points_on(rays, t, at);
     if (wanted > Derivatives::first) out.sums.clear_derivatives();
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         RaysAtHits own = at;
