@@ -92,7 +92,7 @@ struct RenderConfig {
         field("bounces", bounces, "raytrace: mirror images within mirror images", 0, 16);
         field("ao", ao, "raytrace: ambient occlusion dims the ambient light (alone: --aov ao)");
         field("ao_distance", ao_distance,
-              "how near a surface shuts out ambient light, model units (0: a tenth of the diagonal)", 0, 1e30);
+              "how near a surface shuts out ambient light, model units (0: a quarter of the diagonal)", 0, 1e30);
         field("ao_samples", ao_samples, "rays per pixel for it, rounded up to a square", 1, 4096);
         field("ground", ground, "raytrace: a plane under the model, across --up, that takes shadows");
         field("ground_height", ground_height, "where it cuts the up axis, world (auto: under what is drawn)");

@@ -28,7 +28,7 @@ LightRig rig_of(const RenderConfig& config, const ModelHeader& header, const Sha
 }
 
 Openness openness_of(const RenderConfig& config, const ModelHeader& header) {
-    return {config.ao_distance > 0 ? config.ao_distance : 0.1 * header.bounds.diagonal(),
+    return {config.ao_distance > 0 ? config.ao_distance : 0.25 * header.bounds.diagonal(),
             config.ao_samples};
 }
 
