@@ -36,15 +36,15 @@ public:
     void sample(int i, const LaneKeys& keys, FloatV& s, FloatV& t) const {
         const float size = 1 / static_cast<float>(side_);
         const auto column = static_cast<float>(i % side_), row = static_cast<float>(i / side_);
-        const FloatV a([&](auto lane) { return low_bits(hash(i, keys, lane)); });
-        const FloatV b([&](auto lane) { return low_bits(hash(i, keys, lane) >> 32); });
+        FloatV a, b;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const std::uint64_t hash = mix64(keys.key[lane] + static_cast<std::uint64_t>(i));
+            a[lane] = low_bits(hash), b[lane] = low_bits(hash >> 32);
+        }
         s = (column + a) * size, t = (row + b) * size;
     }
 
 private:
-    static std::uint64_t hash(int i, const LaneKeys& keys, std::size_t lane) {
-        return mix64(keys.key[lane] + static_cast<std::uint64_t>(i));
-    }
     static float low_bits(std::uint64_t x) { return static_cast<float>(x & 0xffffffu) * 0x1p-24f; }
 
     int side_;
