@@ -33,32 +33,42 @@ inline FloatV whole_power(FloatV base, int exponent) {
     return product;
 }
 
-/// Lambert's and Blinn's terms of one light (as in shade.cpp), the mean over the light's extent; a
-/// light that is a point in effect, or `only_middle`, has one sample. unblocked(points, lanes,
-/// incident) -> lanes that the light reaches.
+/// Lambert's and Blinn's terms (as in shade.cpp) of light from one place. unblocked(points, lanes,
+/// incident) -> lanes that it reaches.
+template <class Unblocked>
+void add_light(const IncidentLight& incident, const ShadePoints& at, int shininess,
+               const Unblocked& unblocked, LightSums& sums) {
+    const FloatV facing = at.normal.dot(incident.toward);
+    auto lit = at.on && facing > 0.0f && incident.strength > 0.0f;
+    if (stdx::none_of(lit)) return;
+    lit = unblocked(at, lit, incident);
+    const FloatV strength = select<FloatV>(lit, incident.strength, FloatV(0.0f));
+    const LanesOfVec half = (at.toward_eye + incident.toward).unit();
+    // The highlight fades in with n.l, so that it cannot shine on the dark side.
+    const FloatV fade = stdx::min(4.0f * facing, FloatV(1.0f));
+    const FloatV high = stdx::max(at.normal.dot(half), FloatV(0.0f));
+    sums.diffuse += strength * facing;
+    sums.shine += strength * fade * whole_power(high, shininess);
+}
+
+/// The same of a whole light: the mean over its extent, unless `only_middle`.
 template <class Unblocked>
 LightSums gather_light(const SceneLight& light, const ShadePoints& at, int shininess,
                        const PixelBlock& block, std::uint64_t purpose, bool only_middle,
                        const Unblocked& unblocked) {
-    const bool spread = light.has_extent && !only_middle;
-    const SampleGrid grid(spread ? light.samples : 1);
-    const LaneKeys keys(block, purpose);
     LightSums sums;
+    if (!light.has_extent || only_middle) {
+        const FloatV middle(0.5f);
+        add_light(light_at(light, at.point, middle, middle), at, shininess, unblocked, sums);
+        sums.shine *= light.highlight;
+        return sums;
+    }
+    const SampleGrid grid(light.samples);
+    const LaneKeys keys(block, purpose);
     for (int i = 0; i < grid.n(); ++i) {
-        FloatV s(0.5f), t(0.5f);
-        if (spread) grid.sample(i, keys, s, t);
-        const IncidentLight incident = light_at(light, at.point, s, t);
-        const FloatV facing = at.normal.dot(incident.toward);
-        auto lit = at.on && facing > 0.0f && incident.strength > 0.0f;
-        if (stdx::none_of(lit)) continue;
-        lit = unblocked(at, lit, incident);
-        const FloatV strength = select<FloatV>(lit, incident.strength, FloatV(0.0f));
-        const LanesOfVec half = (at.toward_eye + incident.toward).unit();
-        // The highlight fades in with n.l, so that it cannot shine on the dark side.
-        const FloatV fade = stdx::min(4.0f * facing, FloatV(1.0f));
-        sums.diffuse += strength * facing;
-        sums.shine +=
-            strength * fade * whole_power(stdx::max(at.normal.dot(half), FloatV(0.0f)), shininess);
+        FloatV s, t;
+        grid.sample(i, keys, s, t);
+        add_light(light_at(light, at.point, s, t), at, shininess, unblocked, sums);
     }
     const float share = 1 / static_cast<float>(grid.n());
     sums.diffuse *= share, sums.shine *= light.highlight * share;
