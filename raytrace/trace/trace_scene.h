@@ -25,10 +25,10 @@ struct TraceCounts {
 
 /// What a packet hits: the blended surface.
 struct SurfaceHits {
-    FloatV t{kFar};               ///< from the rays' origins, scene units; infinite without a hit
-    LanesOfVec point, point_low;  ///< scene coordinates; what their floats lack
-    LanesOfVec normal;            ///< unit, outwards
-    FloatV clearance{0.0f};       ///< a ray that leaves the surface starts this far off it
+    FloatV t{kFar};  ///< from the rays' origins, scene units; infinite without a hit
+    LanesOfVec point{Vec3f{}}, point_low{Vec3f{}};  ///< scene coordinates; what their floats lack
+    LanesOfVec normal{Vec3f{}};                     ///< unit, outwards
+    FloatV clearance{0.0f};  ///< a ray that leaves the surface starts this far off it
     std::array<std::uint32_t, kLanes> model{}, record{};  ///< of the surfel that set q^
     BlendLanes sums;
 
