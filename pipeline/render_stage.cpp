@@ -80,7 +80,10 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     const RenderStats stats = render_surface(job, request, frame);
     frame.light_counts = {};
     const FrameLight light = job.light();
-    if (job.wants("ao") || (with_shading && job.config.ao)) find_openness(light, frame);
+    // The plain frame beside a fine one may be for ids only.
+    const bool has_surface = frame.buffer.has(kNormalChannel | kPositionChannel);
+    if (has_surface && (job.wants("ao") || (with_shading && job.config.ao)))
+        find_openness(light, frame);
     if (with_shading) shade_frame(light, job.size, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);

@@ -181,6 +181,16 @@ TEST_F(RenderTrace, OpennessIsInTheDataFile) {
     EXPECT_NE(bytes("x.exr").find("light.ao"), std::string::npos);
 }
 
+TEST_F(RenderTrace, SupersamplingTakesEveryAov) {
+    RenderConfig c = traced("x.png");
+    c.aov = {"ao", "shaded", "id"}, c.ao = c.ground = true, c.supersample = 2;
+    run(c);
+    EXPECT_TRUE(exists("x.ao.png") && exists("x.shaded.png") && exists("x.id.png"));
+    c.output = file("x.exr");
+    run(c);
+    EXPECT_TRUE(exists("x.exr"));
+}
+
 TEST_F(RenderTrace, AnEmptyPictureIsAnError) {
     RenderConfig c = traced("x.png");
     c.camera = "0,0,5,0,0,9,0,1,0", c.ground = true;
