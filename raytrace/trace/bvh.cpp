@@ -1,9 +1,11 @@
 #include "raytrace/trace/bvh.h"
 
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 
 namespace slim {
@@ -16,8 +18,34 @@ constexpr float kItemCost = 2.5f;
 /// From here on halves: so deep no tree of floats gets by its areas.
 constexpr int kHalvesFrom = kMostBvhDepth - 34;
 
+using Box4 = stdx::simd<float, stdx::simd_abi::deduce_t<float, 4>>;
+using Box8 = stdx::simd<float, stdx::simd_abi::deduce_t<float, 8>>;
+
+/// A box as lo and -hi, so that one min extends it, and the number of its item in between.
+struct alignas(32) Item {
+    std::array<float, 8> v;  ///< lo x y z, number's bits, -hi x y z, 0
+
+    Item() : v{kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty} {}
+    Item(const BoxF& b, std::uint32_t number)
+        : v{b.lo.x, b.lo.y, b.lo.z, std::bit_cast<float>(number), -b.hi.x, -b.hi.y, -b.hi.z, 0} {}
+
+    std::uint32_t number() const { return std::bit_cast<std::uint32_t>(v[3]); }
+    BoxF box() const { return {{v[0], v[1], v[2]}, {-v[4], -v[5], -v[6]}}; }
+    void extend(const Item& b) {
+        stdx::min(Box8(v.data(), stdx::vector_aligned), Box8(b.v.data(), stdx::vector_aligned))
+            .copy_to(v.data(), stdx::vector_aligned);
+    }
+    /// Twice the middle.
+    Box4 middle() const {
+        return Box4(v.data(), stdx::vector_aligned) - Box4(v.data() + 4, stdx::vector_aligned);
+    }
+
+private:
+    static constexpr float kEmpty = std::numeric_limits<float>::infinity();
+};
+
 struct Bin {
-    BoxF box = empty_box();
+    Item box;
     std::uint32_t n = 0;
 };
 
@@ -39,10 +67,33 @@ struct Task {
     int depth;
 };
 
+/// What a node's items have in common.
+struct Extent {
+    Item box;
+    Box4 low{kHuge}, high{-kHuge};  ///< of the middles
+
+    static constexpr float kHuge = std::numeric_limits<float>::infinity();
+};
+
+/// Which bins middles fall into, along all axes at once.
+struct Binning {
+    Box4 low, scale;
+
+    explicit Binning(const Extent& e) : low(e.low) {
+        const Box4 width = e.high - e.low;
+        scale =
+            select<Box4>(width > 0.0f, static_cast<float>(kBins) * 0.99999f / width, Box4(0.0f));
+    }
+    /// As whole floats.
+    Box4 of(const Item& item) const {
+        const Box4 at = (item.middle() - low) * scale;
+        return stdx::min(stdx::max(at, Box4(0.0f)), Box4(static_cast<float>(kBins) - 1));
+    }
+};
+
 class Builder {
 public:
-    Builder(std::span<const BoxF> boxes, std::vector<std::uint32_t>& order)
-        : boxes_(boxes), order_(order) {}
+    explicit Builder(std::vector<Item>& items) : items_(items) {}
 
     /// Builds below a node of `nodes`, or leaves subtrees of at most `serial` items to `later`.
     void build(Task root, std::uint32_t serial, std::vector<BvhNode>& nodes,
@@ -55,9 +106,10 @@ public:
                 later->push_back(task);
                 continue;
             }
-            nodes[task.node].box = bounds(task.items);
+            const Extent extent = extent_of(task.items);
+            nodes[task.node].box = extent.box.box();
             int axis = 0;
-            const std::uint32_t middle = divide(task, axis);
+            const std::uint32_t middle = divide(task, extent, axis);
             if (middle == task.items.begin) {
                 nodes[task.node].first = task.items.begin;
                 nodes[task.node].n_items = static_cast<std::uint16_t>(task.items.size());
@@ -73,95 +125,87 @@ public:
     }
 
 private:
-    /// Twice the middle of an item's box.
-    Vec3f middle_of(std::uint32_t item) const { return boxes_[item].lo + boxes_[item].hi; }
+    using Bins = std::array<std::array<Bin, kBins>, 3>;
 
-    BoxF bounds(const Range& r) const {
-        BoxF box = empty_box();
-        for (std::uint32_t i = r.begin; i < r.end; ++i) box.extend(boxes_[order_[i]]);
-        return box;
-    }
-
-    BoxF middles(const Range& r) const {
-        BoxF box = empty_box();
+    Extent extent_of(const Range& r) const {
+        Extent e;
         for (std::uint32_t i = r.begin; i < r.end; ++i) {
-            const Vec3f m = middle_of(order_[i]);
-            box.extend({m, m});
+            e.box.extend(items_[i]);
+            e.low = stdx::min(e.low, items_[i].middle());
+            e.high = stdx::max(e.high, items_[i].middle());
         }
-        return box;
+        return e;
     }
 
-    /// Which bin a middle falls into.
-    struct Binning {
-        float lo, scale;
-        Binning(float low, float high)
-            : lo(low), scale(static_cast<float>(kBins) * 0.99999f / (high - low)) {}
-        std::uint32_t of(float x) const {
-            return std::min(kBins - 1,
-                            static_cast<std::uint32_t>(std::max(0.0f, (x - lo) * scale)));
+    void fill(const Range& r, const Binning& binning, Bins& bins) const {
+        for (std::uint32_t i = r.begin; i < r.end; ++i) {
+            const Box4 at = binning.of(items_[i]);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                Bin& bin = bins[axis][static_cast<std::size_t>(at[axis])];
+                bin.box.extend(items_[i]);
+                ++bin.n;
+            }
         }
-    };
+    }
 
     /// The best split along one axis.
-    Split best_along(int axis, const Range& r, const Binning& binning) const {
-        std::array<Bin, kBins> bins;
-        for (std::uint32_t i = r.begin; i < r.end; ++i) {
-            const std::uint32_t item = order_[i];
-            Bin& bin = bins[binning.of(middle_of(item)[static_cast<std::size_t>(axis)])];
-            bin.box.extend(boxes_[item]);
-            ++bin.n;
-        }
+    static Split best_along(int axis, const std::array<Bin, kBins>& bins) {
         std::array<float, kBins> right_cost{};
         Bin right;
         for (std::uint32_t b = kBins - 1; b > 0; --b) {
             right.box.extend(bins[b].box), right.n += bins[b].n;
-            right_cost[b] = right.n > 0 ? right.box.half_area() * static_cast<float>(right.n) : -1;
+            const float area = right.n > 0 ? right.box.box().half_area() : -1;
+            right_cost[b] = area * static_cast<float>(right.n > 0 ? right.n : 1);
         }
         Split best;
         Bin left;
         for (std::uint32_t b = 1; b < kBins; ++b) {
             left.box.extend(bins[b - 1].box), left.n += bins[b - 1].n;
             if (left.n == 0 || right_cost[b] < 0) continue;
-            const float cost = left.box.half_area() * static_cast<float>(left.n) + right_cost[b];
+            const float area = left.box.box().half_area();
+            const float cost = area * static_cast<float>(left.n) + right_cost[b];
             if (cost < best.cost) best = {axis, b, cost};
+        }
+        return best;
+    }
+
+    Split best_split(const Range& r, const Extent& extent, const Binning& binning) const {
+        Bins bins;
+        fill(r, binning, bins);
+        Split best;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            if (!(extent.high[a] > extent.low[a])) continue;
+            const Split split = best_along(axis, bins[a]);
+            if (split.cost < best.cost) best = split;
         }
         return best;
     }
 
     /// Puts the items of the first child first and returns where the second one's begin; the first
     /// item itself for a leaf.
-    std::uint32_t divide(const Task& task, int& axis) const {
+    std::uint32_t divide(const Task& task, const Extent& extent, int& axis) const {
         const Range& r = task.items;
-        const auto n = static_cast<float>(r.size());
         if (r.size() <= 1) return r.begin;
-        const BoxF box = bounds(r), mid = middles(r);
-        Split best;
-        if (task.depth < kHalvesFrom)
-            for (int k = 0; k < 3; ++k) {
-                const auto a = static_cast<std::size_t>(k);
-                if (!(mid.hi[a] > mid.lo[a])) continue;
-                const Split split = best_along(k, r, Binning(mid.lo[a], mid.hi[a]));
-                if (split.cost < best.cost) best = split;
-            }
-        const float whole = box.half_area();
-        const bool pays =
-            best.axis >= 0 && 2 * whole + kItemCost * best.cost < kItemCost * n * whole;
+        const Binning binning(extent);
+        const Split best = task.depth < kHalvesFrom ? best_split(r, extent, binning) : Split{};
+        const float whole = extent.box.box().half_area();
+        const float unsplit = kItemCost * static_cast<float>(r.size()) * whole;
+        const bool pays = best.axis >= 0 && 2 * whole + kItemCost * best.cost < unsplit;
         if (!pays && r.size() <= kMostLeafItems) return r.begin;
         if (best.axis < 0) return r.begin + r.size() / 2;
         axis = best.axis;
         const auto a = static_cast<std::size_t>(axis);
-        const Binning binning(mid.lo[a], mid.hi[a]);
         const auto at = [&](std::uint32_t i) {
-            return order_.begin() + static_cast<std::ptrdiff_t>(i);
+            return items_.begin() + static_cast<std::ptrdiff_t>(i);
         };
-        const auto middle = std::stable_partition(at(r.begin), at(r.end), [&](std::uint32_t item) {
-            return binning.of(middle_of(item)[a]) < best.bin;
+        const auto middle = std::partition(at(r.begin), at(r.end), [&](const Item& item) {
+            return static_cast<std::uint32_t>(binning.of(item)[a]) < best.bin;
         });
-        return static_cast<std::uint32_t>(middle - order_.begin());
+        return static_cast<std::uint32_t>(middle - items_.begin());
     }
 
-    std::span<const BoxF> boxes_;
-    std::vector<std::uint32_t>& order_;
+    std::vector<Item>& items_;
 };
 
 /// Hangs a subtree, built apart with its own node 0, below a node of the whole.
@@ -197,9 +241,10 @@ Bvh build_bvh(std::span<const BoxF> boxes) {
     Bvh out;
     const auto n = static_cast<std::uint32_t>(boxes.size());
     if (n == 0) return out;
-    out.order.resize(n);
-    for (std::uint32_t i = 0; i < n; ++i) out.order[i] = i;
-    const Builder builder(boxes, out.order);
+    std::vector<Item> items;
+    items.reserve(n);
+    for (std::uint32_t i = 0; i < n; ++i) items.emplace_back(boxes[i], i);
+    const Builder builder(items);
     std::vector<Task> later;
     out.nodes.resize(1);
     builder.build({0, {0, n}, 0}, kSerialItems, out.nodes, &later);
@@ -209,6 +254,8 @@ Bvh build_bvh(std::span<const BoxF> boxes) {
         builder.build({0, later[k].items, later[k].depth}, 0, subtrees[k], nullptr);
     });
     for (std::size_t k = 0; k < later.size(); ++k) append(subtrees[k], later[k].node, out.nodes);
+    out.order.reserve(n);
+    for (const Item& item : items) out.order.push_back(item.number());
     return out;
 }
 

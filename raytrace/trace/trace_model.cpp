@@ -162,8 +162,10 @@ TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Ve
         }
     });
     add_sharp(tree, frame, model);
-    for (std::size_t i = 0; i < leaves.size(); ++i)
-        cores[i] = core_box(model.records[i]), balls[i] = ball_box(model.records[i], 1);
+    parallel_blocks(leaves.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            cores[i] = core_box(model.records[i]), balls[i] = ball_box(model.records[i], 1);
+    });
     model.bvh = build_bvh(cores);
     model.balls = refitted_boxes(model.bvh, balls);
     reorder(model);
