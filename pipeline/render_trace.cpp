@@ -156,10 +156,14 @@ double TracedModels::lowest(const Vec3d& up) const {
     const SceneFrame& frame = scene_->frame();
     double lowest = INFINITY;
     for (const TraceModel& model : scene_->models()) {
-        if (model.bvh.nodes.empty()) continue;
-        const BoxF& box = model.bvh.nodes[0].box;
-        lowest = std::min({lowest, dot(frame.to_job(to_double(box.lo)), up),
-                           dot(frame.to_job(to_double(box.hi)), up)});
+        std::vector<double> heights;
+        heights.reserve(model.records.size());
+        for (const TraceRecord& r : model.records)
+            heights.push_back(dot(Vec3d{r.center[0], r.center[1], r.center[2]}, up));
+        if (heights.empty()) continue;
+        const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 1000);
+        std::nth_element(heights.begin(), low, heights.end());
+        lowest = std::min(lowest, *low * frame.unit + dot(frame.middle, up));
     }
     return std::isfinite(lowest) ? lowest : dot(header_.bounds.lo, up);
 }

@@ -28,7 +28,8 @@ public:
     /// The first model's header, its bounds those of all.
     const ModelHeader& header() const { return header_; }
     double build_ms() const { return build_ms_; }
-    /// Where what is drawn ends against a direction along an axis.
+    /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
+    /// (The outlines of single surfels reach lower still; under those a model would hover.)
     double lowest(const Vec3d& up) const;
 
 private:
