@@ -15,8 +15,9 @@ namespace slim {
 struct ShadePoints {
     LanesOfVec point{Vec3f{}};
     LanesOfVec normal{Vec3f{0, 0, 1}},
-        toward_eye{Vec3f{0, 0, 1}};  ///< unit; the normal turned to the eye
-    FloatV clearance{0.0f};          ///< rays that leave start this far off the surface
+        toward_eye{Vec3f{0, 0, 1}};      ///< unit; the normal turned to the eye
+    LanesOfVec outward{Vec3f{0, 0, 1}};  ///< the normal that the surface has, facing whomever
+    FloatV clearance{0.0f};              ///< rays that leave start this far off the surface
     FloatV::mask_type on{false};
 };
 

@@ -55,17 +55,17 @@ struct KernelRay {
 
 /// Lanes whose ray leaves the very surface it would hit: its origin lies in the surfel's ball and
 /// belongs to it, and the hit is of the same sheet there: its gradient agrees with the normal
-/// closely, or it is a way out from below. The surfels about a point differ by more than eps where
-/// their cores end, and each but the outermost would else lie in the shadow of another.
+/// closely, or it agrees at all and the hit is a way out to the side that the ray left on. The
+/// surfels about a point differ by more than eps where their cores end, and each but the outermost
+/// would else lie in the shadow of another.
 [[gnu::always_inline]] inline FloatV::mask_type leaves_own(const RayPacket& rays,
                                                            const FloatV& sq_origin,
                                                            const FloatV& f_origin,
-                                                           const GradientLanes<FloatV>& g) {
-    const FloatV agreement = g.x * rays.normal.x + g.y * rays.normal.y + g.z * rays.normal.z;
-    const FloatV along = g.x * rays.direction.x + g.y * rays.direction.y + g.z * rays.direction.z;
-    const FloatV size = stdx::sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
-    const auto same_sheet =
-        agreement > static_cast<float>(kSharpGate) * size || (agreement > 0.0f && along > 0.0f);
+                                                           const LanesOfVec& g) {
+    const FloatV agreement = g.dot(rays.normal);
+    const FloatV out = g.dot(rays.direction) * rays.normal.dot(rays.direction);
+    const auto close = agreement > static_cast<float>(kSharpGate) * stdx::sqrt(g.dot(g));
+    const auto same_sheet = close || (agreement > 0.0f && out > 0.0f);
     return sq_origin < 1.0f && stdx::abs(f_origin) <= static_cast<float>(kBelongs) && same_sheet;
 }
 
@@ -146,9 +146,11 @@ inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint
     const FloatV t = at.t + found.root.t * FloatV(r.radius);
     auto hit = found.root.hit && t <= keep.far();
     if (stdx::none_of(hit)) return true;
-    if (rays.leaves_surface)
-        hit = hit && !leaves_own(rays, at.sq_distance + start * start, FloatV(0.0f),
-                                 sharp_gradient<Degree, FloatV>(sharp, f, found));
+    if (rays.leaves_surface) {
+        const auto g = sharp_gradient<Degree, FloatV>(sharp, f, found);
+        const FloatV sq_origin = at.sq_distance + start * start;
+        hit = hit && !leaves_own(rays, sq_origin, FloatV(0.0f), {g.x, g.y, g.z});
+    }
     keep(hit, t, FloatV(std::bit_cast<float>(number)),
          [&] { return sharp_gradient<Degree, FloatV>(sharp, f, found); });
     return true;

@@ -14,7 +14,7 @@ RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted,
     RayPacket rays;
     rays.origin = at.point + at.normal * at.clearance, rays.direction = direction;
     rays.far = select<FloatV>(wanted, far, FloatV(-1.0f));
-    rays.normal = at.normal, rays.leaves_surface = true;
+    rays.normal = at.outward, rays.leaves_surface = true;
     return rays;
 }
 
@@ -99,6 +99,7 @@ LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) con
     ShadePoints there;
     there.point = hits.point, there.toward_eye = -direction, there.on = hit;
     there.clearance = hits.clearance + kPlaceRounding;
+    there.outward = hits.normal;
     there.normal = select_vec(hits.normal.dot(direction) > 0.0f, -hits.normal, hits.normal);
     std::array<std::uint16_t, kLanes> model;
     for (std::size_t k = 0; k < kLanes; ++k) model[k] = static_cast<std::uint16_t>(hits.model[k]);
@@ -152,7 +153,7 @@ LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, c
     at.on = rays.active() && t < far && t < kFar;
     if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
     at.point = rays.origin + rays.direction * select<FloatV>(at.on, t, FloatV(0.0f));
-    at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
+    at.normal = at.outward = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
     at.clearance = FloatV(1e-5f);
     const FloatV open = look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
     if (!look_.ground->color) {

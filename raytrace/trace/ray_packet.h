@@ -16,8 +16,8 @@ struct RayPacket {
     FloatV far{-1.0f};
     /// What their floats lack of the exact ray: places on it are found with them.
     LanesOfVec origin_low{Vec3f{}}, direction_low{Vec3f{}};
-    /// They leave a surface whose normal, on their side, this is: what makes that surface there
-    /// does not stop them (LeavesOwn).
+    /// They leave a surface whose outward normal this is, on either side: what makes that surface
+    /// there does not stop them (leaves_own).
     LanesOfVec normal{Vec3f{}};
     bool leaves_surface = false;
 

@@ -327,6 +327,39 @@ TEST(LightPass, ABowlLiesInItsOwnShadow) {
     EXPECT_LT(n_wrong, 10);
 }
 
+/// Surfels that stand off the surface by up to `off`, each by its own.
+std::vector<Surfel> shaken(std::vector<Surfel> leaves, double off) {
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+        leaves[i].center +=
+            leaves[i].frame.normal * (off * (2 * unit_interval(keyed_hash(5, i)) - 1));
+    return leaves;
+}
+
+// From outside and, as the inside of a bowl is the back of its surfels, from behind.
+TEST(LightPass, SurfelsThatDisagreeThrowNoSpeckles) {
+    std::vector<Surfel> bowl;
+    for (const Surfel& s : test::sphere_leaves(1, 1500, 6, 2))
+        if (s.center.y < -0.02) bowl.push_back(s);
+    const struct {
+        std::vector<Surfel> leaves;
+        Vec3d eye, light;
+    } cases[] = {{test::sphere_leaves(1, 1500, 6, 2), {0, 0, 5}, {1, 0.4, 0.8}},
+                 {bowl, {0, 6, 0.01}, {0.1, 1, 0}}};
+    for (const auto& each : cases) {
+        Stage stage(good_model(shaken(each.leaves, 0.004)), camera_at(each.eye, {0, 0, 0}), 200);
+        stage.look.rig.lights = {sun(each.light)};
+        const Vec3d l = stage.look.rig.lights[0].toward;
+        const Picture picture = stage.light();
+        int n_lit = 0, n_speckles = 0;
+        for (std::size_t i = 0; i < stage.buffer.n_pixels(); ++i) {
+            if (!stage.buffer.hit[i] || dot(stage.normal(i), l) < 0.3) continue;
+            ++n_lit, n_speckles += !(picture.rgba[4 * i] > 0);
+        }
+        EXPECT_GT(n_lit, 5000);
+        EXPECT_LT(n_speckles, 5);
+    }
+}
+
 // A plate 0.02 above another, facing it: its shadow must not be lost, and the light must not leak
 // between.
 TEST(LightPass, NothingLeaksBetweenCloseSheets) {
