@@ -153,7 +153,8 @@ LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, c
     at.on = rays.active() && t < far && t < kFar;
     if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
     at.point = rays.origin + rays.direction * select<FloatV>(at.on, t, FloatV(0.0f));
-    at.normal = at.outward = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
+    at.outward = LanesOfVec{Vec3f{}};  // no surfel makes it
+    at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
     at.clearance = FloatV(1e-5f);
     const FloatV open = look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
     if (!look_.ground->color) {
