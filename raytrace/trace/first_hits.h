@@ -118,10 +118,11 @@ template <int Degree, class Keep>
     if (stdx::none_of(hit)) return true;
     const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
     if (r.rims.any()) hit = hit && RimLanes(r.rims).share(u, v) > 0.0f;
-    if (rays.leaves_surface)
-        hit =
-            hit && !leaves_own(rays, at.sq_distance + start * start, lanes_value<FloatV>(k, start),
-                               gradient_at<Degree, FloatV>(r, u, v));
+    if (rays.leaves_surface) {
+        const auto g = gradient_at<Degree, FloatV>(r, u, v);
+        const FloatV sq_origin = at.sq_distance + start * start, f = lanes_value<FloatV>(k, start);
+        hit = hit && !leaves_own(rays, sq_origin, f, {g.x, g.y, g.z});
+    }
     keep(
         hit, t, FloatV(std::bit_cast<float>(number)), [&]() __attribute__((always_inline)) {
             return gradient_at<Degree, FloatV>(r, u, v);
