@@ -19,7 +19,7 @@ struct LightSetting {
 
 /// The lights of --light: "KIND key=value ...; KIND ...".
 ///
-///     key, fill                        the shaded look's own, fixed to the camera
+///     key, fill                        the shaded look's own, fixed to the camera (fill: shadows=off)
 ///     sun     azimuth= elevation=      degrees, clockwise seen from above, 0 where the front view
 ///     looks (north with --up z)
 ///             or from=x,y,z            a direction
