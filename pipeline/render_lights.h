@@ -19,14 +19,15 @@ struct LightSetting {
 
 /// The lights of --light: "KIND key=value ...; KIND ...".
 ///
-///     key, fill                        the shaded look's own, fixed to the camera (fill: shadows=off)
-///     sun     azimuth= elevation=      degrees, clockwise seen from above, 0 where the front view
-///     looks (north with --up z)
-///             or from=x,y,z            a direction
-///     point   at=x,y,z
-///     spot    at= to= cone= blur=      full angle in degrees, and the share of it over which it
-///     fades rect    at= to= size=W,H         disc: size=DIAMETER any     power= color=#rrggbb
-///     shadows=on|off; angle= (sun, key, fill: angular diameter, soft shadows) samples=
+///     key, fill  the shaded look's own, fixed to the camera; fill throws no shadows by itself
+///     sun        azimuth= elevation=: degrees, clockwise seen from above, 0 where the front view
+///                looks (north with --up z); or from=x,y,z, a direction
+///     point      at=x,y,z
+///     spot       at= to= cone= blur=: full angle in degrees, share of it over which it fades
+///     rect       at= to= size=W,H
+///     disc       at= to= size=DIAMETER
+///     any        power= color=#rrggbb shadows=on|off
+///     soft       angle= (sun, key, fill: angular diameter in degrees), samples=
 ///
 /// Places are world coordinates; `to` is the middle of the model unless given. With power 1 a light
 /// is as bright at `to` as the key light. Throws ConfigError naming the word.
