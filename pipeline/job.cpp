@@ -5,7 +5,9 @@
 #include "pipeline/manifest.h"
 #include "pipeline/measure_stage.h"
 #include "pipeline/normals_stage.h"
+#include "pipeline/ray_options.h"
 #include "pipeline/render_config.h"
+#include "pipeline/render_lights.h"
 #include "pipeline/render_view.h"
 #include "pipeline/scan_stage.h"
 #include "pipeline/slice_stage.h"
@@ -106,11 +108,11 @@ public:
     }
 
     Job read() {
-        check_tables(root_, {"input", "fit", "render", "view", "output", "measure"});
+        check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
         if (!root_.values.empty())
             throw ConfigError(fmt::format(
-                "{}:{}: unknown key '{}': keys stand in the tables input, fit, render, view, output "
-                "and measure",
+                "{}:{}: unknown key '{}': keys stand in the tables input, fit, render, light, view, "
+                "output and measure",
                 file_.string(), root_.values[0].line, root_.values[0].key));
         job_.file = file_;
         read_output();
@@ -261,9 +263,36 @@ private:
             defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
             check_view(*table, render_);
         }
+        read_lights(defaults);
         for (const TomlTable& table : root_.tables)
             if (table.name == "view") read_view(table, defaults);
         if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
+    }
+
+    /// [[light]] tables say what --light says in one line: kind = "sun", azimuth = 300.
+    void read_lights(std::vector<std::string>& defaults) {
+        std::string all;
+        for (const TomlTable& table : root_.tables) {
+            if (table.name != "light") continue;
+            check_tables(table, {});
+            std::string kind, words;
+            for (const TomlValue& value : table.values) {
+                const std::string text = fmt::format("{}", fmt::join(value.items, ","));
+                if (value.key == "kind") kind = text;
+                else words += fmt::format(" {}={}", value.key, text);
+            }
+            try {
+                parse_lights(kind + words, {{}, {{-1, -1, -1}, {1, 1, 1}}, {}, {0, 1, 0}});
+            } catch (const ConfigError& error) {
+                throw ConfigError(fmt::format("{}: {}", place(file_, table), error.what()));
+            }
+            all += (all.empty() ? "" : "; ") + kind + words;
+        }
+        if (all.empty()) return;
+        if (render_.light != RenderConfig{}.light)
+            throw ConfigError(file_.string() + ": both [[light]] tables and light in [render]: expected one of the two");
+        render_.light = all;
+        defaults.push_back("--light=" + all);
     }
 
     void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
@@ -282,7 +311,10 @@ private:
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", place(file_, table),
                                           view.name));
         aovs_.insert(view.aovs.begin(), view.aovs.end());
+        note_rays(render, view.aovs, table);
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
+        for (const std::string& option : options)
+            if (option.starts_with("--add=")) step.inputs.emplace_back(option.substr(6));
         append(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
@@ -295,6 +327,19 @@ private:
         if (lines) step.products.push_back(job_.folder / (view.name + ".lines.svg"));
         lines_ = lines_ || lines;
         job_.steps.push_back(std::move(step));
+    }
+
+    /// Checks what only rays can do, and notes what rays are asked for.
+    void note_rays(const RenderConfig& render, const std::vector<std::string>& aovs, const TomlTable& table) {
+        try {
+            check_tracing(render, aovs);
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", place(file_, table), error.what()));
+        }
+        const bool cast = render.mode == "raytrace", shaded = std::find(aovs.begin(), aovs.end(), "shaded") != aovs.end();
+        rays_ = rays_ || cast;
+        shadows_ = shadows_ || (cast && render.shadows && shaded);
+        openness_ = openness_ || render.ao || std::find(aovs.begin(), aovs.end(), "ao") != aovs.end();
     }
 
     std::vector<fs::path> pictures_of(const ViewTable& view) const {
@@ -322,6 +367,8 @@ private:
         for (const TomlValue& value : table.values)
             if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
         checked("size", [&] { parse_size(config.size); });
+        checked("light", [&] { parse_lights(config.light, {{}, {{-1, -1, -1}, {1, 1, 1}}, {}, {0, 1, 0}}); });
+        checked("material", [&] { parse_materials(config.material); });
         checked("background", [&] { parse_background(config.background, false); });
         // Any box will do: only cameras that are given by numbers can be wrong.
         ModelHeader model;
@@ -358,6 +405,9 @@ private:
         const bool curvature = asks({"mean", "gauss", "k1", "k2", "all"});
         if (!curvature) job_.left_out.push_back("curvature: no AOV asks for it");
         if (!lines_) job_.left_out.push_back("feature lines: no view asks for them");
+        if (!rays_) job_.left_out.push_back("rays: no view has mode = \"raytrace\"");
+        else if (!shadows_) job_.left_out.push_back("shadows: no shaded view asks for them");
+        if (rays_ && !openness_) job_.left_out.push_back("ambient occlusion: no view asks for it");
         std::vector<std::string> rest;
         if (const Field* aov = fields.find("aov"); !aovs_.contains("all"))
             for (const std::string& name : aov->choices)
@@ -390,7 +440,8 @@ private:
     Job job_;
     std::vector<fs::path> clouds_;
     fs::path model_;
-    RenderConfig render_;  // with what [render] says
+    RenderConfig render_;  // with what [render] and the lights say
+    bool rays_ = false, shadows_ = false, openness_ = false;
     std::set<std::string> names_;
     std::set<std::string> aovs_;
     bool lines_ = false;  // does any view show feature lines?

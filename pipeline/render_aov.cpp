@@ -25,6 +25,7 @@ const std::map<std::string, Channels>& channel_table() {
         {"depth", kDepthChannel},        {"position", kPositionChannel},
         {"id", kSurfelIdChannel},        {"error", kFitErrorChannel},
         {"level", kLevelChannel},        {"coverage", kCoverageChannel},
+        {"ao", kNormalChannel | kPositionChannel},
         {"truth_distance", kPositionChannel},
         {"lines", 0},  // what they need depends on their kinds: line_channels
     };
@@ -113,6 +114,14 @@ Vec3f color_of_id(std::uint32_t id) {
 
 Picture paint_ids(const GBuffer& b, const RowRange& rows) {
     return paint_hits(b, rows, [&](std::size_t i) { return color_of_id(b.surfel_id[i]); });
+}
+
+/// Openness as light: white clay under an even sky.
+Picture paint_openness(const RenderedFrame& frame, const RowRange& rows) {
+    return paint_hits(frame.buffer, rows, [&](std::size_t i) {
+        const float display = srgb_from_linear(frame.open[i]);
+        return Vec3f{display, display, display};
+    });
 }
 
 AovPicture draw_levels(const RenderedFrame& frame, const PictureSize& size) {
@@ -232,6 +241,7 @@ AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const Re
     if (aov == "position")
         return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });
     if (aov == "id") return painted([&](const RowRange& r) { return paint_ids(b, r); });
+    if (aov == "ao") return painted([&](const RowRange& r) { return paint_openness(frame, r); });
     if (aov == "level") return draw_levels(frame, size);
     return draw_map(config, aov, frame, bounds.diagonal(), size);
 }

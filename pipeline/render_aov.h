@@ -6,6 +6,7 @@
 #include "raytrace/legend.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/picture.h"
+#include "raytrace/trace/trace_renderer.h"
 #include "slim/base/bbox.h"
 
 #include <memory>
@@ -31,6 +32,9 @@ struct RenderedFrame {
     ShadeView view;
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
+    TracedPlanes traced;                ///< of a frame drawn by rays
+    std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
+    TraceCounts light_counts;           ///< rays for light
     Picture shaded;                     ///< at the picture's size; empty unless asked for
     std::vector<FeatureLine> lines;     ///< those asked for, in the order of drawing
 };

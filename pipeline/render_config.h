@@ -20,6 +20,18 @@ struct RenderConfig {
     std::vector<std::string> lines;
     std::string lines_ply, lines_obj;
     std::string mode = "forward";
+    std::string light = "key; fill shadows=off";
+    double ambient = 1;
+    std::string material;
+    bool shadows = true;
+    int bounces = 2;
+    bool ao = false;
+    double ao_distance = 0;
+    int ao_samples = 36;
+    bool ground = false;
+    std::string ground_height = "auto";
+    std::string ground_color = "shadow";
+    std::vector<std::string> add;
     double lod = 4;
     bool loose = false;
     int repeat = 1;
@@ -58,16 +70,35 @@ struct RenderConfig {
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth", "position", "id",
-                      "error", "level", "coverage", "truth_distance", "lines", "all"});
+                      "error", "level", "coverage", "ao", "truth_distance", "lines", "all"});
         field.choice("lines", lines,
                      "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
                      "x.lines.svg; crest needs a model of --degree 3",
                      {"contour", "suggestive", "crest", "parabolic", "reflection"});
         field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
         field.path("lines_obj", lines_obj, "the lines in space as OBJ");
-        field.choice("mode", mode, "forward: fast; brute: the slow reference in doubles",
-                     {"forward", "brute"});
-        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never)", 0,
+        field.choice("mode", mode,
+                     "forward: fast; raytrace: shadows, mirrors, ambient occlusion; brute: the slow "
+                     "reference in doubles",
+                     {"forward", "raytrace", "brute"});
+        field("light", light,
+              "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or from=x,y,z), "
+              "point at=x,y,z, spot at= to= cone=, rect at= to= size=W,H, disc at= to= size=; all take power= "
+              "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= make soft shadows of samples= rays");
+        field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
+        field("material", material,
+              "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");
+        field("shadows", shadows, "raytrace: lights throw shadows");
+        field("bounces", bounces, "raytrace: mirror images within mirror images", 0, 16);
+        field("ao", ao, "raytrace: ambient occlusion dims the ambient light (alone: --aov ao)");
+        field("ao_distance", ao_distance,
+              "how near a surface shuts out ambient light, model units (0: a quarter of the diagonal)", 0, 1e30);
+        field("ao_samples", ao_samples, "rays per pixel for it, rounded up to a square", 1, 4096);
+        field("ground", ground, "raytrace: a plane under the model, across --up, that takes shadows");
+        field("ground_height", ground_height, "where it cuts the up axis, world (auto: under what is drawn)");
+        field("ground_color", ground_color, "#rrggbb, or shadow: only its shadows are seen, over the background");
+        field.path("add", add, "raytrace: further models of the scene");
+        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never; forward only)", 0,
               1e6);
         field("loose", loose,
               "draw loose surfels too: small pieces that agree with no surface about them");

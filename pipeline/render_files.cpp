@@ -54,6 +54,7 @@ std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame
     if (aov == "error") return {{"fit.error", &b.fit_error}};
     if (aov == "level") return {{"fit.level", &b.level}};
     if (aov == "coverage") return {{"fit.coverage", &b.coverage}};
+    if (aov == "ao") return {{"light.ao", &frame.open}};
     if (aov == "truth_distance") return {{"truth.distance", &frame.truth_distance}};
     return {};
 }

@@ -10,6 +10,7 @@
 #include "pipeline/render_files.h"
 #include "pipeline/render_lines.h"
 #include "pipeline/render_maps.h"
+#include "pipeline/render_trace.h"
 #include "pipeline/render_view.h"
 #include "raytrace/brute/brute_renderer.h"
 #include "raytrace/lines/stroke.h"
@@ -21,6 +22,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -36,6 +38,12 @@ struct RenderJob {
     PictureSize size;
     Camera camera;
     std::vector<LineKind> lines;  ///< in the order of drawing
+    const TracedModels* traced = nullptr;  ///< with --mode raytrace
+
+    FrameLight light() const { return {config, traced ? traced->header() : tree.header(), camera, traced}; }
+    Channels channels(const std::vector<std::string>& of) const {
+        return channels_of(of, config.light_maps) | light_channels(config, of);
+    }
 
     /// What the frame that lines are found in must hold for them.
     Channels for_lines() const { return line_channels(lines, tree.header().degree); }
@@ -55,19 +63,10 @@ double median(std::vector<double> values) {
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/// A frame drawn again keeps the memory of its picture.
-void shade_frame(const PictureSize& size, RenderedFrame& frame) {
-    const GBuffer& b = frame.buffer;
-    const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
-    const auto rows_into = [&](const RowRange& rows, Picture& out) {
-        shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
-    };
-    if (frame.size.width == size.width) return rows_into({0, b.height}, frame.shaded);
-    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
-        Picture band;
-        rows_into(rows, band);
-        return band;
-    });
+RenderStats render_surface(const RenderJob& job, const RenderRequest& request, RenderedFrame& frame) {
+    if (job.traced) return render_traced(job.traced->scene(), request, frame.buffer, &frame.traced);
+    return job.config.mode == "brute" ? render_brute(job.tree, request, frame.buffer)
+                                      : render_forward(job.tree, request, frame.buffer);
 }
 
 /// Projection, shading and lines: what a frame time means.
@@ -78,10 +77,14 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
     const RenderRequest request{job.camera, frame.size.width, frame.size.height, wanted,
                                 job.config.lod * factor, {}, job.config.loose};
-    const RenderStats stats = job.config.mode == "brute"
-                                  ? render_brute(job.tree, request, frame.buffer)
-                                  : render_forward(job.tree, request, frame.buffer);
-    if (with_shading) shade_frame(job.size, frame);
+    const RenderStats stats = render_surface(job, request, frame);
+    frame.light_counts = {};
+    const FrameLight light = job.light();
+    // The plain frame beside a fine one may be for ids only.
+    const bool has_surface = frame.buffer.has(kNormalChannel | kPositionChannel);
+    if (has_surface && (job.wants("ao") || (with_shading && job.config.ao)))
+        find_openness(light, frame);
+    if (with_shading) shade_frame(light, job.size, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
     return stats;
@@ -150,12 +153,11 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
 
 Frames draw_frames(const RenderJob& job, StageContext& context) {
     const auto plain = plain_aovs(job), fine = fine_aovs(job);
-    const bool lit = job.config.light_maps;
-    const Channels plain_channels = channels_of(plain, lit) | job.for_lines();
+    const Channels plain_channels = job.channels(plain) | job.for_lines();
     Frames frames;
     frames.has_fine = !fine.empty();
     if (frames.has_fine) {
-        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit),
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, job.channels(fine),
                                            context, frames.fine, frames.stats);
         if (!plain.empty() || !job.lines.empty())
             draw_frame(job, 1, plain_channels, false, frames.plain);
@@ -258,6 +260,10 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
             {"unblended_pixels", s.unblended_pixels},
             {"frame_ms_median", frames.median_ms},
             {"ranges", written.ranges}};
+    if (job.traced) {
+        result["light_rays"] = (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;
+        result["scene_ms"] = job.traced->build_ms();
+    }
     if (!job.lines.empty()) result["lines"] = lines_json(frames.plain.lines, job.lines);
     return result;
 }
@@ -286,12 +292,14 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const PictureSize size = parse_size(config.size);
     check_ranges(config);
     check_lines(config, aovs);
+    check_tracing(config, aovs);
     parse_background(config.background, false);
 
     require_model(config.model);
 
     Stamp stamp(context, manifest_path(plan.named.string()));
     stamp.input(config.model);
+    for (const std::string& model : config.add) stamp.input(model);
     stamp.depends("drawn as " + plan.stem.filename().string());
     for (const std::string& file : {config.lines_ply, config.lines_obj}) stamp.depends("lines to " + file);
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
@@ -301,10 +309,14 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
+    std::optional<TracedModels> traced;
+    if (is_traced(config)) traced.emplace(config, tree);
+    const ModelHeader& framed = traced ? traced->header() : tree.header();
     const double room = legend_room(config, plan.drawn, size);
     const RenderJob job{config, tree, aovs, plan, size,
-                        make_camera(config, tree.header(), size, room),
-                        wanted_lines(config, aovs, tree.header(), context.reporter)};
+                        make_camera(config, framed, size, room),
+                        wanted_lines(config, aovs, tree.header(), context.reporter),
+                        traced ? &*traced : nullptr};
     warn_of_flat_surfels(job, context.reporter);
     const Frames frames = draw_frames(job, context);
     const Written written = write_files(job, frames, context);

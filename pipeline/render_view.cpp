@@ -17,7 +17,32 @@ namespace {
 
 constexpr int kLargestSide = 32768;
 
-/// Numbers between commas; empty if one of them is none.
+Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
+                         const Vec3d& origin) {
+    Camera camera;
+    camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
+    camera.target = Vec3d{n[3], n[4], n[5]} - origin;
+    if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
+    else
+        camera.up = up_vector(up_axis(config));
+    camera.fov_y_deg = config.fov;
+    camera.orthographic = config.ortho;
+    // Without a width of its own: what a perspective view sees at the target.
+    const double half = std::tan(config.fov * std::numbers::pi / 360);
+    camera.width = 2 * half * length(camera.target - camera.eye);
+    return camera;
+}
+
+Background solid(const Vec3f& color) { return {color, color, 1}; }
+
+Background gradient() { return {*parse_color("#eef0f2"), *parse_color("#b4b9c1"), 1}; }
+
+std::string text_of(const Vec3d& v) {
+    return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+}
+
+}  // namespace
+
 std::vector<double> parse_numbers(const std::string& text) {
     std::vector<double> numbers;
     const char* at = text.data();
@@ -40,23 +65,7 @@ UpAxis up_axis(const RenderConfig& config) {
     return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
 }
 
-Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
-                         const Vec3d& origin) {
-    Camera camera;
-    camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
-    camera.target = Vec3d{n[3], n[4], n[5]} - origin;
-    if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
-    else
-        camera.up = up_vector(up_axis(config));
-    camera.fov_y_deg = config.fov;
-    camera.orthographic = config.ortho;
-    // Without a width of its own: what a perspective view sees at the target.
-    const double half = std::tan(config.fov * std::numbers::pi / 360);
-    camera.width = 2 * half * length(camera.target - camera.eye);
-    return camera;
-}
-
-std::optional<Vec3f> parse_hex(std::string_view text) {
+std::optional<Vec3f> parse_color(std::string_view text) {
     if (text.size() != 7 || text[0] != '#') return std::nullopt;
     std::uint32_t rgb = 0;
     const auto [rest, error] = std::from_chars(text.data() + 1, text.data() + 7, rgb, 16);
@@ -66,16 +75,6 @@ std::optional<Vec3f> parse_hex(std::string_view text) {
     };
     return Vec3f{linear(16), linear(8), linear(0)};
 }
-
-Background solid(const Vec3f& color) { return {color, color, 1}; }
-
-Background gradient() { return {*parse_hex("#eef0f2"), *parse_hex("#b4b9c1"), 1}; }
-
-std::string text_of(const Vec3d& v) {
-    return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
-}
-
-}  // namespace
 
 PictureSize parse_size(const std::string& text) {
     PictureSize size;
@@ -148,9 +147,9 @@ Background parse_background(const std::string& text, bool is_map) {
     if (text == "gradient") return gradient();
     if (text == "transparent") return {{}, {}, 0};
     const std::size_t comma = text.find(',');
-    const auto top = parse_hex(std::string_view(text).substr(0, comma));
+    const auto top = parse_color(std::string_view(text).substr(0, comma));
     const auto bottom =
-        comma == std::string::npos ? top : parse_hex(std::string_view(text).substr(comma + 1));
+        comma == std::string::npos ? top : parse_color(std::string_view(text).substr(comma + 1));
     if (top && bottom) return {*top, *bottom, 1};
     throw ConfigError("background: expected auto, white, black, gradient, transparent, #rrggbb or "
                       "#rrggbb,#rrggbb (top, bottom), found \"" + text + "\"");

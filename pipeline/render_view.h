@@ -5,8 +5,10 @@
 #include "raytrace/shade.h"
 #include "slim/model/surfel_tree.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace slim {
 
@@ -16,6 +18,15 @@ struct PictureSize {
 
 /// "1600x1200"; each side 1 to 32768. Throws ConfigError.
 PictureSize parse_size(const std::string& text);
+
+/// Numbers between commas; empty if one of them is none.
+std::vector<double> parse_numbers(const std::string& text);
+
+/// "#rrggbb" as linear Rec.709.
+std::optional<Vec3f> parse_color(std::string_view text);
+
+/// --up.
+UpAxis up_axis(const RenderConfig& config);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame the
 /// model's bounds, clear of the `free_right` share of the picture's width unless --ortho-width

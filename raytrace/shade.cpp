@@ -282,6 +282,18 @@ void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes
     });
 }
 
+std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                                                 std::span<const std::uint8_t> hit) {
+    std::array<std::vector<float>, 3> out;
+    for (auto& plane : out) plane.assign(hit.size(), 0.0f);
+    const Vec3f right = to_float(view.right), up = to_float(view.up), back = to_float(view.back);
+    for_hits(width, height, {0, height}, view, normals, hit, [&](std::size_t i, const Vec3f& n, const Vec3f&) {
+        const Vec3f world = right * n.x + up * n.y + back * n.z;
+        for (std::size_t axis = 0; axis < 3; ++axis) out[axis][i] = world[axis];
+    });
+    return out;
+}
+
 void light_picture(const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, float floor, Picture& picture,
                    int first_row) {

@@ -3,8 +3,10 @@
 #include "raytrace/picture.h"
 #include "slim/base/vec.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace slim {
 
@@ -73,6 +75,10 @@ Picture shade_rows(int width, int height, const ShadeView& view, const NormalPla
 void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
                 std::span<const std::uint8_t> hit, const RowRange& rows, const Lighting& lighting,
                 Picture& out);
+
+/// The normals of a whole picture as shading takes them, turned to the eye: unit, axes as given; 0 without a hit.
+std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                                                 std::span<const std::uint8_t> hit);
 
 /// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away), for
 /// curvature maps that are asked to show form as well. `picture` holds the rows from `first_row` on of

@@ -26,10 +26,11 @@ ALLOWED = {
     "raytrace": ["slim/model"],
     "raytrace/intersect": ["raytrace", "slim/tree", "slim/blend"],
     "raytrace/project": ["raytrace/intersect", "slim/tree", "slim/blend"],
+    "raytrace/trace": ["raytrace/intersect", "slim/tree", "slim/blend"],
     "raytrace/brute": ["raytrace", "slim/blend"],
     "raytrace/lines": ["raytrace"],
     "pipeline": ["slim/scanner", "slim/smooth", "formats", "raytrace/project", "raytrace/brute",
-                 "raytrace/lines"],
+                 "raytrace/lines", "raytrace/trace"],
     "tests": ["pipeline"],
 }
 # Heavy third-party headers, and the only files that may see them.

@@ -46,9 +46,9 @@ struct TauInterval {
 
 /// Cubics: where f' cannot vanish in the ball, Newton's few steps find the one root there is; lanes of which that is not
 /// known take the sure way (NUMERICS 4.2), which costs a hundred times as much.
-template <class V>
+template <class V, class Lo>
 [[gnu::always_inline]] inline RootLanes<V> first_cubic_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                               float sq_radius, float lo) {
+                                                               float sq_radius, const Lo& lo) {
     const TauInterval<V> chord(ball, sq_radius);
     const auto met = chord.hi >= V(lo);
     const V middle = 0.5f * (chord.lo + chord.hi), half = chord.hi - middle;

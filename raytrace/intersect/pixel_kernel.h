@@ -101,9 +101,10 @@ template <class V>
 }
 
 /// The first root in a ball of squared radius `sq_radius` at tau >= lo.
-template <int Degree, class V>
+/// Lo: a float, or one per lane.
+template <int Degree, class V, class Lo>
 [[gnu::always_inline]] inline RootLanes<V> first_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                         float sq_radius, float lo) {
+                                                         float sq_radius, const Lo& lo) {
     const auto inside = [&](const V& tau) __attribute__((always_inline)) {
         return ball.sq_distance(tau) < V(sq_radius) && tau >= V(lo);
     };

@@ -73,8 +73,8 @@ inline V dot_axis(const std::array<float, 3>& axis, const V& x, const V& y, cons
     return axis[0] * x + axis[1] * y + axis[2] * z;
 }
 
-template <class V>
-inline SurfelRay<V> surfel_ray(const DrawRecord& r, const PixelRays<V>& rays, const BallRay<V>& b) {
+template <class V, class Record>
+inline SurfelRay<V> surfel_ray(const Record& r, const PixelRays<V>& rays, const BallRay<V>& b) {
     return {dot_axis(r.u_axis, b.px, b.py, b.pz),         dot_axis(r.v_axis, b.px, b.py, b.pz),
             dot_axis(r.normal, b.px, b.py, b.pz),         dot_axis(r.u_axis, rays.dx, rays.dy, rays.dz),
             dot_axis(r.v_axis, rays.dx, rays.dy, rays.dz), dot_axis(r.normal, rays.dx, rays.dy, rays.dz)};
@@ -96,8 +96,8 @@ template <int Degree, class V, class Record>
 }
 
 /// f = w - P along the ray (NUMERICS 4.1).
-template <int Degree, class V>
-inline PolynomialLanes<V> ray_polynomial(const DrawRecord& r, const SurfelRay<V>& s) {
+template <int Degree, class V, class Record>
+[[gnu::always_inline]] inline PolynomialLanes<V> ray_polynomial(const Record& r, const SurfelRay<V>& s) {
     const auto& a = r.a;
     const V &u = s.bu, &v = s.bv, &du = s.du, &dv = s.dv;
     if constexpr (Degree <= 1) {

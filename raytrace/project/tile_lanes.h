@@ -1,41 +1,13 @@
 #pragma once
 
+#include "raytrace/intersect/blend_lanes.h"
 #include "raytrace/intersect/ray_kernel.h"
 #include "raytrace/project/tile_buffers.h"
 #include "slim/blend/blend.h"
-#include "slim/model/rim.h"
 
-#include <array>
 #include <cstddef>
 
 namespace slim {
-
-/// A surfel's rims in floats.
-struct RimLanes {
-    struct Line {
-        float u, v, reach;
-        explicit Line(PackedRim packed) {
-            const Rim rim = unpack_rim(packed);
-            u = static_cast<float>(rim.u), v = static_cast<float>(rim.v);
-            // None: beyond all that lies in a ball, and finite in the sums below.
-            reach = rim.is_whole() ? 1e3f : static_cast<float>(rim.reach);
-        }
-        [[gnu::always_inline]] FloatV inside(const FloatV& x, const FloatV& y) const {
-            return FloatV(reach) - FloatV(u) * x - FloatV(v) * y;
-        }
-    };
-    Line first, second;
-    bool is_whole;
-
-    explicit RimLanes(PackedRims packed)
-        : first(packed.first), second(packed.second), is_whole(!packed.any()) {}
-    /// rim_share at some places; the surfel has a rim.
-    [[gnu::always_inline]] FloatV share(const FloatV& x, const FloatV& y) const {
-        constexpr float kPerRamp = static_cast<float>(1 / kRimRamp);
-        const FloatV inside = stdx::min(first.inside(x, y), second.inside(x, y)) * FloatV(kPerRamp);
-        return stdx::min(stdx::max(inside, FloatV(0.0f)), FloatV(1.0f));
-    }
-};
 
 [[gnu::always_inline]] inline void store_where(TilePlane& plane, std::size_t i, const FloatV::mask_type& where,
                                                const FloatV& x) {
@@ -63,19 +35,6 @@ template <bool kSharpModel>
     if constexpr (!kSharpModel) return agreement > 0.0f;
     const FloatV size = stdx::sqrt((g.x * g.x + g.y * g.y + g.z * g.z) * (x * x + y * y + z * z));
     return agreement > static_cast<float>(kSharpGate) * size;
-}
-
-/// exp(-8 s) on [0, 1/4], the highest power first: interpolated at Chebyshev's points.
-inline constexpr std::array<float, 7> kBlendExp{138.185089f, -208.353479f, 160.585256f, -84.4941842f, 31.9660136f, -7.99947649f, 0.999998668f};
-
-/// weight_kernel for what is blended: exp by a polynomial of degree 6 and a quick root, absolute error below 3e-6.
-[[gnu::always_inline]] inline FloatV blend_weight(const FloatV& s) {
-    FloatV e(kBlendExp[0]);
-    for (std::size_t k = 1; k < kBlendExp.size(); ++k) e = e * s + FloatV(kBlendExp[k]);
-    const FloatV rest = 1.0f - s * inverse_sqrt(s);
-    const FloatV sq = rest * rest;
-    const FloatV tail = select<FloatV>(s < 1.0f, 2.16536453f * (sq * sq), FloatV(0.0f));
-    return select<FloatV>(s <= 0.25f, e, tail);
 }
 
 /// Adds the roots of some lanes to the sums, each with its share of G; depths are averaged as differences from q^,

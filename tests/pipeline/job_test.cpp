@@ -99,6 +99,50 @@ TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
 }
 
+TEST(Job, LightTablesBecomeOneOption) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"
+        "[[light]]\nkind = 'sun'\nazimuth = 300\nangle = 2.5\n"
+        "[[light]]\nkind = 'rect'\nat = [1, 2, 3]\nsize = [1, 0.5]\nshadows = false\n"
+        "[[view]]\nname = 'a'\nadd = ['b.slim']\n"));
+    const JobStep& view = job.steps[1];
+    EXPECT_TRUE(has(view, "--light=sun azimuth=300 angle=2.5; rect at=1,2,3 size=1,0.5 shadows=false"));
+    // A model that is added is an input, found beside the job.
+    EXPECT_EQ(view.inputs.back(), fs::path(testing::TempDir()) / "b.slim");
+}
+
+TEST(Job, BadLightsAreRefusedWithTheirLine) {
+    const std::string begin = "[input]\nfiles = ['a.ply']\n";
+    const auto message = [&](const std::string& rest) {
+        try {
+            read_job(write_job(begin + rest + "\n[[view]]\n"));
+        } catch (const ConfigError& e) {
+            return std::string(e.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(message("[[light]]\nkind = 'son'").find(":3: "), std::string::npos);
+    EXPECT_NE(message("[[light]]\nkind = 'sun'\nheight = 3").find("'height'"), std::string::npos);
+    EXPECT_NE(message("[render]\nlight = 'sonne'").find(":4: "), std::string::npos);
+    EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"), std::string::npos);
+    EXPECT_NE(message("[render]\nao = true").find("--mode raytrace"), std::string::npos);
+}
+
+TEST(Job, SaysWhichRaysAreNotCast) {
+    const auto left_out = [&](const std::string& render) {
+        const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render + "\n[[view]]\n"));
+        std::string all;
+        for (const std::string& line : job.left_out) all += line + "\n";
+        return all;
+    };
+    EXPECT_NE(left_out("mode = 'forward'").find("rays: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'").find("rays: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'").find("shadows: "), std::string::npos);
+    EXPECT_NE(left_out("mode = 'raytrace'\nshadows = false").find("shadows: "), std::string::npos);
+    EXPECT_NE(left_out("mode = 'raytrace'").find("ambient occlusion: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'\nao = true").find("ambient occlusion: "), std::string::npos);
+}
+
 TEST(Job, ReadsFilesFromBesideItself) {
     const Job job = read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n[measure]\n"));
     ASSERT_EQ(job.steps.size(), 3u);

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "formats/model_file.h"
+#include "pipeline/ray_options.h"
+#include "pipeline/render_aov.h"
+#include "pipeline/render_config.h"
+#include "raytrace/camera.h"
+#include "raytrace/trace/look.h"
+#include "raytrace/trace/trace_scene.h"
+#include "slim/model/surfel_tree.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// Channels that shading and openness take beside those of the AOVs.
+Channels light_channels(const RenderConfig& config, const std::vector<std::string>& aovs);
+
+/// The models of a traced picture, ready for rays.
+class TracedModels {
+public:
+    /// `first` must outlive it. Opens config.add (FormatError, IoError, DataError naming the file).
+    TracedModels(const RenderConfig& config, const SurfelTree& first);
+
+    const TraceScene& scene() const { return *scene_; }
+    /// The first model's header, its bounds those of all.
+    const ModelHeader& header() const { return header_; }
+    double build_ms() const { return build_ms_; }
+    /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
+    /// (The outlines of single surfels reach lower still; under those a model would hover.)
+    double lowest(const Vec3d& up) const;
+
+private:
+    std::vector<std::unique_ptr<ModelFile>> files_;
+    std::vector<std::unique_ptr<SurfelTree>> trees_;
+    std::unique_ptr<TraceScene> scene_;
+    ModelHeader header_;
+    double build_ms_ = 0;
+};
+
+/// What shades a frame: lights and materials, and the rays that the picture is cast with, if it is.
+struct FrameLight {
+    const RenderConfig& config;
+    const ModelHeader& header;
+    const Camera& camera;
+    const TracedModels* traced = nullptr;
+};
+
+/// Fills frame.open, the ambient openness of every hit.
+void find_openness(const FrameLight& light, RenderedFrame& frame);
+
+/// Fills frame.shaded, at the picture's size; keeps its memory if it can.
+void shade_frame(const FrameLight& light, const PictureSize& size, RenderedFrame& frame);
+
+}  // namespace slim

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "raytrace/pixel_block.h"
+#include "slim/base/hash.h"
+#include "slim/base/simd.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace slim {
+
+/// A key for the random numbers of each lane: of its pixel and of what they are for, so that
+/// threads cannot change them.
+struct LaneKeys {
+    std::array<std::uint64_t, kLanes> key;
+
+    LaneKeys(const PixelBlock& block, std::uint64_t purpose) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const auto x = static_cast<std::uint64_t>(block.x_of(lane)),
+                       y = static_cast<std::uint64_t>(block.y_of(lane));
+            key[static_cast<std::size_t>(lane)] = keyed_hash(0x726179, y << 32 | x, purpose);
+        }
+    }
+};
+
+/// Samples of [0, 1]^2, one in each cell of a square grid: stratified, and alike in neighbouring
+/// lanes, so that their rays keep together.
+class SampleGrid {
+public:
+    /// At least n samples.
+    explicit SampleGrid(int n)
+        : side_(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(n)) - 1e-9))) {}
+
+    int n() const { return side_ * side_; }
+    void sample(int i, const LaneKeys& keys, FloatV& s, FloatV& t) const {
+        const float size = 1 / static_cast<float>(side_);
+        const auto column = static_cast<float>(i % side_), row = static_cast<float>(i / side_);
+        FloatV a, b;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const std::uint64_t hash = mix64(keys.key[lane] + static_cast<std::uint64_t>(i));
+            a[lane] = low_bits(hash), b[lane] = low_bits(hash >> 32);
+        }
+        s = (column + a) * size, t = (row + b) * size;
+    }
+
+private:
+    static float low_bits(std::uint64_t x) { return static_cast<float>(x & 0xffffffu) * 0x1p-24f; }
+
+    int side_;
+};
+
+}  // namespace slim

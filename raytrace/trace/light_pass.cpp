@@ -1,0 +1,113 @@
+#include "raytrace/trace/light_pass.h"
+
+#include "raytrace/trace/light_tracer.h"
+
+#include <algorithm>
+
+namespace slim {
+namespace {
+
+/// The surface in a block and what leaves it.
+struct BlockSurface {
+    ShadePoints at;
+    std::array<std::uint16_t, kLanes> model{};
+    FloatV open{1.0f};
+};
+
+BlockSurface load_block(const TracedSurface& surface, std::span<const float> open,
+                        const PixelBlock& block) {
+    BlockSurface out{load_points(surface.planes, surface.scene.frame(), block), {}, FloatV(1.0f)};
+    for (int lane = 0; lane < kLanes; ++lane) {
+        if (!block.holds(lane)) continue;
+        const auto k = static_cast<std::size_t>(lane);
+        const std::size_t i = surface.planes.index(block, lane);
+        out.at.clearance[k] = surface.traced.clearance[i] + kPlaceRounding;
+        if (!surface.traced.model.empty()) out.model[k] = surface.traced.model[i];
+        if (!open.empty()) out.open[k] = open[i];
+    }
+    return out;
+}
+
+TraceCounts sum_of(const std::vector<TraceCounts>& rows) {
+    TraceCounts sum;
+    for (const TraceCounts& c : rows) sum += c;
+    return sum;
+}
+
+/// Rays through a block's pixels towards the ground, from no farther before the scene's middle than
+/// it matters: floats are exact enough from there.
+RayPacket rays_to_ground(const PixelView& view, const SceneFrame& frame, const PixelBlock& block) {
+    constexpr double kFarthest = 64;
+    RayPacket rays;
+    rays.origin = rays.direction = LanesOfVec(Vec3f{0, 0, 1});
+    for (int lane = 0; lane < kLanes; ++lane) {
+        if (!block.holds(lane)) continue;
+        const double px = block.x_of(lane) + 0.5, py = block.y_of(lane) + 0.5;
+        const Vec3d direction = view.ray_direction(px, py);
+        const Vec3d origin = (view.ray_origin(px, py) - frame.middle) / frame.unit;
+        const double start = std::max(0.0, -dot(origin, direction) - kFarthest);
+        rays.origin.set(lane, to_float(origin + direction * start));
+        rays.direction.set(lane, to_float(direction));
+        rays.far[static_cast<std::size_t>(lane)] = kFar;
+    }
+    return rays;
+}
+
+/// Distance of the surface from the rays' origins; infinite where there is none.
+FloatV distance_of(const ShadePoints& at, const RayPacket& rays) {
+    return select<FloatV>(at.on, (at.point - rays.origin).dot(rays.direction), FloatV(kFar));
+}
+
+void light_block(const TracedSurface& surface, const LightTracer& tracer, bool ground,
+                 std::span<const float> open, const RaySite& site, Picture& out) {
+    const PixelBlock& block = site.block;
+    const BlockSurface s = load_block(surface, open, block);
+    LanesOfVec color{Vec3f{}};
+    FloatV alpha = select<FloatV>(s.at.on, FloatV(1.0f), FloatV(0.0f));
+    if (stdx::any_of(s.at.on)) color = tracer.color(s.at, s.model, s.open, site);
+    if (ground) {
+        const RayPacket rays = rays_to_ground(surface.planes.view, surface.scene.frame(), block);
+        FloatV ground_alpha;
+        const LanesOfVec over =
+            tracer.ground_color(rays, distance_of(s.at, rays), site, ground_alpha);
+        color = over + color * (1.0f - ground_alpha);
+        alpha = ground_alpha + alpha * (1.0f - ground_alpha);
+    }
+    store_block(block, color, alpha, out);
+}
+
+}  // namespace
+
+std::vector<float> openness_plane(const TracedSurface& surface, const Openness& openness,
+                                  const std::optional<GroundPlane>& ground, TraceCounts& counts) {
+    std::vector<float> out(surface.planes.buffer.n_pixels(), 0.0f);
+    std::vector<TraceCounts> rows(n_block_rows(surface.planes.window));
+    TraceLook look;
+    look.ground = ground;
+    const LightTracer tracer(surface.scene, look);
+    for_blocks(surface.planes.window, [&](std::size_t row, const PixelBlock& block) {
+        const BlockSurface s = load_block(surface, {}, block);
+        if (stdx::none_of(s.at.on)) return;
+        const FloatV open = tracer.open_share(s.at, openness, {block, rows[row]});
+        for (int lane = 0; lane < kLanes; ++lane)
+            if (const auto k = static_cast<std::size_t>(lane); s.at.on[k])
+                out[surface.planes.index(block, lane)] = open[k];
+    });
+    counts += sum_of(rows);
+    return out;
+}
+
+Picture light_rows(const TracedSurface& surface, const TraceLook& look, std::span<const float> open,
+                   const RowRange& rows, TraceCounts& counts) {
+    const PixelWindow band = surface.planes.band(rows);
+    Picture out(band.width, band.height);
+    std::vector<TraceCounts> row_counts(n_block_rows(band));
+    const LightTracer tracer(surface.scene, look);
+    for_blocks(band, [&](std::size_t row, const PixelBlock& block) {
+        light_block(surface, tracer, look.ground.has_value(), open, {block, row_counts[row]}, out);
+    });
+    counts += sum_of(row_counts);
+    return out;
+}
+
+}  // namespace slim

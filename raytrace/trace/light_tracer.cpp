@@ -1,0 +1,169 @@
+#include "raytrace/trace/light_tracer.h"
+
+#include <bit>
+
+namespace slim {
+namespace {
+
+/// Random numbers of openness; those of lights count up from 0.
+constexpr std::uint64_t kOpenness = 1 << 15;
+
+/// Rays that leave surface points above them, in the lanes wanted.
+RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted,
+                  const LanesOfVec& direction, const FloatV& far) {
+    RayPacket rays;
+    rays.origin = at.point + at.normal * at.clearance, rays.direction = direction;
+    rays.far = select<FloatV>(wanted, far, FloatV(-1.0f));
+    rays.normal = at.outward, rays.leaves_surface = true;
+    return rays;
+}
+
+/// Directions about a normal whose density goes with the cosine: points of a disc, raised to the
+/// sphere.
+LanesOfVec about(const LanesOfVec& n, const FloatV& s, const FloatV& t) {
+    FloatV x, y;
+    disc_point(s, t, x, y);
+    const FloatV z = stdx::sqrt(stdx::max(1.0f - x * x - y * y, FloatV(0.0f)));
+    // The basis of Duff et al. (JCGT 2017).
+    const FloatV sign = lanes_copysign<FloatV>(FloatV(1.0f), n.z);
+    const FloatV a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    const LanesOfVec u{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x},
+        v{b, sign + n.y * n.y * a, -n.y};
+    return u * x + v * y + n * z;
+}
+
+FloatV luminance(const LanesOfVec& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+
+}  // namespace
+
+SceneGround::SceneGround(const GroundPlane& plane, const SceneFrame& frame)
+    : normal(to_float(plane.normal)),
+      height(static_cast<float>((plane.height - dot(plane.normal, frame.middle)) / frame.unit)) {}
+
+FloatV SceneGround::distance(const LanesOfVec& origin, const LanesOfVec& direction) const {
+    const LanesOfVec n(normal);
+    const FloatV above = origin.dot(n) - height, down = -direction.dot(n);
+    const auto meets = above > 0.0f && down > 1e-6f;
+    return select<FloatV>(meets, above / select<FloatV>(meets, down, FloatV(1.0f)), FloatV(kFar));
+}
+
+LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
+    : scene_(scene), look_(look), rig_(look.rig, scene.frame()) {
+    if (look.ground) ground_.emplace(*look.ground, scene.frame());
+}
+
+FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
+                               const RaySite& site) const {
+    const SampleGrid grid(openness.samples);
+    const LaneKeys keys(site.block, site.purpose() + kOpenness);
+    const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
+    FloatV open(0.0f);
+    for (int i = 0; i < grid.n(); ++i) {
+        FloatV s, t;
+        grid.sample(i, keys, s, t);
+        const LanesOfVec direction = about(at.normal, s, t);
+        const RayPacket rays = leaving(at, at.on, direction, far);
+        auto free = scene_.unblocked(rays, site.counts);
+        if (ground_) free = free && ground_->distance(rays.origin, direction) > far;
+        open += select<FloatV>(free, FloatV(1.0f), FloatV(0.0f));
+    }
+    return open * (1 / static_cast<float>(grid.n()));
+}
+
+FloatV::mask_type LightTracer::unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
+                                         const IncidentLight& light, TraceCounts& counts) const {
+    if (!look_.shadows) return lit;
+    return scene_.unblocked(leaving(at, lit, light.toward, light.distance), counts);
+}
+
+LanesOfVec LightTracer::background(const LanesOfVec& direction) const {
+    const Background& b = look_.background;
+    const FloatV upward = (0.5f + 0.5f * direction.dot(LanesOfVec(rig_.up)));
+    return (LanesOfVec(b.top) * upward + LanesOfVec(b.bottom) * (1.0f - upward)) * FloatV(b.alpha);
+}
+
+LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) const {
+    const LanesOfVec& e = at.toward_eye;
+    const LanesOfVec direction = (at.normal * (2.0f * at.normal.dot(e)) - e).unit();
+    const RayPacket rays = leaving(at, at.on, direction, FloatV(kFar));
+    const SurfaceHits hits = scene_.surface(rays, Derivatives::first, site.counts);
+    const FloatV ground = ground_ ? ground_->distance(rays.origin, direction) : FloatV(kFar);
+    LanesOfVec seen = background(direction);
+    if (ground_) {
+        FloatV alpha;
+        const LanesOfVec plane = ground_color(rays, hits.t, site, alpha);
+        seen = plane + seen * (1.0f - alpha);
+    }
+    const auto hit = at.on && hits.hit() && hits.t <= ground;
+    if (stdx::none_of(hit)) return seen;
+    ShadePoints there;
+    there.point = hits.point, there.toward_eye = -direction, there.on = hit;
+    there.clearance = hits.clearance + kPlaceRounding;
+    there.outward = hits.normal;
+    there.normal = select_vec(hits.normal.dot(direction) > 0.0f, -hits.normal, hits.normal);
+    std::array<std::uint16_t, kLanes> model;
+    for (std::size_t k = 0; k < kLanes; ++k) model[k] = static_cast<std::uint16_t>(hits.model[k]);
+    return select_vec(hit, color(there, model, FloatV(1.0f), site), seen);
+}
+
+LanesOfVec LightTracer::lit(const ShadePoints& at, const Material& material, const FloatV& open,
+                            const RaySite& site) const {
+    const LanesOfVec own = lit_color(
+        rig_, material, at, open, site.block, site.purpose(), false,
+        [&](const ShadePoints& p, const FloatV::mask_type& lanes, const IncidentLight& light) {
+            return unblocked(p, lanes, light, site.counts);
+        });
+    if (!(material.mirror > 0) || site.level >= look_.bounces) return own;
+    return own * FloatV(1 - material.mirror) +
+           mirrored(at, site.behind_mirror()) * FloatV(material.mirror);
+}
+
+LanesOfVec LightTracer::color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
+                              const FloatV& open, const RaySite& site) const {
+    LanesOfVec out{Vec3f{}};
+    ShadePoints rest = at;
+    while (stdx::any_of(rest.on)) {
+        const std::uint16_t m =
+            model[static_cast<std::size_t>(std::countr_zero(lane_bits(rest.on)))];
+        ShadePoints own = rest;
+        own.on = rest.on && FloatV([&](auto k) { return model[k] == m ? 1.0f : 0.0f; }) > 0.0f;
+        out = select_vec(own.on, lit(own, look_.material(m), open, site), out);
+        rest.on = rest.on && !own.on;
+    }
+    return out;
+}
+
+FloatV LightTracer::shadow_alpha(const ShadePoints& at, const FloatV& open,
+                                 const RaySite& site) const {
+    const Material white{{1, 1, 1}, 0, 1, 0};
+    const auto all = [](const ShadePoints&, const FloatV::mask_type& lanes, const IncidentLight&) {
+        return lanes;
+    };
+    const FloatV bright =
+        luminance(lit_color(rig_, white, at, FloatV(1.0f), site.block, site.purpose(), false, all));
+    const FloatV seen = luminance(lit(at, white, open, site));
+    return select<FloatV>(at.on && bright > 0.0f, 1.0f - seen / bright, FloatV(0.0f));
+}
+
+LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
+                                     FloatV& alpha) const {
+    alpha = FloatV(0.0f);
+    const FloatV t = ground_->distance(rays.origin, rays.direction);
+    ShadePoints at;
+    at.on = rays.active() && t < far && t < kFar;
+    if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
+    at.point = rays.origin + rays.direction * select<FloatV>(at.on, t, FloatV(0.0f));
+    at.outward = LanesOfVec{Vec3f{}};  // no surfel makes it
+    at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
+    at.clearance = FloatV(1e-5f);
+    const FloatV open = look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
+    if (!look_.ground->color) {
+        alpha = shadow_alpha(at, open, site);
+        return LanesOfVec{Vec3f{}};
+    }
+    const Material material{*look_.ground->color, 0, 1, 0};
+    alpha = select<FloatV>(at.on, FloatV(1.0f), alpha);
+    return select_vec(at.on, lit(at, material, open, site), LanesOfVec{Vec3f{}});
+}
+
+}  // namespace slim

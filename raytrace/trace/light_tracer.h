@@ -1,0 +1,69 @@
+#pragma once
+
+#include "raytrace/surface_light.h"
+#include "raytrace/trace/look.h"
+#include "raytrace/trace/trace_scene.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace slim {
+
+/// Places in the floats of a G-buffer, and of rays, are this exact (scene units).
+inline constexpr float kPlaceRounding = 4e-7f;
+
+/// A ground plane in scene coordinates.
+struct SceneGround {
+    Vec3f normal;
+    float height;
+
+    SceneGround(const GroundPlane& plane, const SceneFrame& frame);
+
+    /// Where rays meet the upper side, infinite where they do not.
+    FloatV distance(const LanesOfVec& origin, const LanesOfVec& direction) const;
+};
+
+/// Where rays are sent for: the pixels of a block, after so many mirrors.
+struct RaySite {
+    const PixelBlock& block;
+    TraceCounts& counts;
+    int level = 0;
+
+    RaySite behind_mirror() const { return {block, counts, level + 1}; }
+    /// Keys of random numbers: a set of them for each level.
+    std::uint64_t purpose() const { return static_cast<std::uint64_t>(level) << 16; }
+};
+
+/// Sends rays from the surface. Random numbers are keyed by pixel and purpose.
+class LightTracer {
+public:
+    LightTracer(const TraceScene& scene, const TraceLook& look);
+
+    /// Share of the directions above the points in which nothing is within the distance.
+    FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
+
+    /// Colour of the points, each of the material of its model.
+    LanesOfVec color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
+                     const FloatV& open, const RaySite& site) const;
+
+    /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`.
+    LanesOfVec ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
+                            FloatV& alpha) const;
+
+private:
+    FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
+                                const IncidentLight& light, TraceCounts& counts) const;
+    LanesOfVec lit(const ShadePoints& at, const Material& material, const FloatV& open,
+                   const RaySite& site) const;
+    LanesOfVec mirrored(const ShadePoints& at, const RaySite& site) const;
+    LanesOfVec background(const LanesOfVec& direction) const;
+    FloatV shadow_alpha(const ShadePoints& at, const FloatV& open, const RaySite& site) const;
+
+    const TraceScene& scene_;
+    const TraceLook& look_;
+    SceneRig rig_;
+    std::optional<SceneGround> ground_;
+};
+
+}  // namespace slim

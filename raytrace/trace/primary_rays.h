@@ -1,0 +1,14 @@
+#pragma once
+
+#include "raytrace/camera.h"
+#include "raytrace/pixel_block.h"
+#include "raytrace/scene_frame.h"
+#include "raytrace/trace/ray_packet.h"
+
+namespace slim {
+
+/// Rays through the centres of a block's pixels, from where they enter the scene on; lanes that
+/// miss its sphere have none.
+RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block);
+
+}  // namespace slim

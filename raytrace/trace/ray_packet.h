@@ -1,0 +1,27 @@
+#pragma once
+
+#include "raytrace/lanes_of_vec.h"
+#include "slim/base/simd.h"
+
+#include <limits>
+
+namespace slim {
+
+inline constexpr float kFar = std::numeric_limits<float>::infinity();
+
+/// Rays origin + t direction for t in [0, far], scene coordinates; |direction| = 1. `far` < 0 is a
+/// lane without a ray.
+struct RayPacket {
+    LanesOfVec origin, direction;
+    FloatV far{-1.0f};
+    /// What their floats lack of the exact ray: places on it are found with them.
+    LanesOfVec origin_low{Vec3f{}}, direction_low{Vec3f{}};
+    /// They leave a surface whose outward normal this is, on either side: what makes that surface
+    /// there does not stop them (leaves_own).
+    LanesOfVec normal{Vec3f{}};
+    bool leaves_surface = false;
+
+    FloatV::mask_type active() const { return far >= 0.0f; }
+};
+
+}  // namespace slim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/scene_frame.h"
+#include "raytrace/trace/bvh.h"
+#include "slim/model/rim.h"
+#include "slim/model/surfel_tree.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// A surfel ready for rays from anywhere: floats, the scene's axes; two cache lines.
+struct alignas(64) TraceRecord {
+    std::array<float, 3> center;      ///< scene coordinates
+    std::array<float, 3> center_low;  ///< what they lack of the exact ones
+    float radius, inv_radius;         ///< scene units
+    std::array<float, 3> u_axis, v_axis, normal;
+    std::array<float, 10> a;
+    std::uint32_t node;
+    std::uint32_t sharp = kNotSharp;  ///< entry in TraceModel::sharp
+    PackedRims rims;
+    std::uint8_t degree;  ///< 1 to 3; a disc counts as 1
+    float clearance;      ///< max(2 eps, 1e-4 rho), scene units (NUMERICS 7.3)
+
+    static constexpr std::uint32_t kNotSharp = 0xffffffffu;
+};
+static_assert(sizeof(TraceRecord) == 128);
+
+/// The leaves of a model in the order of a tree of boxes over what stage 1 can hit: their surface
+/// in the ball shrunken by kHitTrim. The same tree with the boxes of the whole balls finds
+/// supporters.
+struct TraceModel {
+    Bvh bvh;                  ///< `order` is empty: record i is item i
+    std::vector<BoxF> balls;  ///< of each node
+    std::vector<TraceRecord> records;
+    std::vector<SharpRecord> sharp;  ///< sheets in the scene's axes; fields of a view unused
+    std::uint64_t loose_hidden = 0;
+    bool is_sharp = false;  ///< the model has sharp surfels: the close gate (Gate in slim/blend)
+};
+
+/// Decodes a model's leaves for rays; `offset` is where its own frame lies in the job's. Loose
+/// leaves only if asked.
+///
+/// cost  O(n log n) for n leaves, in parallel; 220 bytes a leaf
+TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset,
+                       bool loose);
+
+}  // namespace slim
