@@ -2,6 +2,7 @@
 
 #include "raytrace/intersect/cubic_in_ball.h"
 #include "raytrace/intersect/pixel_record.h"
+#include "raytrace/intersect/quadratic_in_ball.h"
 #include "raytrace/intersect/ray_kernel.h"
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
@@ -11,145 +12,117 @@
 
 namespace slim {
 
-/// What a record has in common on one row of pixels.
-template <int Degree>
-struct RowOf {
-    alignas(64) std::array<float, PixelRecord<Degree>::kWidth> c;
-    float t;
-    float u_t, v_t;  ///< the axes' parts of t
+/// What a record has in common where t is: pixels of one row, or of rows that repeat along a strip of blocks.
+template <int Degree, class V>
+class RowOf {
+public:
+    [[gnu::always_inline]] RowOf(const PixelRecord<Degree>& record, const V& at_t, float sq_radius)
+        : r(record), t(at_t) {
+        ball_n = t * t - V(sq_radius);
+        ball_m = t * V(r.ball_t) + V(2 * r.kappa * sq_radius);
+        ball_l = V(r.ball_tau - r.kappa * r.kappa * sq_radius);
+        std::size_t at = 0;
+        for (int p = 0; p < Degree; ++p)
+            for (int i = 0; i < Degree - p; ++i) in_s[at++] = coefficient(p, i);
+        for (std::size_t axis = 0; axis < r.gradient.size(); ++axis)
+            in_gradient[axis] = V(r.gradient[axis][0]) + t * V(r.gradient[axis][2]);
+    }
 
-    [[gnu::always_inline]] RowOf(const PixelRecord<Degree>& r, float y)
-        : t(r.base_y + (y - r.pixel_y) * r.step), u_t(r.u_axis[1] * t), v_t(r.v_axis[1] * t) {
-        constexpr std::size_t kLast = PixelRecord<Degree>::kPowers - 1;
-        for (std::size_t i = 0; i < PixelRecord<Degree>::kWidth; ++i) {
-            float value = r.row[kLast][i];
-            for (std::size_t j = kLast; j-- > 0;) value = value * t + r.row[j][i];
-            c[i] = value;
+    /// h^2 (|q|^2 - R^2).
+    [[gnu::always_inline]] BallLanes<V> ball(const V& s) const {
+        return {ball_n + s * s, ball_m + s * V(r.ball_s), ball_l};
+    }
+
+    /// h^Degree f by powers of tau.
+    [[gnu::always_inline]] PolynomialLanes<V> polynomial(const V& s) const {
+        PolynomialLanes<V> k{V(0.0f), V(0.0f), V(0.0f), V(0.0f)};
+        std::size_t at = 0;
+        for (int p = 0; p <= Degree; ++p) {
+            const int n = Degree - p;
+            V value(r.f[power_start(Degree, p) + n_planar(n - 1)]);
+            for (int i = n; i-- > 0;) value = in_s[at + static_cast<std::size_t>(i)] + s * value;
+            at += static_cast<std::size_t>(n);
+            k[static_cast<std::size_t>(p)] = value;
+        }
+        return k;
+    }
+
+    /// The surfel's own (u, v) at tau; share is 1 / h there.
+    struct Plane {
+        V u, v;
+    };
+    [[gnu::always_inline]] Plane plane(const V& s, const V& tau, const V& share) const {
+        return {share * (s * V(r.u[0]) + t * V(r.u[1]) + tau * V(r.u[2])),
+                share * (s * V(r.v[0]) + t * V(r.v[1]) + tau * V(r.v[2]))};
+    }
+
+    /// Gradient of f times rho, camera axes.
+    [[gnu::always_inline]] GradientLanes<V> gradient(const V& s, const V& tau, const V& share) const {
+        if constexpr (Degree == 2) {
+            const auto at = [&](std::size_t axis) __attribute__((always_inline)) {
+                return share * (in_gradient[axis] + s * V(r.gradient[axis][1]) + tau * V(r.gradient[axis][3]));
+            };
+            return {at(0), at(1), at(2)};
+        } else {
+            const auto [u, v] = plane(s, tau, share);
+            return gradient_at<Degree, V>(r, u, v);
         }
     }
-};
 
-template <int Degree, class V>
-[[gnu::always_inline]] inline V pixel_offset(const PixelRecord<Degree>& r, const V& x) {
-    return (x - V(r.pixel_x)) * V(r.step) + V(r.base_x);
-}
-
-template <int Degree, class V>
-[[gnu::always_inline]] inline BallLanes<V> ball_lanes(const PixelRecord<Degree>& r, const RowOf<Degree>& row,
-                                                      const V& s) {
-    constexpr std::size_t k = PixelRecord<Degree>::kBall;
-    const auto at = [&](std::size_t i) __attribute__((always_inline)) {
-        return V(row.c[k + i]) + s * (V(r.ball_s[i]) + s * V(r.ball_ss[i]));
-    };
-    return {at(0), at(1), at(2)};
-}
-
-/// f along the rays, by powers of tau.
-template <int Degree, class V>
-[[gnu::always_inline]] inline PolynomialLanes<V> pixel_polynomial(const PixelRecord<Degree>& r,
-                                                                  const RowOf<Degree>& row, const V& s) {
-    constexpr auto n = static_cast<std::size_t>(Degree);
-    PolynomialLanes<V> k{V(0.0f), V(0.0f), V(0.0f), V(0.0f)};
-    for (std::size_t p = 0; p <= n; ++p) {
-        V value(r.top[p]);
-        for (std::size_t i = n; i-- > 0;) value = V(row.c[p * n + i]) + s * value;
-        k[p] = value;
+    /// Hessian of f times rho, camera axes; entry n.
+    [[gnu::always_inline]] V hessian(std::size_t n, const Plane& at) const {
+        if constexpr (Degree < 3) return V(r.hessian[0][n]);
+        else return V(r.hessian[0][n]) + at.u * V(r.hessian[1][n]) + at.v * V(r.hessian[2][n]);
     }
-    return k;
-}
 
-/// The surfel's own (u, v) at tau.
-template <class V>
-struct PlaneLanes {
-    V u, v;
-};
-template <int Degree, class V>
-[[gnu::always_inline]] inline PlaneLanes<V> plane_lanes(const PixelRecord<Degree>& r, const RowOf<Degree>& row,
-                                                        const V& s, const V& tau) {
-    const V share = 1.0f + tau * V(r.kappa);
-    return {tau * V(r.u_tau) + share * (s * V(r.u_axis[0]) + V(row.u_t)),
-            tau * V(r.v_tau) + share * (s * V(r.v_axis[0]) + V(row.v_t))};
-}
+    /// 1 / h.
+    [[gnu::always_inline]] V share(const V& tau) const { return reciprocal(height(tau)); }
+    [[gnu::always_inline]] V height(const V& tau) const { return 1.0f - tau * V(r.kappa); }
 
-/// Gradient of f times rho at tau, camera axes. For degree 2 it is affine in tau and (1 + kappa tau) (s, t).
-template <int Degree, class V>
-[[gnu::always_inline]] inline GradientLanes<V> pixel_gradient(const PixelRecord<Degree>& r, const RowOf<Degree>& row,
-                                                              const V& s, const V& tau) {
-    if constexpr (Degree == 2) {
-        constexpr std::size_t k = PixelRecord<2>::kGradient;
-        const V share_s = s * (1.0f + tau * V(r.kappa));
-        const auto at = [&](std::size_t axis) __attribute__((always_inline)) {
-            return V(row.c[k + axis]) + tau * V(row.c[k + 3 + axis]) + share_s * V(r.gradient_s[axis]);
+private:
+    /// The coefficient of s^i tau^p.
+    [[gnu::always_inline]] V coefficient(int p, int i) const {
+        const int n = Degree - p;
+        const auto term = [&](int j) __attribute__((always_inline)) {
+            return V(r.f[power_start(Degree, p) + n_planar(i + j - 1) + static_cast<std::size_t>(j)]);
         };
-        return {at(0), at(1), at(2)};
-    } else {
-        const auto [u, v] = plane_lanes<Degree, V>(r, row, s, tau);
-        return gradient_at<Degree, V>(r, u, v);
+        V value = term(n - i);
+        for (int j = n - i; j-- > 0;) value = term(j) + t * value;
+        return value;
     }
-}
 
-/// The smaller root in size of k0 + 2 h t + k2 t^2 is -k0 / q, the other one -q / k2, q = h + sign(h) sqrt(h^2 - k0 k2)
-/// (NUMERICS 4.2); q is NaN where there is none.
-template <class V>
-[[gnu::always_inline]] inline V quadratic_q(const V& k0, const V& h, const V& k2) {
-    // Exact products by fma (Kahan): the discriminant near a tangent.
-    const V w = k0 * k2;
-    const V discriminant = lanes_fma(h, h, -w) - lanes_fma(k0, k2, -w);
-    const V inverse = inverse_sqrt(discriminant), root = discriminant * inverse;
-    // One more step, for the last bit.
-    return h + lanes_copysign(root + (0.5f * inverse) * lanes_fma(-root, root, discriminant), h);
-}
+    const PixelRecord<Degree>& r;
+    V t, ball_n, ball_m, ball_l;
+    std::array<V, n_planar(Degree - 1)> in_s;
+    std::array<V, Degree == 2 ? 3 : 0> in_gradient;
+};
 
-/// The first root in a ball of squared radius `sq_radius` at tau >= lo.
-/// Lo: a float, or one per lane.
+/// The first root in a ball at tau >= lo; none in the ball is larger than `reach`. Lo: a float, or one per lane.
 template <int Degree, class V, class Lo>
 [[gnu::always_inline]] inline RootLanes<V> first_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                         float sq_radius, const Lo& lo) {
-    const auto inside = [&](const V& tau) __attribute__((always_inline)) {
-        return ball.sq_distance(tau) < V(sq_radius) && tau >= V(lo);
-    };
+                                                         float reach, const Lo& lo) {
     if constexpr (Degree <= 1) {
         const V tau = -k[0] * reciprocal(k[1]);
-        return masked_root<V>(tau, inside(tau));
+        return masked_root<V>(tau, ball.value(tau) < V(0.0f) && tau >= V(lo));
     } else if constexpr (Degree == 2) {
-        const V q = quadratic_q<V>(k[0], 0.5f * k[1], k[2]);
-        const V inverse = reciprocal(q), first = -k[0] * inverse;
-        const V small = first - inverse * lanes_fma(first, q, k[0]);
-        // The other root is seldom anywhere near: |tau| is at most the radius in the ball, which is as deep as it is wide.
-        if (stdx::none_of(q * q <= V(sq_radius) * (k[2] * k[2]))) return masked_root<V>(small, inside(small));
-        const V large = -q / k[2];
-        const V near = stdx::min(small, large), far = stdx::max(small, large);
-        const auto near_in = inside(near);
-        return masked_root<V>(select<V>(near_in, near, far), near_in || inside(far));
+        return first_quadratic_in_ball<V>(k, ball, reach, lo);
     } else {
-        return first_cubic_in_ball<V>(k, ball, sq_radius, lo);
+        return first_cubic_in_ball<V>(k, ball, lo);
     }
 }
 
-/// The root in the ball nearest to 0, ball and f counted from there (`about`); roots farther off than `window` (in
-/// q) may be left out.
+/// The root in the ball nearest to 0, ball and f counted from there (`about`); those farther off than `reach` may be
+/// left out.
 template <int Degree, class V>
 [[gnu::always_inline]] inline RootLanes<V> nearest_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                           float window,
-                                                           const typename V::mask_type& active) {
-    const auto inside = [&](const V& tau) __attribute__((always_inline)) {
-        return ball.sq_distance(tau) < V(1.0f);
-    };
+                                                           float reach, const typename V::mask_type& active) {
     if constexpr (Degree <= 1) {
         const V tau = -k[0] * reciprocal(k[1]);
-        return masked_root<V>(tau, active && ball.l * (tau * tau) <= window * window && inside(tau));
+        return masked_root<V>(tau, active && ball.value(tau) < V(0.0f));
     } else if constexpr (Degree == 2) {
-        const V q = quadratic_q<V>(k[0], 0.5f * k[1], k[2]);
-        const V inverse = reciprocal(q), first = -k[0] * inverse;
-        const V small = first - inverse * lanes_fma(first, q, k[0]);
-        const auto small_in = active && inside(small);
-        // The other root is seldom within the window.
-        const auto other = active && !small_in && q * q * ball.l <= (window * window) * (k[2] * k[2]);
-        if (stdx::none_of(other)) return masked_root<V>(small, small_in);
-        const V large = -q / k[2];
-        return masked_root<V>(select<V>(small_in, small, large), small_in || (other && inside(large)));
+        return nearest_quadratic_in_ball<V>(k, ball, reach, active);
     } else {
-        return nearest_cubic_in_ball<V>(k, ball, window, active);
+        return nearest_cubic_in_ball<V>(k, ball, reach, active);
     }
 }
 

@@ -29,7 +29,7 @@ struct Family {
 /// v = e t, which does not change with the sign of t, averaged over some pixels of a sheet. Within
 /// one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth derivative is not there)
 /// and jumps back to the next: the average takes the saw's teeth out of the lines.
-std::array<std::vector<float>, 3> smooth_rises(const Family& f) {
+std::array<std::vector<float>, 3> smooth_rises(const Family& f, const SheetBlur& blur) {
     const LineScene& s = f.s;
     std::array<std::vector<float>, 3> rise;
     for (auto& plane : rise) plane.assign(s.buffer.n_pixels(), 0.0f);
@@ -41,7 +41,7 @@ std::array<std::vector<float>, 3> smooth_rises(const Family& f) {
             for (std::size_t axis = 0; axis < 3; ++axis) rise[axis][i] = v[axis];
         }
     });
-    blur_on_sheets(s, rise);
+    blur(rise);
     return rise;
 }
 
@@ -106,9 +106,9 @@ std::optional<EdgeHit> crease(const Family& f, std::size_t a, std::size_t b) {
 
 }  // namespace
 
-CrossingField crest_crossings(const LineScene& s, bool ridges) {
+CrossingField crest_crossings(const LineScene& s, const SheetBlur& blur, bool ridges) {
     const Family f{s, ridges};
-    const auto rises = smooth_rises(f);
+    const auto rises = smooth_rises(f, blur);
     const auto rise = [&](std::size_t i) { return Vec3f{rises[0][i], rises[1][i], rises[2][i]}; };
     return find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
         if (is_crease(s, a, b)) return crease(f, a, b);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/lines/line_scene.h"
+#include "raytrace/lines/sheet_blur.h"
 #include "slim/base/parallel.h"
 #include "slim/base/vec.h"
 
@@ -87,9 +88,9 @@ CrossingField find_crossings(const LineScene& scene, const Find& find) {
 ///     parabolic   the curvature that does not vanish; 1
 ///     reflection  1 / L; 1
 CrossingField contour_crossings(const LineScene& scene);
-CrossingField suggestive_crossings(const LineScene& scene);
-CrossingField crest_crossings(const LineScene& scene, bool ridges);
-CrossingField parabolic_crossings(const LineScene& scene);
+CrossingField suggestive_crossings(const LineScene& scene, const SheetBlur& blur);
+CrossingField crest_crossings(const LineScene& scene, const SheetBlur& blur, bool ridges);
+CrossingField parabolic_crossings(const LineScene& scene, const SheetBlur& blur);
 CrossingField reflection_crossings(const LineScene& scene);
 
 }  // namespace slim

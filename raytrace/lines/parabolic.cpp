@@ -6,13 +6,13 @@
 
 namespace slim {
 
-CrossingField parabolic_crossings(const LineScene& s) {
+CrossingField parabolic_crossings(const LineScene& s, const SheetBlur& blur) {
     const GBuffer& g = s.buffer;
     const auto curved = [&g](std::size_t i) {
         return std::fmax(std::fabs(g.k1[i]), std::fabs(g.k2[i]));
     };
     std::vector<float> gauss = g.gauss;
-    blur_on_sheets(s, std::span(&gauss, 1));  // seams between surfels make it jagged
+    blur(std::span(&gauss, 1));  // seams between surfels make it jagged
     return find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
         const float ka = gauss[a], kb = gauss[b];
         if ((ka > 0) == (kb > 0) || ka == kb || !one_sheet(s, a, b)) return std::nullopt;

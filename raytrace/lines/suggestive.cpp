@@ -119,9 +119,9 @@ float typical_curvature(const LineScene& scene) {
 
 }  // namespace
 
-CrossingField suggestive_crossings(const LineScene& s) {
+CrossingField suggestive_crossings(const LineScene& s, const SheetBlur& blur) {
     std::vector<float> kappa = radial_curvature(s);
-    blur_on_sheets(s, std::span(&kappa, 1));  // seams between surfels make it jagged
+    blur(std::span(&kappa, 1));  // seams between surfels make it jagged
     const SlopeByDifferences differences(s, kappa);
     const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
     const bool exact = s.degree >= 3;

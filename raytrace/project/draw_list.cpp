@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace slim {
 namespace {
@@ -29,6 +30,12 @@ std::vector<std::uint32_t> sorted_order(const std::vector<std::uint32_t>& keys) 
 std::uint32_t ordered_bits(float x) {
     const auto bits = std::bit_cast<std::uint32_t>(x);
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/// A float not above x.
+float float_below(double x) {
+    const auto nearest = static_cast<float>(x);
+    return nearest - std::abs(nearest) * std::numeric_limits<float>::epsilon();
 }
 
 /// Scales of a record's pixel grid at the depth where its rays are taken.
@@ -99,19 +106,25 @@ void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c
     item.near_blend = c.z - radius, item.far_blend = c.z + radius;
 }
 
+template <int Degree>
 void bound_patch(const PixelView& view, const PixelWindow& window, const Surfel& s, const Vec3d& c,
-                 DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
-    const PatchView from(view, c, view.rotate_to_camera(s.frame.normal));
+                 const RayForm& form, std::size_t i, DrawList<Degree>& list) {
+    const Vec3d normal = view.rotate_to_camera(s.frame.normal);
     const double radius = s.support_radius;
+    if (c.z + radius < view.near_plane) return;
     const PatchBounds whole = patch_bounds(radius, 1, s.polynomial);
-    full = screen_rect(from, window, whole);
-    if (full.empty()) return;
+    const OutlinedRect full = patch_outline(window, form, normal, radius, whole);
+    list.full[i] = full.rect, list.full_outline[i] = full.outline;
+    if (full.rect.empty()) return;
     const PatchBounds core = patch_bounds(radius, kHitTrim, s.polynomial);
-    trimmed = screen_rect(from, window, core);
-    item.near_hit = c.z - core.support(from.z, false);
+    const OutlinedRect trimmed = patch_outline(window, form, normal, radius, core);
+    list.trimmed[i] = trimmed.rect, list.trimmed_outline[i] = trimmed.outline;
+    const Heading toward(normal, {0, 0, 1});
+    DrawItem& item = list.items[i];
+    item.near_hit = c.z - core.support(toward, false);
     // q^ lies in the ball and no farther than kBelongs from the surface.
-    item.near_blend = c.z - std::min(radius, whole.support(from.z, false) + kBelongs * radius);
-    item.far_blend = c.z + std::min(radius, whole.support(from.z, true) + kBelongs * radius);
+    item.near_blend = c.z - std::min(radius, whole.support(toward, false) + kBelongs * radius);
+    item.far_blend = c.z + std::min(radius, whole.support(toward, true) + kBelongs * radius);
 }
 
 template <int Degree>
@@ -120,14 +133,15 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
     const Surfel s = tree.surfel(node);
     const Vec3d c = view.camera_from_local(s.center);
     DrawItem& item = list.items[i];
-    item.z_center = c.z, item.z_base = grid_of(view, c.z, s.support_radius).z_base;
+    item.z_center = c.z;
     item.node = node, item.rims = s.rims;
     if (s.sharp || is_extreme(view, c, s.support_radius)) {
         item.general = 0;
         return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
     }
-    bound_patch(view, window, s, c, item, list.full[i], list.trimmed[i]);
-    if (!list.full[i].empty()) fill_pixel_record(view, s, list.records[i]);
+    const RayForm form = ray_form(view, c, s.support_radius);
+    bound_patch(view, window, s, c, form, i, list);
+    if (!list.full[i].empty()) fill_pixel_record(view, s, form, list.records[i]);
 }
 
 /// What the general kernels draw, in order.
@@ -158,6 +172,8 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
     list.items.resize(cut.size());
     list.full.resize(cut.size());
     list.trimmed.resize(cut.size());
+    list.full_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
+    list.trimmed_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
     list.records = std::make_unique_for_overwrite<PixelRecord<Degree>[]>(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
@@ -165,7 +181,10 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             fill_entry(view, window, tree, cut[i], i, list);
-            keys[i] = ordered_bits(static_cast<float>(list.items[i].near_hit - z_root));
+            double& near = list.items[i].near_hit;
+            const float key = float_below(near - z_root);
+            keys[i] = ordered_bits(key);
+            near = z_root + static_cast<double>(key);  // the order is that of near_hit to the last bit
         }
     });
     list.order = sorted_order(keys);

@@ -3,6 +3,7 @@
 #include "raytrace/camera.h"
 #include "raytrace/intersect/pixel_record.h"
 #include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/project/outline.h"
 #include "raytrace/project/screen_rect.h"
 #include "raytrace/renderer.h"
 #include "slim/model/rim.h"
@@ -22,9 +23,8 @@ inline constexpr std::uint32_t kFast = 0xffffffffu;
 
 /// What is known of a surfel of the cut besides its polynomials.
 struct DrawItem {
-    double z_base;              ///< camera z where tau = 0
     double z_center;
-    double near_hit;            ///< no first hit has a smaller camera z
+    double near_hit;               ///< no first hit has a smaller camera z
     double near_blend, far_blend;  ///< where a q^ that it takes part in lies
     std::uint32_t node;
     std::uint32_t general = kFast;  ///< entry in DrawList::general
@@ -37,6 +37,7 @@ struct DrawList {
     std::vector<DrawItem> items;
     std::vector<ScreenRect> full;     ///< of the surface in the support ball
     std::vector<ScreenRect> trimmed;  ///< of the surface in the ball shrunken by kHitTrim
+    std::unique_ptr<Outline[]> full_outline, trimmed_outline;  ///< of the same, where there is a record
     std::unique_ptr<PixelRecord<Degree>[]> records;  ///< of what is on the screen and not general
     /// Sharp surfels, and those near the eye or far off the axis.
     std::vector<SharpRecord> general;

@@ -48,7 +48,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird = fal
 void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBuffer& out) {
     const auto entries = scene.bins.of(tile);
     t.start(scene.view, scene.window, scene.first_x(tile), scene.first_y(tile),
-            scene.list.items[entries.front()].near_hit, scene.sums);
+            scene.list.items[entries.back()].far_blend, scene.sums);
+    fetch_tile(scene.window, scene.first_x(tile), scene.first_y(tile), out);
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
@@ -67,13 +68,32 @@ DrawTile<Degree> choose(const TileSums& sums, bool sharp) {
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
 
+struct TileRun {
+    std::size_t first;
+    int n;
+};
+
+/// Tiles to draw, one by one, and empty ones as long as they follow each other in a row.
+std::vector<TileRun> tile_runs(const TileBins& bins) {
+    std::vector<TileRun> runs;
+    for (std::size_t tile = 0; tile < bins.n_tiles(); ++tile) {
+        const bool begins_row = tile % static_cast<std::size_t>(bins.columns) == 0;
+        const bool goes_on = !begins_row && bins.of(tile).empty() && bins.of(runs.back().first).empty();
+        if (goes_on) ++runs.back().n;
+        else runs.push_back({tile, 1});
+    }
+    return runs;
+}
+
 template <int Degree>
 TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
     const DrawTile<Degree> draw = choose<Degree>(scene.sums, !scene.tree.sharp().empty());
     std::vector<TileCounts> counts(scene.bins.n_tiles());
-    parallel_blocks(scene.bins.n_tiles(), 1, [&](std::size_t tile, std::size_t) {
+    const auto runs = tile_runs(scene.bins);
+    parallel_blocks(runs.size(), 1, [&](std::size_t run, std::size_t) {
+        const auto [tile, n] = runs[run];
         if (scene.bins.of(tile).empty())
-            return clear_tile(scene.window, scene.first_x(tile), scene.first_y(tile), out);
+            return clear_tiles(scene.window, scene.first_x(tile), scene.first_y(tile), n, out);
         TileBuffers buffers;
         draw(scene, tile, buffers, out);
         counts[tile] = buffers.counts;

@@ -8,16 +8,13 @@
 
 namespace slim {
 
-/// Calls visit(tile_y, group) for the groups of lanes of a tile that a rectangle touches.
+/// Calls visit(block row, block column) for the blocks of a tile that a rectangle touches.
 template <class Visit>
-inline void for_each_group(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
-    const ScreenRect& c = t.clip;
-    const int y0 = std::max(r.y0, c.y0) - t.y0, y1 = std::min(r.y1, c.y1) - t.y0;
-    const int x0 = std::max(r.x0, c.x0) - t.x0, x1 = std::min(r.x1, c.x1) - t.x0;
-    if (x0 >= x1) return;
-    const int group_0 = x0 / kLanes, group_1 = (x1 - 1) / kLanes;
-    for (int y = y0; y < y1; ++y)
-        for (int group = group_0; group <= group_1; ++group) visit(y, group);
+inline void for_each_block(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
+    const ScreenRect on = t.on_tile(r);
+    if (on.empty()) return;
+    for (int row = on.y0 / kBlockHeight; row * kBlockHeight < on.y1; ++row)
+        for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column) visit(row, column);
 }
 
 // The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or far off the axis.
@@ -30,12 +27,12 @@ inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, cons
 
 /// Stage 1: the first root of the joined function.
 template <int Degree>
-[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int tile_y, int group,
+[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int row, int column,
                                               const TileSums& sums, TileBuffers& t) {
     constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
     const DrawRecord& r = s.sheet[0];
-    const std::size_t i = group_index(tile_y, group);
-    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const std::size_t i = block_start(row, column);
+    const PixelRays<FloatV> rays = t.rays(row, column);
     const BallRay<FloatV> ball = ball_ray(r, rays);
     const auto active = ball.sq_distance < kSqTrim;
     if (stdx::none_of(active)) return;
@@ -45,7 +42,7 @@ template <int Degree>
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
     const auto found = best_joined_root<Degree, FloatV>(
         s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
-    const FloatV z_root = base + r.radius * (found.root.t - ball.along) * rays.dz;
+    const FloatV z_root = t.depths.zeta<FloatV>(base + r.radius * (found.root.t - ball.along) * rays.dz);
     const auto nearer = found.root.hit && z_root < t.z.load(i) && rim_share_at(rim, f, found.root.t) > 0.0f;
     if (stdx::none_of(nearer)) return;
     keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found), sums);
@@ -53,13 +50,13 @@ template <int Degree>
 
 /// Stage 2: the root of the joined function nearest q^.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int tile_y, int group,
+[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int row, int column,
                                          const TileSums& sums, TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
-    const std::size_t i = group_index(tile_y, group);
-    const PixelRays<FloatV> rays = t.rays(tile_y, group);
+    const std::size_t i = block_start(row, column);
+    const PixelRays<FloatV> rays = t.rays(row, column);
     const BallRay<FloatV> ball = ball_ray(r, rays);
-    const FloatV tau = (t.z.load(i) - base) * r.inv_radius * rays.inv_dz;
+    const FloatV tau = (t.depths.relative<FloatV>(t.z.load(i)) - base) * r.inv_radius * rays.inv_dz;
     t.counts.distance_tests += kLanes;
     const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
     if (stdx::none_of(inside)) return;
@@ -89,21 +86,20 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 template <int Degree>
 void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, float entry,
                         const TileSums& sums, TileBuffers& t) {
-    const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_group(t, rect, [&](int y, int group) {
-        first_general_hits<Degree>(s, rim, entry, base, y, group, sums, t);
-        t.update_strip(y / kStripRows, group * kLanes);
+    for_each_block(t, rect, [&](int row, int column) {
+        first_general_hits<Degree>(s, rim, entry, base, row, column, sums, t);
     });
 }
 
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, const TileSums& sums,
                         TileBuffers& t) {
-    const auto base = static_cast<float>(s.sheet[0].z_base - t.z_ref);
+    const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_group(t, rect, [&](int y, int group) {
-        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, y, group, sums, t);
+    for_each_block(t, rect, [&](int row, int column) {
+        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, row, column, sums, t);
     });
 }
 

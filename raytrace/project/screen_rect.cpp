@@ -6,16 +6,6 @@
 namespace slim {
 namespace {
 
-/// Pixel indices [lo, hi) whose centres lie in the interval of pixel coordinates, with a guard of a
-/// thousandth of a pixel, clipped to [begin, end).
-void pixel_range(double lo, double hi, int begin, int end, int& first, int& last) {
-    constexpr double kGuard = 1e-3;
-    lo = std::clamp(std::ceil(lo - 0.5 - kGuard), double(begin), double(end));
-    hi = std::clamp(std::floor(hi - 0.5 + kGuard) + 1, double(begin), double(end));
-    first = static_cast<int>(lo);
-    last = static_cast<int>(hi);
-}
-
 /// Bounds of x / z over a ball with z > radius (NUMERICS 7.2).
 void slope_bounds(double x, double z, double radius, double& lo, double& hi) {
     const double l = std::sqrt(x * x + (z - radius) * (z + radius));
@@ -24,6 +14,14 @@ void slope_bounds(double x, double z, double radius, double& lo, double& hi) {
 }
 
 }  // namespace
+
+void pixel_range(double lo, double hi, int begin, int end, int& first, int& last) {
+    constexpr double kGuard = 1e-3;
+    lo = std::clamp(std::ceil(lo - 0.5 - kGuard), double(begin), double(end));
+    hi = std::clamp(std::floor(hi - 0.5 + kGuard) + 1, double(begin), double(end));
+    first = static_cast<int>(lo);
+    last = static_cast<int>(hi);
+}
 
 ScreenRect screen_rect(const PixelView& view, const PixelWindow& w, const Vec3d& c, double radius) {
     ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
@@ -71,34 +69,6 @@ PatchBounds patch_bounds(double support_radius, double share, const Polynomial<d
     const double high = a[0] + either + share * share * std::max(0.0, mean + spread);
     return {share * support_radius, std::clamp(low, -share, share) * support_radius,
             std::clamp(high, -share, share) * support_radius};
-}
-
-PatchView::PatchView(const PixelView& pixel_view, const Vec3d& c, const Vec3d& normal)
-    : view(pixel_view), center(c), slope_x(view.orthographic ? 0 : c.x / c.z),
-      slope_y(view.orthographic ? 0 : c.y / c.z), x(normal, {1, 0, -slope_x}), y(normal, {0, 1, -slope_y}),
-      z(normal, {0, 0, 1}) {}
-
-ScreenRect screen_rect(const PatchView& from, const PixelWindow& w, const PatchBounds& p) {
-    const Vec3d& c = from.center;
-    const PixelView& view = from.view;
-    if (c.z + p.radius < view.near_plane) return {};
-    if (!view.orthographic && c.z <= 2 * p.radius) return screen_rect(view, w, c, p.radius);
-    // Over a patch x - X z <= h, the support in the direction (1, 0, -X), if X is its centre's slope, so that
-    // x / z <= X + h / z: largest at the nearest z where h is positive, at the farthest where the patch lies beside its
-    // centre and h is negative.
-    const auto px = [&](double h) {
-        if (view.orthographic) return h * view.px_per_unit;
-        return h * view.focal_px / (h >= 0 ? c.z - p.radius : c.z + p.radius);
-    };
-    const double x = view.center_x + (view.orthographic ? c.x * view.px_per_unit : from.slope_x * view.focal_px);
-    const double y = view.center_y + (view.orthographic ? c.y * view.px_per_unit : from.slope_y * view.focal_px);
-    ScreenRect rect{w.x, w.y, w.x + w.width, w.y + w.height};
-    if (c.z < 16 * p.radius) rect = screen_rect(view, w, c, p.radius);  // the bound is loose near the eye
-    pixel_range(x - px(p.support(from.x, false)), x + px(p.support(from.x, true)), rect.x0, rect.x1,
-                rect.x0, rect.x1);
-    pixel_range(y - px(p.support(from.y, false)), y + px(p.support(from.y, true)), rect.y0, rect.y1,
-                rect.y0, rect.y1);
-    return rect;
 }
 
 }  // namespace slim

@@ -12,6 +12,10 @@ struct ScreenRect {
     bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
 
+/// Pixel indices [first, last) whose centres lie in an interval of pixel coordinates, with a guard of a
+/// thousandth of a pixel, clipped to [begin, end).
+void pixel_range(double lo, double hi, int begin, int end, int& first, int& last);
+
 /// Pixels of the window whose centre's ray may meet the ball in front of the near plane: exact bounds
 /// per axis for a ball in front of the eye's plane (NUMERICS 7.2), the whole window otherwise.
 ScreenRect screen_rect(const PixelView& view, const PixelWindow& window, const Vec3d& center,
@@ -37,18 +41,5 @@ struct PatchBounds {
 
 /// Of the surface w = P(u, v) of a surfel inside `share` of its ball.
 PatchBounds patch_bounds(double support_radius, double share, const Polynomial<double>& p);
-
-/// A place and an attitude in camera coordinates, and what bounds of its patches on the screen need.
-struct PatchView {
-    const PixelView& view;
-    Vec3d center;
-    double slope_x, slope_y;        ///< of the centre's ray; 0 in orthographic views
-    Heading x, y, z;                ///< across the rays of the screen's columns and rows, and the view
-
-    PatchView(const PixelView& pixel_view, const Vec3d& center_in_camera, const Vec3d& normal_in_camera);
-};
-
-/// Pixels of the window whose centre's ray may meet the patch in front of the near plane.
-ScreenRect screen_rect(const PatchView& from, const PixelWindow& window, const PatchBounds& patch);
 
 }  // namespace slim

@@ -13,10 +13,11 @@ void fill(TilePlane& plane, float value) { std::fill_n(plane.v, kTilePixels, val
 
 /// +inf inside the window, -inf outside: no surfel is ever nearer there.
 void fill_depth(TileBuffers& t) {
-    fill(t.z, -kInfinity);
+    const bool whole = t.clip.x1 - t.clip.x0 == kTileSize && t.clip.y1 - t.clip.y0 == kTileSize;
+    fill(t.z, whole ? kInfinity : -kInfinity);
+    if (whole) return;
     for (int y = t.clip.y0; y < t.clip.y1; ++y)
-        std::fill_n(t.z.v + (y - t.y0) * kTileSize + (t.clip.x0 - t.x0), t.clip.x1 - t.clip.x0,
-                    kInfinity);
+        for (int x = t.clip.x0; x < t.clip.x1; ++x) t.z.v[pixel_entry(x - t.x0, y - t.y0)] = kInfinity;
 }
 
 }  // namespace
@@ -28,8 +29,9 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
     clip = {std::max(x0, window.x), std::max(y0, window.y),
             std::min(x0 + kTileSize, window.x + window.width),
             std::min(y0 + kTileSize, window.y + window.height)};
-    z_ref = reference_depth;
-    near_z = static_cast<float>(view.near_plane - z_ref);
+    const double z_ref = view.orthographic ? reference_depth : std::max(reference_depth, view.near_plane);
+    depths = {z_ref, view.orthographic ? 0 : 1 / z_ref, view.near_plane - z_ref};
+    near_z = static_cast<float>(depths.near);
     fill_depth(*this);
     for (TilePlane* plane : {&weight, &sum_x, &sum_y, &sum_z}) fill(*plane, 0.0f);
     if (sums.depth) fill(offset, 0.0f);
@@ -38,8 +40,6 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
         for (TilePlane& plane : hessian) fill(plane, 0.0f);
     if (sums.third)
         for (TilePlane& plane : third) fill(plane, 0.0f);
-    for (int strip = 0; strip < kStrips; ++strip)
-        for (int x = 0; x < kTileSize; x += kLanes) update_strip(strip, x);
     counts = {};
 }
 
@@ -47,7 +47,7 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
 void TileBuffers::fill_directions(const PixelView& view) {
     for (int y = 0; y < kTileSize; ++y)
         for (int x = 0; x < kTileSize; ++x) {
-            const auto i = static_cast<std::size_t>(y * kTileSize + x);
+            const std::size_t i = pixel_entry(x, y);
             double ray_x = 0, ray_y = 0, len = 1;
             if (!view.orthographic) {
                 ray_x = (x0 + x + 0.5 - view.center_x) / view.focal_px;
@@ -61,23 +61,22 @@ void TileBuffers::fill_directions(const PixelView& view) {
         }
 }
 
+float TileBuffers::farthest() const {
+    FloatV most(-kInfinity);
+    for (std::size_t i = 0; i < kTilePixels; i += kLanes) most = stdx::max(most, z.load(i));
+    return stdx::hmax(most);
+}
+
 bool TileBuffers::bound_hits() {
-    FloatV::mask_type any(false);
-    for (int strip = 0; strip < kStrips; ++strip)
-        for (int x = 0; x < kTileSize; x += kLanes) {
-            FloatV near(kInfinity), far(-kInfinity);
-            for (int row = 0; row < kStripRows; ++row) {
-                const FloatV depth =
-                    z.load(static_cast<std::size_t>((strip * kStripRows + row) * kTileSize + x));
-                const auto hit = has_hit(depth);
-                any = any || hit;
-                near = stdx::min(near, select<FloatV>(hit, depth, near));
-                far = stdx::max(far, select<FloatV>(hit, depth, far));
-            }
-            near.copy_to(strip_near + strip * kTileSize + x, stdx::vector_aligned);
-            far.copy_to(strip_far + strip * kTileSize + x, stdx::vector_aligned);
-        }
-    return stdx::any_of(any);
+    FloatV least(kInfinity), most(-kInfinity);
+    for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
+        const FloatV depth = z.load(i);
+        const auto hit = has_hit(depth);
+        least = stdx::min(least, select<FloatV>(hit, depth, least));
+        most = stdx::max(most, select<FloatV>(hit, depth, most));
+    }
+    near = stdx::hmin(least), far = stdx::hmax(most);
+    return near <= far;
 }
 
 }  // namespace slim

@@ -3,26 +3,23 @@
 #include "raytrace/camera.h"
 #include "raytrace/frame.h"
 #include "raytrace/intersect/ray_kernel.h"
-#include "raytrace/project/tile_bins.h"
+#include "raytrace/project/tile_blocks.h"
 #include "slim/base/simd.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 namespace slim {
 
-inline constexpr std::size_t kTilePixels = static_cast<std::size_t>(kTileSize) * kTileSize;
-static_assert(kTileSize % kLanes == 0);
-
-/// One number a pixel of a tile. Lanes begin at any pixel: a surfel's own columns, not the tile's.
+/// One number a pixel of a tile, block by block; i is a block's first entry.
 struct alignas(64) TilePlane {
     float v[kTilePixels];
 
-    [[gnu::always_inline]] FloatV load(std::size_t i) const { return FloatV(v + i, stdx::element_aligned); }
-    [[gnu::always_inline]] void store(std::size_t i, const FloatV& x) {
-        x.copy_to(v + i, stdx::element_aligned);
-    }
+    [[gnu::always_inline]] FloatV load(std::size_t i) const { return FloatV(v + i, stdx::vector_aligned); }
+    [[gnu::always_inline]] void store(std::size_t i, const FloatV& x) { x.copy_to(v + i, stdx::vector_aligned); }
     [[gnu::always_inline]] void add(std::size_t i, const FloatV& x) { store(i, load(i) + x); }
 };
 
@@ -40,24 +37,39 @@ struct TileSums {
           node((wanted & (kSurfelIdChannel | kFitErrorChannel | kLevelChannel)) != 0) {}
 };
 
-/// Rows of a tile whose depths are bounded together, column by column.
-inline constexpr int kStripRows = 4;
-inline constexpr int kStrips = kTileSize / kStripRows;
+/// The depths of a tile: its own coordinate is affine in that of every surfel (PixelRecord), in perspective views
+/// zeta = (z - z_ref) z_ref / z, in orthographic ones z - z_ref. Floats resolve a small surfel on a far model: their
+/// error at z is 2^-24 |z / z_ref - 1| z, so that z_ref is to be the far end of what is seen.
+struct TileDepths {
+    double z_ref = 0;
+    double per_ref = 0;  ///< 1 / z_ref; 0 in orthographic views
+    double near = 0;     ///< z - z_ref of the near plane
 
-/// Everything of one tile while it is drawn; lives on the stack of its thread. Depths are camera z minus
-/// z_ref, so that floats resolve a small surfel on a far model.
+    /// zeta of z - z_ref, and back.
+    template <class T>
+    T zeta(const T& z) const { return z / (T(1) + z * T(static_cast<scalar_of<T>>(per_ref))); }
+    template <class T>
+    T relative(const T& zeta) const { return zeta / (T(1) - zeta * T(static_cast<scalar_of<T>>(per_ref))); }
+
+    /// zeta of a camera z, or of the near plane if that is farther.
+    float at(double z) const { return static_cast<float>(zeta(std::max(z - z_ref, near))); }
+
+private:
+    template <class T>
+    using scalar_of = std::conditional_t<std::is_floating_point_v<T>, T, float>;
+};
+
+/// Everything of one tile while it is drawn; lives on the stack of its thread.
 struct TileBuffers {
     int x0 = 0, y0 = 0;  ///< first pixel of the tile, whole picture
     ScreenRect clip;     ///< the tile's pixels inside the window
-    double z_ref = 0;
-    float near_z = 0;
-    TilePlane z;                         ///< q^: +inf before a hit, -inf outside the window
+    TileDepths depths;
+    float near_z = 0;                    ///< the near plane's z - z_ref
+    float near = 0, far = 0;             ///< zeta of q^ within the tile, after bound_hits
+    TilePlane z;                         ///< zeta of q^: +inf before a hit, -inf outside the window
     TilePlane gx, gy, gz;                ///< gradient of the surfel that set it
     TilePlane weight;                    ///< sum G
     TilePlane sum_x, sum_y, sum_z;       ///< sum G grad f
-    /// Bounds of q^ over the rows of a strip. While q^ is found `strip_far` has all pixels, afterwards both
-    /// have those with a hit.
-    alignas(64) float strip_near[kStrips * kTileSize], strip_far[kStrips * kTileSize];
     TilePlane hessian[6];                ///< sum G Hess f, only if curvature or what needs it is wanted
     TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are wanted
     TilePlane offset;                    ///< sum G (z_i - z), only if depths are
@@ -70,33 +82,27 @@ struct TileBuffers {
                double reference_depth, const TileSums& sums);
     void fill_directions(const PixelView& view);
 
-    PixelRays<FloatV> rays(int tile_y, int group) const;
-    /// After lanes of a strip have changed.
-    void update_strip(int strip, int first_x);
-    /// Fills strip_near and strip_far from q^. Returns whether the tile has a hit.
+    /// The part of a rectangle of the picture on the tile and in the window, in the tile's own pixels.
+    ScreenRect on_tile(const ScreenRect& r) const {
+        return {std::max(r.x0, clip.x0) - x0, std::max(r.y0, clip.y0) - y0, std::min(r.x1, clip.x1) - x0,
+                std::min(r.y1, clip.y1) - y0};
+    }
+    PixelRays<FloatV> rays(int block_row, int block_column) const;
+    /// The greatest zeta of all pixels: +inf as long as one has no hit.
+    float farthest() const;
+    /// Fills near and far from q^. Returns whether the tile has a hit.
     bool bound_hits();
 };
-
-inline std::size_t group_index(int tile_y, int group) {
-    return static_cast<std::size_t>(tile_y * kTileSize + group * kLanes);
-}
 
 [[gnu::always_inline]] inline FloatV::mask_type has_hit(const FloatV& z) {
     return stdx::abs(z) < std::numeric_limits<float>::infinity();
 }
 
-inline PixelRays<FloatV> TileBuffers::rays(int tile_y, int group) const {
-    const std::size_t i = group_index(tile_y, group);
-    const FloatV lane([](auto k) { return static_cast<float>(k); });
-    return {lane + static_cast<float>(x0 + group * kLanes), FloatV(static_cast<float>(y0 + tile_y)),
+inline PixelRays<FloatV> TileBuffers::rays(int block_row, int block_column) const {
+    const std::size_t i = block_start(block_row, block_column);
+    return {lane_columns() + static_cast<float>(x0 + block_column * kBlockWidth),
+            lane_rows() + static_cast<float>(y0 + block_row * kBlockHeight),
             dx.load(i), dy.load(i), dz.load(i), inv_dz.load(i)};
-}
-
-inline void TileBuffers::update_strip(int strip, int first_x) {
-    FloatV far = z.load(static_cast<std::size_t>(strip * kStripRows * kTileSize + first_x));
-    for (int row = 1; row < kStripRows; ++row)
-        far = stdx::max(far, z.load(static_cast<std::size_t>((strip * kStripRows + row) * kTileSize + first_x)));
-    far.copy_to(strip_far + strip * kTileSize + first_x, stdx::element_aligned);
 }
 
 }  // namespace slim

@@ -17,48 +17,57 @@ struct Target {
     const PixelWindow& window;
     const TileBuffers& t;
 
-    int width() const { return t.clip.x1 - t.clip.x0; }
-    /// Entry of pixel (x, y) of the picture in a tile plane, and in the G-buffer.
-    std::size_t in_tile(int x, int y) const {
-        return static_cast<std::size_t>((y - t.y0) * kTileSize + (x - t.x0));
-    }
     std::size_t in_buffer(int x, int y) const {
         return static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.width) +
                static_cast<std::size_t>(x - window.x);
     }
 
-    void copy(const TilePlane& from, std::vector<float>& to) const {
-        for (int y = t.clip.y0; y < t.clip.y1; ++y)
-            std::copy_n(from.v + in_tile(t.clip.x0, y), width(),
-                        to.data() + in_buffer(t.clip.x0, y));
+    /// Writes the pixels of a block that lie in the window.
+    template <class T>
+    void put_block(int row, int column, const T* lanes, T* to) const {
+        const int x = t.x0 + column * kBlockWidth, y = t.y0 + row * kBlockHeight;
+        const int x_0 = std::max(x, t.clip.x0), x_1 = std::min(x + kBlockWidth, t.clip.x1);
+        const int y_0 = std::max(y, t.clip.y0), y_1 = std::min(y + kBlockHeight, t.clip.y1);
+        if (x_1 - x_0 == kBlockWidth) {
+            for (int py = y_0; py < y_1; ++py)
+                std::copy_n(lanes + (py - y) * kBlockWidth, kBlockWidth, to + in_buffer(x, py));
+            return;
+        }
+        for (int py = y_0; py < y_1; ++py)
+            for (int px = x_0; px < x_1; ++px) to[in_buffer(px, py)] = lanes[(py - y) * kBlockWidth + px - x];
     }
 
-    /// Calls lanes_at(entry in the tile) -> FloatV for each group of lanes and writes its pixels in the window.
-    template <class LanesAt>
-    void put(std::vector<float>& to, LanesAt&& lanes_at) const {
-        for (int y = t.clip.y0; y < t.clip.y1; ++y)
-            for (int x = t.x0; x < t.clip.x1; x += kLanes) {
-                const FloatV lanes = lanes_at(in_tile(x, y));
-                if (x >= t.clip.x0 && x + kLanes <= t.clip.x1) {
-                    lanes.copy_to(to.data() + in_buffer(x, y), stdx::element_aligned);
-                    continue;
-                }
-                for (int k = std::max(0, t.clip.x0 - x); k < std::min(kLanes, t.clip.x1 - x); ++k)
-                    to[in_buffer(x + k, y)] = lanes[static_cast<std::size_t>(k)];
-            }
+    /// visit(block row, block column, entry in the tile) for all blocks.
+    template <class Visit>
+    static void for_each_block(Visit&& visit) {
+        for (int row = 0; row < kBlockRows; ++row)
+            for (int column = 0; column < kBlockColumns; ++column) visit(row, column, block_start(row, column));
+    }
+
+    void copy(const TilePlane& from, std::vector<float>& to) const {
+        for_each_block([&](int row, int column, std::size_t i) { put_block(row, column, from.v + i, to.data()); });
     }
 
     /// visit(entry in the tile, entry in the G-buffer) for each pixel of the window.
     template <class Visit>
     void for_each_pixel(Visit&& visit) const {
         for (int y = t.clip.y0; y < t.clip.y1; ++y)
-            for (int x = t.clip.x0; x < t.clip.x1; ++x) visit(in_tile(x, y), in_buffer(x, y));
+            for (int x = t.clip.x0; x < t.clip.x1; ++x) visit(pixel_entry(x - t.x0, y - t.y0), in_buffer(x, y));
     }
+};
+
+/// Pixels of the G-buffer of a tile, or of some side by side.
+struct TileInWindow {
+    int x0, y0, x1, y1;
+    TileInWindow(const PixelWindow& window, int first_x, int first_y, int width)
+        : x0(std::max(first_x, window.x) - window.x), y0(std::max(first_y, window.y) - window.y),
+          x1(std::min(first_x + width - window.x, window.width)),
+          y1(std::min(first_y + kTileSize - window.y, window.height)) {}
 };
 
 bool is_hit(float z) { return std::abs(z) < std::numeric_limits<float>::infinity(); }
 
-/// Averages: z becomes the blended depth if wanted, sum_* the blended gradient (that of q^ without weight). Infinite
+/// Averages: z becomes the blended depth, z - z_ref, if one is wanted, sum_* the blended gradient (that of q^ without weight). Infinite
 /// depths go on meaning no hit. Returns through the counts.
 void average(const TileSums& sums, TileBuffers& t) {
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
@@ -68,7 +77,10 @@ void average(const TileSums& sums, TileBuffers& t) {
         const auto blended = hit && w > 0.0f;
         t.counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
         t.counts.unblended += static_cast<std::uint64_t>(stdx::popcount(hit && !blended));
-        if (sums.depth) t.z.store(i, z + select<FloatV>(blended, t.offset.load(i) / w, FloatV(0.0f)));
+        if (sums.depth) {
+            const FloatV depth = t.depths.relative<FloatV>(z) + select<FloatV>(blended, t.offset.load(i) / w, FloatV(0.0f));
+            t.z.store(i, select<FloatV>(hit, depth, z));
+        }
         if (stdx::all_of(blended)) continue;
         t.sum_x.store(i, select<FloatV>(blended, t.sum_x.load(i), t.gx.load(i)));
         t.sum_y.store(i, select<FloatV>(blended, t.sum_y.load(i), t.gy.load(i)));
@@ -77,13 +89,17 @@ void average(const TileSums& sums, TileBuffers& t) {
 }
 
 void write_hits(const Target& target, const TileBuffers& t, GBuffer& out) {
-    target.for_each_pixel([&](std::size_t i, std::size_t pixel) { out.hit[pixel] = is_hit(t.z.v[i]); });
+    target.for_each_block([&](int row, int column, std::size_t i) {
+        std::array<std::uint8_t, kLanes> hit;
+        for (std::size_t k = 0; k < kLanes; ++k) hit[k] = is_hit(t.z.v[i + k]);
+        target.put_block(row, column, hit.data(), out.hit.data());
+    });
 }
 
 void write_depth(const Target& target, const TileBuffers& t, GBuffer& out) {
     target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
         const bool hit = is_hit(t.z.v[i]);
-        out.depth[pixel] = hit ? static_cast<float>(t.z_ref + static_cast<double>(t.z.v[i])) : 0.0f;
+        out.depth[pixel] = hit ? static_cast<float>(t.depths.z_ref + static_cast<double>(t.z.v[i])) : 0.0f;
     });
 }
 
@@ -97,34 +113,33 @@ struct Rotation {
     }
 };
 
-/// Blended gradients, unit; the planes of q^'s own are free after the average and take them in between.
-void write_normals(const PixelView& view, const Target& target, TileBuffers& t, GBuffer& out) {
+/// Blended gradients, unit.
+void write_normals(const PixelView& view, const Target& target, const TileBuffers& t, GBuffer& out) {
     const Rotation rotation(view);
-    for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
+    target.for_each_block([&](int row, int column, std::size_t i) {
         const FloatV x = t.sum_x.load(i), y = t.sum_y.load(i), z = t.sum_z.load(i);
-        const FloatV scale = inverse_sqrt(x * x + y * y + z * z);
-        t.gx.store(i, scale * x), t.gy.store(i, scale * y), t.gz.store(i, scale * z);
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        target.put(out.normal[axis], [&](std::size_t i) {
-            const FloatV n = rotation.component(axis, t.gx.load(i), t.gy.load(i), t.gz.load(i));
-            return select<FloatV>(has_hit(t.z.load(i)), n, FloatV(0.0f));
-        });
+        const FloatV scale = select<FloatV>(has_hit(t.z.load(i)), inverse_sqrt(x * x + y * y + z * z), FloatV(0.0f));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            alignas(64) std::array<float, kLanes> n;
+            const FloatV turned = rotation.component(axis, scale * x, scale * y, scale * z);
+            select<FloatV>(has_hit(t.z.load(i)), turned, FloatV(0.0f)).copy_to(n.data(), stdx::vector_aligned);
+            target.put_block(row, column, n.data(), out.normal[axis].data());
+        }
+    });
 }
 
 /// P = point of the ray at z_ref + direction (z - z_ref): the first part is affine in the pixel, and all
 /// terms are of the size of the model, however far the camera.
 void write_positions(const PixelView& view, const Target& target, TileBuffers& t, GBuffer& out) {
     const Rotation rotation(view);
-    const Vec3d corner = view.point_at(t.x0 + 0.5, t.y0 + 0.5, t.z_ref);
+    const Vec3d corner = view.point_at(t.x0 + 0.5, t.y0 + 0.5, t.depths.z_ref);
     const Vec3f start = to_float(corner);
-    const Vec3f step_x = to_float(view.point_at(t.x0 + 1.5, t.y0 + 0.5, t.z_ref) - corner);
-    const Vec3f step_y = to_float(view.point_at(t.x0 + 0.5, t.y0 + 1.5, t.z_ref) - corner);
+    const Vec3f step_x = to_float(view.point_at(t.x0 + 1.5, t.y0 + 0.5, t.depths.z_ref) - corner);
+    const Vec3f step_y = to_float(view.point_at(t.x0 + 0.5, t.y0 + 1.5, t.depths.z_ref) - corner);
     const std::array<TilePlane*, 3> position{&t.gx, &t.gy, &t.gz};
-    const FloatV lane([](auto k) { return static_cast<float>(k); });
-    for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
-        const FloatV x = lane + static_cast<float>(i % kTileSize);
-        const FloatV y(static_cast<float>(i / kTileSize));
+    target.for_each_block([&](int row, int column, std::size_t i) {
+        const FloatV x = lane_columns() + static_cast<float>(column * kBlockWidth);
+        const FloatV y = lane_rows() + static_cast<float>(row * kBlockHeight);
         const auto hit = has_hit(t.z.load(i));
         const FloatV along = t.z.load(i) * t.inv_dz.load(i);
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -133,12 +148,12 @@ void write_positions(const PixelView& view, const Target& target, TileBuffers& t
             const FloatV p = start[axis] + step_x[axis] * x + step_y[axis] * y + turned * along;
             position[axis]->store(i, select<FloatV>(hit, p, FloatV(0.0f)));
         }
-    }
+    });
     for (std::size_t axis = 0; axis < 3; ++axis) target.copy(*position[axis], out.position[axis]);
 }
 
 /// Principal directions and derivatives along them, before the Hessian's planes are used up; pixels
-/// that kept q^ have none. The planes of the winner's gradient are free, as in write_normals.
+/// that kept q^ have none. The planes of the gradient of q^ are free after the average.
 void write_directions(const PixelView& view, const Target& target, bool cubic, TileBuffers& t,
                       GBuffer& out) {
     const Rotation rotation(view);
@@ -222,15 +237,29 @@ void resolve_tile(const PixelView& view, const PixelWindow& window, const Surfel
     if (sums.count) write_count(target, t, out);
 }
 
-void clear_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out) {
-    const int x0 = std::max(first_x, window.x) - window.x, y0 = std::max(first_y, window.y) - window.y;
-    const int x1 = std::min(first_x + kTileSize - window.x, window.width);
-    const int y1 = std::min(first_y + kTileSize - window.y, window.height);
-    if (x0 >= x1) return;
+void fetch_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out) {
+    constexpr std::ptrdiff_t kLine = 64;
+    const TileInWindow on(window, first_x, first_y, kTileSize);
+    const auto fetch = [&](auto& plane) {
+        if (plane.empty() || on.x0 >= on.x1) return;
+        for (int y = on.y0; y < on.y1; ++y) {
+            const auto* first = reinterpret_cast<const char*>(plane.data() + out.index(on.x0, y));
+            const auto* last = reinterpret_cast<const char*>(plane.data() + out.index(on.x1 - 1, y));
+            for (; first < last; first += kLine) __builtin_prefetch(first, 1, 2);
+            __builtin_prefetch(last, 1, 2);
+        }
+    };
+    fetch(out.hit);
+    out.for_each_plane(fetch);
+}
+
+void clear_tiles(const PixelWindow& window, int first_x, int first_y, int n_tiles, GBuffer& out) {
+    const TileInWindow on(window, first_x, first_y, n_tiles * kTileSize);
+    if (on.x0 >= on.x1) return;
     const auto clear = [&](auto& plane) {
         if (plane.empty()) return;
-        for (int y = y0; y < y1; ++y)
-            std::fill_n(plane.begin() + static_cast<std::ptrdiff_t>(out.index(x0, y)), x1 - x0, 0);
+        for (int y = on.y0; y < on.y1; ++y)
+            std::fill_n(plane.begin() + static_cast<std::ptrdiff_t>(out.index(on.x0, y)), on.x1 - on.x0, 0);
     };
     clear(out.hit);
     out.for_each_plane(clear);

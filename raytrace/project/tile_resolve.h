@@ -16,7 +16,12 @@ void resolve_tile(const PixelView& view, const PixelWindow& window, const Surfel
                   std::span<const DrawItem> items, std::span<const std::uint32_t> entries,
                   const TileSums& sums, TileBuffers& t, GBuffer& out);
 
-/// Pixels without a hit, in all channels, where a tile that begins at (first_x, first_y) of the picture meets the window.
-void clear_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out);
+/// Asks for the memory that resolve_tile will write, well before: rows of a tile lie on different pages, and no
+/// prefetcher of the machine sees them coming.
+void fetch_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& out);
+
+/// Pixels without a hit, in all channels, where some tiles side by side that begin at (first_x, first_y) of the picture meet
+/// the window.
+void clear_tiles(const PixelWindow& window, int first_x, int first_y, int n_tiles, GBuffer& out);
 
 }  // namespace slim

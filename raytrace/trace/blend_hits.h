@@ -80,7 +80,7 @@ template <int Degree, Derivatives kWanted>
     const KernelRay kernel(base, at.direction);
     const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
     const auto k = ray_polynomial<Degree, FloatV>(r, s);
-    const BallLanes<FloatV> ball{sq_base, 2.0f * base.dot(at.direction), FloatV(1.0f)};
+    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction), FloatV(1.0f)};
     const auto root = nearest_in_ball<Degree, FloatV>(k, ball, kFarthest * 1.001f, inside);
     const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
@@ -92,7 +92,8 @@ template <int Degree, Derivatives kWanted>
         taken = taken && share > 0.0f;
     }
     if (stdx::none_of(taken)) return;
-    const FloatV w = add_root(r, taken, share, ball.sq_distance(root.t), root.t, gradient, sums);
+    const FloatV sq_distance = ball.value(root.t) + FloatV(1.0f);
+    const FloatV w = add_root(r, taken, share, sq_distance, root.t, gradient, sums);
     if constexpr (kWanted >= Derivatives::second) {
         const auto h = hessian_at<Degree, FloatV>(r, u, v);
         for (std::size_t n = 0; n < 6; ++n) sums.hessian[n] += w * h[n];

@@ -110,9 +110,9 @@ template <int Degree, class Keep>
     const KernelRay kernel(at.p, rays.direction);
     const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
     const auto k = ray_polynomial<Degree, FloatV>(r, s);
-    const BallLanes<FloatV> ball{at.sq_distance, FloatV(0.0f), FloatV(1.0f)};
+    const BallLanes<FloatV> ball{at.sq_distance - FloatV(kSqTrim), FloatV(0.0f), FloatV(1.0f)};
     const FloatV start = -at.t * FloatV(r.inv_radius);
-    const auto root = first_in_ball<Degree, FloatV>(k, ball, kSqTrim, start);
+    const auto root = first_in_ball<Degree, FloatV>(k, ball, static_cast<float>(kHitTrim), start);
     const FloatV t = at.t + root.t * FloatV(r.radius);
     auto hit = root.hit && met && t <= keep.far();
     if (stdx::none_of(hit)) return true;

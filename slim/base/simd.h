@@ -49,13 +49,32 @@ template <class V>
 #endif
         return stdx::fma(a, b, c);
 }
+/// 1 / sqrt(x) and 1 / x of normal floats, relative error up to 2^-14 where the target has such estimates.
+template <class V>
+[[gnu::always_inline]] inline V inverse_sqrt_estimate(const V& x) {
+#ifdef __AVX512VL__
+    if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
+        return V(_mm512_rsqrt14_ps(static_cast<__m512>(x)));
+    else
+#endif
+        return 1.0f / stdx::sqrt(x);
+}
+template <class V>
+[[gnu::always_inline]] inline V reciprocal_estimate(const V& x) {
+#ifdef __AVX512VL__
+    if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
+        return V(_mm512_rcp14_ps(static_cast<__m512>(x)));
+    else
+#endif
+        return 1.0f / x;
+}
 /// 1 / sqrt(x) and 1 / x of normal floats to a few units in the last place, by the target's estimates and one step of
 /// Newton: a third of the time of exact ones, which share one slow unit. No finite number comes of x = 0 (nor of a square root below).
 template <class V>
 [[gnu::always_inline]] inline V inverse_sqrt(const V& x) {
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64) {
-        const V y(_mm512_rsqrt14_ps(static_cast<__m512>(x)));
+        const V y = inverse_sqrt_estimate(x);
         return y * (1.5f - (0.5f * x) * (y * y));
     } else
 #endif
@@ -65,7 +84,7 @@ template <class V>
 [[gnu::always_inline]] inline V reciprocal(const V& x) {
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64) {
-        const V y(_mm512_rcp14_ps(static_cast<__m512>(x)));
+        const V y = reciprocal_estimate(x);
         return y * (2.0f - x * y);
     } else
 #endif

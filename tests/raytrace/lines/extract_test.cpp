@@ -190,8 +190,9 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     GBuffer buffer;
     render_forward(model.view(), request, buffer);
     const PixelView view = pixel_view(request.camera, 400, 400);
-    const CrossingField exact = suggestive_crossings({buffer, view, 3, 3});
-    const CrossingField differences = suggestive_crossings({buffer, view, 3, 2});
+    const SheetBlur blur({buffer, view, 3, 3});
+    const CrossingField exact = suggestive_crossings({buffer, view, 3, 3}, blur);
+    const CrossingField differences = suggestive_crossings({buffer, view, 3, 2}, blur);
     std::vector<float> ratios;
     for (std::size_t i = 0; i < buffer.n_pixels(); ++i) {
         if (exact.right[i] < 0 || differences.right[i] < 0) continue;

@@ -37,7 +37,7 @@ TEST(SheetBlur, AveragesWithinASheetOnly) {
         const auto x = static_cast<float>(i % Step::kSize), y = static_cast<float>(i / Step::kSize);
         plane[i] = x < 30 ? x : x < 600 ? 100 + x + y * y : std::nanf("");
     }
-    blur_on_sheets({step.buffer, step.view, 1, 2}, std::span(&plane, 1));
+    SheetBlur({step.buffer, step.view, 1, 2})(std::span(&plane, 1));
     const auto at = [&](int x, int y) { return plane[step.buffer.index(x, y)]; };
     EXPECT_NEAR(at(10, 50), 10, 1e-3);
     EXPECT_NEAR(at(29, 50), 28, 1e-3);                   // of 27, 28, 29

@@ -1,14 +1,16 @@
 #include "raytrace/project/pixel_records.h"
 
 #include "raytrace/intersect/pixel_kernel.h"
-#include "raytrace/project/row_spans.h"
-#include "raytrace/project/screen_rect.h"
+#include "raytrace/project/block_spans.h"
+#include "raytrace/project/outline.h"
 #include "slim/base/hash.h"
 #include "slim/blend/ray_surfel.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <memory>
 
 namespace slim {
 namespace {
@@ -40,14 +42,22 @@ PixelView view_of(bool orthographic) {
 /// f, |q|^2 and the gradient at a pixel's ray and a depth, straight from the surfel.
 struct Direct {
     double f, sq_distance;
-    Vec3d gradient;
+    Vec3d local, gradient;
+    std::array<double, 6> hessian;  ///< of f rho, over 1 / rho, camera axes
 
     Direct(const PixelView& view, const Surfel& s, int x, int y, double z) {
         const Vec3d q = (view.point_at(x + 0.5, y + 0.5, z) - s.center) / s.support_radius;
-        const Vec3d local = s.frame.local_from_world(q);
+        local = s.frame.local_from_world(q);
         f = local.z - s.polynomial.value(local.x, local.y);
         sq_distance = sq_length(q);
         gradient = view.rotate_to_camera(world_gradient(s, local.x, local.y));
+        const Vec3d u = view.rotate_to_camera(s.frame.u_axis), v = view.rotate_to_camera(s.frame.v_axis);
+        const double uu = s.polynomial.d_uu(local.x, local.y), uv = s.polynomial.d_uv(local.x, local.y),
+                     vv = s.polynomial.d_vv(local.x, local.y);
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = i; j < 3; ++j)
+                hessian[at++] = -(uu * u[i] * u[j] + uv * (u[i] * v[j] + v[i] * u[j]) + vv * v[i] * v[j]);
     }
 };
 
@@ -58,20 +68,33 @@ void expect_direct_values(bool orthographic, double nearest) {
         SCOPED_TRACE(testing::Message() << Degree << ' ' << orthographic << ' ' << nearest << ' ' << seed);
         const Surfel s = random_surfel(seed, Degree, nearest);
         PixelRecord<Degree> r;
-        fill_pixel_record(view, s, r);
         const Vec3d c = view.camera_from_local(s.center);
+        const RayForm form = ray_form(view, c, s.support_radius);
+        fill_pixel_record(view, s, form, r);
         const double scale = orthographic ? view.px_per_unit : view.focal_px / c.z;
         const int x = static_cast<int>(view.center_x + scale * (c.x + 0.5 * s.support_radius * uniform(seed, 30)));
         const int y = static_cast<int>(view.center_y + scale * (c.y + 0.5 * s.support_radius * uniform(seed, 31)));
         const double z = c.z + s.support_radius * 0.7 * uniform(seed, 32);
-        const OneLane tau(static_cast<float>((z - c.z) / s.support_radius));
-        const RowOf<Degree> row(r, static_cast<float>(y));
-        const auto offset = pixel_offset<Degree, OneLane>(r, OneLane(static_cast<float>(x)));
+        const double height = orthographic ? 1 : c.z / z;
+        const OneLane tau(static_cast<float>((z - c.z) / s.support_radius * height));
+        const auto offset = [&](int pixel, float first, float base) {
+            return OneLane(base + (static_cast<float>(pixel) - first) * r.step);
+        };
+        const OneLane at = offset(x, r.pixel_x, r.base_x);
+        const float sq_radius = 0.6f;
+        const RowOf<Degree, OneLane> row(r, offset(y, r.pixel_y, r.base_y), sq_radius);
+        const OneLane share = row.share(tau);
         const Direct direct(view, s, x, y, z);
         constexpr double tolerance = 4e-6;
-        ASSERT_NEAR(lanes_value(pixel_polynomial<Degree, OneLane>(r, row, offset), tau)[0], direct.f, tolerance);
-        ASSERT_NEAR((ball_lanes<Degree, OneLane>(r, row, offset).sq_distance(tau)[0]), direct.sq_distance, tolerance);
-        const auto g = pixel_gradient<Degree, OneLane>(r, row, offset, tau);
+        ASSERT_NEAR(share[0], 1 / height, tolerance);
+        ASSERT_NEAR(lanes_value(row.polynomial(at), tau)[0], direct.f * std::pow(height, Degree), tolerance);
+        ASSERT_NEAR(row.ball(at).value(tau)[0], (direct.sq_distance - sq_radius) * height * height, tolerance);
+        const auto plane = row.plane(at, tau, share);
+        ASSERT_NEAR(plane.u[0], direct.local.x, tolerance);
+        ASSERT_NEAR(plane.v[0], direct.local.y, tolerance);
+        for (std::size_t k = 0; k < 6; ++k)
+            ASSERT_NEAR(row.hessian(k, plane)[0] * r.radius, direct.hessian[k], tolerance) << k;
+        const auto g = row.gradient(at, tau, share);
         ASSERT_NEAR(g.x[0], direct.gradient.x, tolerance);
         ASSERT_NEAR(g.y[0], direct.gradient.y, tolerance);
         ASSERT_NEAR(g.z[0], direct.gradient.z, tolerance);
@@ -95,77 +118,92 @@ bool meets_patch(const PixelView& view, const Surfel& s, int x, int y) {
     return ray_roots(ray_polynomial(local, s.polynomial), -half, half).n > 0;
 }
 
-TEST(PatchBounds, HoldEveryPixelOfTheSurfaceAndLessThanTheBall) {
+OutlinedRect outlined(const PixelView& view, const Surfel& s) {
+    const Vec3d c = view.camera_from_local(s.center);
+    return patch_outline({0, 0, 200, 200}, ray_form(view, c, s.support_radius), view.rotate_to_camera(s.frame.normal),
+                         s.support_radius, patch_bounds(s.support_radius, 1, s.polynomial));
+}
+
+bool holds(const ScreenRect& r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
+
+TEST(Outline, RectHoldsEveryPixelOfTheSurfaceAndLessThanTheBall) {
     double in_patch = 0, in_ball = 0;
     for (const bool orthographic : {false, true})
         for (const int degree : {1, 2, 3})
             for (std::uint64_t seed = 0; seed < 60; ++seed) {
                 SCOPED_TRACE(testing::Message() << orthographic << ' ' << degree << ' ' << seed);
                 const PixelView view = view_of(orthographic);
-                const Surfel s = random_surfel(seed, degree, seed % 3 ? 0.3 : 2);
-                const Vec3d c = view.camera_from_local(s.center);
-                const PatchView from(view, c, view.rotate_to_camera(s.frame.normal));
-                const PixelWindow window{0, 0, 200, 200};
-                const ScreenRect r =
-                    screen_rect(from, window, patch_bounds(s.support_radius, 1, s.polynomial));
-                const ScreenRect ball = screen_rect(view, window, c, s.support_radius);
+                const Surfel s = random_surfel(seed, degree, seed % 3 ? 0.7 : 2);
+                const ScreenRect r = outlined(view, s).rect;
+                const ScreenRect ball =
+                    screen_rect(view, {0, 0, 200, 200}, view.camera_from_local(s.center), s.support_radius);
                 in_patch += (r.x1 - r.x0) * (r.y1 - r.y0), in_ball += (ball.x1 - ball.x0) * (ball.y1 - ball.y0);
                 for (int y = ball.y0; y < ball.y1; ++y)
                     for (int x = ball.x0; x < ball.x1; ++x)
-                        if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1) {
-                            ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y;
-                        }
+                        if (!holds(r, x, y)) { ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y; }
             }
-    EXPECT_LT(in_patch, 0.95 * in_ball);  // these are as thick as any: cubics of slope 1
+    EXPECT_LT(in_patch, 0.97 * in_ball);  // these are as thick as any: cubics of slope 1
 }
 
-TEST(PatchBounds, HoldALevelPlaneBesideItsCentreSeenEdgeOn) {
+TEST(Outline, HoldsALevelPlaneBesideItsCentreSeenEdgeOn) {
     // Such a patch lies wholly on one side of its centre's ray.
     const PixelView view = view_of(false);
     for (const double offset : {-0.3, -0.1, 0.1, 0.3})
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
             SCOPED_TRACE(testing::Message() << offset << ' ' << seed);
             Surfel s = random_surfel(seed, 1, 1);
-            const Vec3d c = view.camera_from_local(s.center);
             // Across the centre's ray and a little towards it, so that pixels meet the plane.
             const Vec3d ray = normalized(s.center);
             const Vec3d across = normalized(cross(ray, s.frame.normal));
             s.frame = frame_from_normal(normalized(across + ray * 0.02));
             s.polynomial = {};
             s.polynomial.a[0] = offset;
-            const PatchView from(view, c, view.rotate_to_camera(s.frame.normal));
-            const ScreenRect r = screen_rect(from, {0, 0, 200, 200}, patch_bounds(s.support_radius, 1, s.polynomial));
+            const ScreenRect r = outlined(view, s).rect;
             for (int y = 0; y < 200; ++y)
                 for (int x = 0; x < 200; ++x)
-                    if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1) {
-                        ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y;
-                    }
+                    if (!holds(r, x, y)) { ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y; }
         }
 }
 
-TEST(RowSpans, HoldEveryPixelOfTheBallAndAreTight) {
-    std::int64_t in_spans = 0, met = 0;
+/// Blocks of the tile about a surfel that its outline is said to touch.
+std::array<bool, kTileBlocks> listed_blocks(const PixelView& view, const Surfel& s, TileBuffers& t) {
+    PixelRecord<2> r;
+    fill_pixel_record(view, s, ray_form(view, view.camera_from_local(s.center), s.support_radius), r);
+    t.x0 = static_cast<int>(r.pixel_x) - 16, t.y0 = static_cast<int>(r.pixel_y) - 16;
+    t.clip = {t.x0, t.y0, t.x0 + kTileSize, t.y0 + kTileSize};
+    const OutlinedRect full = outlined(view, s);
+    std::array<bool, kTileBlocks> listed{};
+    if (t.on_tile(full.rect).empty()) return listed;
+    std::array<std::uint8_t, kTileBlocks + kBlockColumns> blocks;
+    const int n = BlockSpans(full.outline, TileGrid(r, t), t.on_tile(full.rect)).list(blocks.data());
+    for (int k = 0; k < n; ++k) listed[blocks[static_cast<std::size_t>(k)]] = true;
+    return listed;
+}
+
+TEST(BlockSpans, HoldEveryPixelOfTheSurfaceAndAreTight) {
+    int in_list = 0, met = 0;
+    auto t = std::make_unique<TileBuffers>();
     for (const bool orthographic : {false, true})
-        for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        for (std::uint64_t seed = 0; seed < 80; ++seed) {
             SCOPED_TRACE(testing::Message() << orthographic << ' ' << seed);
             const PixelView view = view_of(orthographic);
-            const Surfel s = random_surfel(seed, 2, 1);
-            PixelRecord<2> r;
-            fill_pixel_record(view, s, r);
-            TileBuffers t;
-            t.x0 = static_cast<int>(r.pixel_x) - 16, t.y0 = static_cast<int>(r.pixel_y) - 16;
-            const RowSpans spans = row_spans(r, 1, t, 0, kTileSize);
-            for (int y = 0; y < kTileSize; ++y) {
-                in_spans += spans.x1[y] - spans.x0[y];
+            Surfel s = random_surfel(seed, 2, 1);
+            for (double& a : s.polynomial.a) a *= 0.1;  // as thin as fits are
+            const auto listed = listed_blocks(view, s, *t);
+            std::array<bool, kTileBlocks> touched{};
+            for (int y = 0; y < kTileSize; ++y)
                 for (int x = 0; x < kTileSize; ++x) {
-                    const double px = t.x0 + x + 0.5, py = t.y0 + y + 0.5;
-                    if (!local_ray({view.ray_origin(px, py), view.ray_direction(px, py)}, s).meets_ball()) continue;
-                    ++met;
-                    ASSERT_TRUE(x >= spans.x0[y] && x < spans.x1[y]) << x << ' ' << y;
+                    if (t->x0 + x < 0 || t->y0 + y < 0 || t->x0 + x >= 200 || t->y0 + y >= 200) continue;
+                    if (!meets_patch(view, s, t->x0 + x, t->y0 + y)) continue;
+                    const std::size_t block = pixel_entry(x, y) / kLanes;
+                    touched[block] = true;
+                    ASSERT_TRUE(listed[block]) << x << ' ' << y;
                 }
-            }
+            for (const bool b : listed) in_list += b;
+            for (const bool b : touched) met += b;
         }
-    EXPECT_LT(in_spans, met + 120 * 2 * kTileSize);
+    EXPECT_GT(met, 1000);
+    EXPECT_LT(in_list, 1.25 * met);
 }
 
 }  // namespace

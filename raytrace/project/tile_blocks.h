@@ -1,0 +1,38 @@
+#pragma once
+
+#include "raytrace/project/tile_bins.h"
+#include "slim/base/simd.h"
+
+#include <cstddef>
+
+namespace slim {
+
+/// A group of lanes is a block of pixels, as square as may be: a disc of a few pixels touches fewer of them than of rows.
+/// A tile holds its pixels block by block, a block's row by row.
+inline constexpr int kBlockWidth = 4, kBlockHeight = kLanes / kBlockWidth;
+inline constexpr int kBlockColumns = kTileSize / kBlockWidth, kBlockRows = kTileSize / kBlockHeight;
+inline constexpr std::size_t kTilePixels = static_cast<std::size_t>(kTileSize) * kTileSize;
+static_assert(kLanes % kBlockWidth == 0 && kTileSize % kBlockHeight == 0 && kTileSize % kBlockWidth == 0);
+
+inline constexpr int kTileBlocks = kBlockColumns * kBlockRows;
+static_assert(kTileBlocks <= 256);
+
+/// First entry of a block in a tile's planes.
+constexpr std::size_t block_start(int row, int column) {
+    return static_cast<std::size_t>((row * kBlockColumns + column) * kLanes);
+}
+/// Entry of pixel (x, y) of a tile.
+constexpr std::size_t pixel_entry(int x, int y) {
+    return block_start(y / kBlockHeight, x / kBlockWidth) +
+           static_cast<std::size_t>(y % kBlockHeight * kBlockWidth + x % kBlockWidth);
+}
+
+/// Columns and rows of the lanes in their block.
+inline FloatV lane_columns() {
+    return FloatV([](auto k) { return static_cast<float>(static_cast<int>(k) % kBlockWidth); });
+}
+inline FloatV lane_rows() {
+    return FloatV([](auto k) { return static_cast<float>(static_cast<int>(k) / kBlockWidth); });
+}
+
+}  // namespace slim
