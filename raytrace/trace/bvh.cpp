@@ -91,6 +91,7 @@ struct Binning {
     }
 };
 
+/// What handles lanes is flattened: g++ 12 leaves out some calls and passes them through memory.
 class Builder {
 public:
     explicit Builder(std::vector<Item>& items) : items_(items) {}
@@ -127,7 +128,7 @@ public:
 private:
     using Bins = std::array<std::array<Bin, kBins>, 3>;
 
-    Extent extent_of(const Range& r) const {
+    [[gnu::flatten]] Extent extent_of(const Range& r) const {
         Extent e;
         for (std::uint32_t i = r.begin; i < r.end; ++i) {
             e.box.extend(items_[i]);
@@ -137,7 +138,7 @@ private:
         return e;
     }
 
-    void fill(const Range& r, const Binning& binning, Bins& bins) const {
+    [[gnu::flatten]] void fill(const Range& r, const Binning& binning, Bins& bins) const {
         for (std::uint32_t i = r.begin; i < r.end; ++i) {
             const Box4 at = binning.of(items_[i]);
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -169,7 +170,8 @@ private:
         return best;
     }
 
-    Split best_split(const Range& r, const Extent& extent, const Binning& binning) const {
+    [[gnu::noinline]] Split best_split(const Range& r, const Extent& extent,
+                                       const Binning& binning) const {
         Bins bins;
         fill(r, binning, bins);
         Split best;
@@ -184,7 +186,7 @@ private:
 
     /// Puts the items of the first child first and returns where the second one's begin; the first
     /// item itself for a leaf.
-    std::uint32_t divide(const Task& task, const Extent& extent, int& axis) const {
+    [[gnu::flatten]] std::uint32_t divide(const Task& task, const Extent& extent, int& axis) const {
         const Range& r = task.items;
         if (r.size() <= 1) return r.begin;
         const Binning binning(extent);
