@@ -64,13 +64,13 @@ private:
 /// Takes points as they come and writes them.
 class CloudOutput {
 public:
-    CloudOutput(const std::string& path, bool normals, bool truth) {
+    CloudOutput(const std::string& path, bool normals, bool truth, bool single) {
         if (lower_extension(path) != ".ply") {
             text_.emplace(path);
             return;
         }
         PlyLayout layout;
-        layout.double_positions = true;
+        layout.double_positions = !single;
         layout.normals = normals;
         ply_.emplace(path, layout);
         if (truth) truth_.emplace(truth_path(path));
@@ -153,7 +153,7 @@ bool names_any(const std::vector<std::pair<std::string, Expression>>& formulas, 
 
 nlohmann::json make_cloud(const std::vector<std::string>& from, std::uint64_t n_points,
                           const std::vector<std::pair<std::string, Expression>>& formulas,
-                          const Expression::Lookup& row, std::uint64_t seed,
+                          const Expression::Lookup& row, std::uint64_t seed, bool single,
                           const std::string& output) {
     std::vector<std::pair<std::size_t, PointFormula>> sets;
     std::optional<PointFormula> keep;
@@ -175,7 +175,7 @@ nlohmann::json make_cloud(const std::vector<std::string>& from, std::uint64_t n_
         normals = normals || info.has_normals;
         n += static_cast<double>(info.n_points.value_or(0));
     }
-    CloudOutput out(output, normals, truth);
+    CloudOutput out(output, normals, truth, single);
     std::uint64_t i = 0;
     double file_number = 0;
     const auto take = [&](PointValues v) {

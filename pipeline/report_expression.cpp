@@ -224,41 +224,55 @@ double Expression::apply(const Step& step, const double* a) {
     }
 }
 
+namespace {
+
+const FigureValue& present(const FigureValue& value) {
+    if (value.is_missing) throw MissingFigure{value.text};
+    return value;
+}
+
+}  // namespace
+
+FigureValue Expression::value_of(const Step& step, const Lookup& lookup) const {
+    if (step.op == Op::constant) return step.value;
+    if (step.op == Op::text) return texts_[step.index];
+    try {
+        return lookup(names_[step.index]);
+    } catch (const MissingFigure& missing) {
+        FigureValue value(missing.name);
+        value.is_missing = true;
+        return value;
+    }
+}
+
+FigureValue Expression::combined(const Step& step, const std::vector<FigureValue>& taken) const {
+    if (step.op == Op::choose) return present(taken[0]).number != 0 ? taken[1] : taken[2];
+    const bool compares = step.op == Op::equal || step.op == Op::unequal;
+    double numbers[3] = {};
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+        if (present(taken[i]).is_text && !compares)
+            throw ConfigError(
+                fmt::format("{}: '{}': expected a number, found '{}'", where_, text_, taken[i].text));
+        numbers[i] = taken[i].number;
+    }
+    if (!compares || (!taken[0].is_text && !taken[1].is_text)) return apply(step, numbers);
+    const bool same = taken[0].is_text && taken[1].is_text && taken[0].text == taken[1].text;
+    return same == (step.op == Op::equal) ? 1.0 : 0.0;
+}
+
 FigureValue Expression::evaluate(const Lookup& lookup) const {
     std::vector<FigureValue> stack;
     for (const Step& step : code_) {
-        if (step.op == Op::constant) {
-            stack.emplace_back(step.value);
+        if (step.op == Op::constant || step.op == Op::text || step.op == Op::name) {
+            stack.push_back(value_of(step, lookup));
             continue;
         }
-        if (step.op == Op::text || step.op == Op::name) {
-            stack.push_back(step.op == Op::text ? FigureValue(texts_[step.index])
-                                                : lookup(names_[step.index]));
-            continue;
-        }
-        const std::size_t n = arity(step.op);
-        const std::vector<FigureValue> taken(stack.end() - static_cast<std::ptrdiff_t>(n), stack.end());
-        stack.resize(stack.size() - n);
-        const bool compares = step.op == Op::equal || step.op == Op::unequal;
-        if (compares && (taken[0].is_text || taken[1].is_text)) {
-            const bool same = taken[0].is_text && taken[1].is_text && taken[0].text == taken[1].text;
-            stack.emplace_back(same == (step.op == Op::equal) ? 1.0 : 0.0);
-            continue;
-        }
-        if (step.op == Op::choose && !taken[0].is_text) {
-            stack.push_back(taken[0].number != 0 ? taken[1] : taken[2]);
-            continue;
-        }
-        double numbers[3] = {};
-        for (std::size_t i = 0; i < n; ++i) {
-            if (taken[i].is_text)
-                throw ConfigError(fmt::format("{}: '{}': expected a number, found '{}'", where_, text_,
-                                              taken[i].text));
-            numbers[i] = taken[i].number;
-        }
-        stack.emplace_back(apply(step, numbers));
+        const auto first = stack.end() - static_cast<std::ptrdiff_t>(arity(step.op));
+        FigureValue value = combined(step, {first, stack.end()});
+        stack.erase(first, stack.end());
+        stack.push_back(std::move(value));
     }
-    return stack.back();
+    return present(stack.back());
 }
 
 double Expression::number(const Lookup& lookup) const {
@@ -288,34 +302,6 @@ double Expression::number(const std::vector<double>& values) const {
         }
     }
     return stack[0];
-}
-
-std::string number_text(double value, int digits) {
-    if (std::isfinite(value) && value == std::round(value) && std::abs(value) < 1e15)
-        return fmt::format("{:.0f}", value);
-    return digits >= 17 ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits);
-}
-
-std::string filled(const std::string& text, const Expression::Lookup& lookup, int digits,
-                   const std::string& where) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if ((c == '{' || c == '}') && i + 1 < text.size() && text[i + 1] == c) {
-            out += c;
-            ++i;
-        } else if (c == '{') {
-            const std::size_t end = text.find('}', i);
-            if (end == std::string::npos)
-                throw ConfigError(fmt::format("{}: '{}': a brace without its closing one", where, text));
-            const FigureValue value = Expression(text.substr(i + 1, end - i - 1), where).evaluate(lookup);
-            out += value.is_text ? value.text : number_text(value.number, digits);
-            i = end;
-        } else {
-            out += c;
-        }
-    }
-    return out;
 }
 
 }  // namespace slim

@@ -13,6 +13,7 @@ struct FigureValue {
     double number = 0;
     std::string text;
     bool is_text = false;
+    bool is_missing = false;  ///< `text` is the name: within an evaluation only
 
     FigureValue(double value = 0) : number(value) {}  // NOLINT: a number is a value
     FigureValue(std::string value) : text(std::move(value)), is_text(true) {}  // NOLINT
@@ -39,7 +40,8 @@ public:
     /// The names in it, in order of appearance, each once.
     const std::vector<std::string>& names() const { return names_; }
 
-    /// throws MissingFigure, from the lookup; ConfigError where a text stands for a number
+    /// throws MissingFigure, from the lookup, unless the value is of the branch of an if that is not taken;
+    /// ConfigError where a text stands for a number
     FigureValue evaluate(const Lookup& lookup) const;
     double number(const Lookup& lookup) const;
     bool holds(const Lookup& lookup) const { return number(lookup) != 0; }
@@ -58,19 +60,13 @@ private:
         std::size_t index = 0;  ///< of a name, a text or a function
     };
     static std::size_t arity(Op op);
+    FigureValue value_of(const Step& step, const Lookup& lookup) const;
+    FigureValue combined(const Step& step, const std::vector<FigureValue>& taken) const;
     static double apply(const Step& step, const double* arguments);
 
     std::string text_, where_;
     std::vector<Step> code_;  ///< postfix
     std::vector<std::string> names_, texts_;
 };
-
-/// `text` with every {formula} in it replaced by its value: whole numbers and texts as they are, other numbers with
-/// `digits` significant digits (17: exactly). `{{` and `}}` are braces.
-std::string filled(const std::string& text, const Expression::Lookup& lookup, int digits,
-                   const std::string& where);
-
-/// A number as text: whole ones without a point, others with at most so many significant digits.
-std::string number_text(double value, int digits);
 
 }  // namespace slim

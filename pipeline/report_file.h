@@ -24,6 +24,7 @@ struct ReportStep {
     std::vector<int> exit = {0};   ///< expected codes
     int repeat = 1;
     bool may_fail = false;         ///< another code leaves the row without its figures
+    bool single = false;           ///< a cloud step writes floats
     bool transient = false;        ///< its output is removed when its row is done
     std::string where;             ///< "quick.toml:12"
 };

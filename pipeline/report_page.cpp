@@ -1,5 +1,6 @@
 #include "pipeline/report_page.h"
 
+#include "pipeline/report_text.h"
 #include "pipeline/svg_plot.h"
 
 #include <fmt/format.h>
@@ -219,14 +220,18 @@ std::string experiment_html(const ExperimentResult& result) {
 }
 
 std::string provenance_html(const json& provenance) {
-    std::string out = "<p class=\"note\">";
-    bool first = true;
-    for (const auto& [key, value] : provenance.items()) {
+    std::string out;
+    const auto add = [&out](const std::string& key, const json& value) {
         const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-        out += fmt::format("{}{}: {}", first ? "" : " &middot; ", esc(key), esc(text));
-        first = false;
+        out += fmt::format("{}{}: {}", out.empty() ? "" : " &middot; ", esc(key), esc(text));
+    };
+    for (const auto& [key, value] : provenance.items()) {
+        if (!value.is_object()) add(key, value);
+        else
+            for (const auto& [name, part] : value.items())
+                add(key == "machine" ? name : name + ".toml", part);
     }
-    return out + "</p>\n";
+    return "<p class=\"note\">" + out + "</p>\n";
 }
 
 std::string summary_html(const Report& report) {
@@ -249,7 +254,7 @@ std::string report_page(const Report& report) {
     std::string out = page_head(title) + "<h1>" + esc(title) + "</h1>\n" + provenance_html(report.provenance) +
                       summary_html(report);
     for (std::size_t i = 0; i < report.files.size(); ++i) {
-        out += fmt::format("<h2>{}</h2>\n", esc(report.files[i].title));
+        if (report.files.size() > 1) out += fmt::format("<h2>{}</h2>\n", esc(report.files[i].title));
         if (!report.files[i].text.empty()) out += "<p>" + esc(report.files[i].text) + "</p>\n";
         out += cases_table(report.results[i]);
         for (const ExperimentResult& result : report.results[i]) out += experiment_html(result);

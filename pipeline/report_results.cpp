@@ -1,5 +1,7 @@
 #include "pipeline/report_results.h"
 
+#include "pipeline/report_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -101,8 +103,6 @@ PlotResult plotted(const ExperimentResult& result, const ReportPlot& plot) {
         if (x && y && std::isfinite(*x) && std::isfinite(*y)) curve.points.push_back({*x, *y, breaks});
     }
     for (Curve& curve : out.curves) {
-        std::stable_sort(curve.points.begin(), curve.points.end(),
-                         [](const auto& a, const auto& b) { return a.x < b.x; });
         if (plot.slopes) curve.slope = log_slope(curve.points);
     }
     std::erase_if(out.curves, [](const Curve& c) { return c.points.empty() && !c.breaks; });

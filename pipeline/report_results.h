@@ -22,7 +22,7 @@ struct CheckResult {
     std::string sentence() const;
 };
 
-/// One curve of a plot: points by rising x.
+/// One curve of a plot, in the order of the grid.
 struct Curve {
     struct Point {
         double x, y;

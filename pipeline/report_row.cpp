@@ -1,5 +1,7 @@
 #include "pipeline/report_row.h"
 
+#include "pipeline/report_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

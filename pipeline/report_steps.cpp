@@ -5,6 +5,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/report_cloud.h"
 #include "pipeline/report_record.h"
+#include "pipeline/report_text.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
@@ -29,10 +30,19 @@ constexpr const char* kOut = "<out>";  // stands for the output until its name, 
 
 bool is_verb(const std::string& run) { return run != "cloud" && run != "text" && run != "command"; }
 
+/// Words between spaces; those within {} do not part.
 std::vector<std::string> words_of(const std::string& text) {
-    std::istringstream in(text);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) words.push_back(word);
+    std::vector<std::string> words(1);
+    int depth = 0;
+    for (const char c : text) {
+        depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+        const bool parts = depth == 0 && (c == ' ' || c == '\t' || c == '\n');
+        if (!parts)
+            words.back() += c;
+        else if (!words.back().empty())
+            words.emplace_back();
+    }
+    if (words.back().empty()) words.pop_back();
     return words;
 }
 
@@ -131,9 +141,9 @@ StepRunner::Planned StepRunner::plan(const ReportStep& step, const ReportRow& ro
             out.from.push_back(filled(word, lookup, 17, step.where));
         if (!step.points.empty())
             out.points = static_cast<std::uint64_t>(
-                std::max(0.0, Expression(step.points, step.where).number(lookup)));
+                std::max(0.0, Expression(filled(step.points, lookup, 17, step.where), step.where).number(lookup)));
         if (step.run == "cloud")
-            key += fmt::format(" seed {} points {}", settings_.seed, out.points);
+            key += fmt::format(" seed {} points {} {}", settings_.seed, out.points, step.single);
         for (const auto& [target, formula] : step.point) {
             key += fmt::format(" {}={}", target, formula.text());
             for (const std::string& name : formula.names())
@@ -207,7 +217,8 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
     StepRecord record;
     if (step.run == "cloud") {
         record.figures =
-            make_cloud(planned.from, planned.points, step.point, row.lookup(), settings_.seed, planned.output);
+            make_cloud(planned.from, planned.points, step.point, row.lookup(), settings_.seed, step.single,
+                       planned.output);
         record.figures["exit"] = 0;
     } else if (step.run == "text") {
         write_file_atomically(planned.output, filled(step.text, row.lookup(), 17, step.where));

@@ -139,7 +139,9 @@ std::string guide_of(const SvgCurve& curve, const std::vector<SvgCurve::Point>& 
     double mx = 0, my = 0;
     for (const auto& p : points) mx += x.place(p.x), my += y.place(p.y);
     mx /= static_cast<double>(points.size()), my /= static_cast<double>(points.size());
-    const double x0 = x.place(points.front().x), x1 = x.place(points.back().x);
+    const auto [least, most] = std::minmax_element(points.begin(), points.end(),
+                                                   [](const auto& a, const auto& b) { return a.x < b.x; });
+    const double x0 = x.place(least->x), x1 = x.place(most->x);
     return line(x.pixel_of_place(x0), y.pixel_of_place(my + curve.guide_slope * (x0 - mx)), x.pixel_of_place(x1),
                 y.pixel_of_place(my + curve.guide_slope * (x1 - mx)),
                 "stroke-dasharray=\"5 4\" stroke-width=\"1\" opacity=\"0.7\" clip-path=\"url(#plot-area)\"");

@@ -12,7 +12,7 @@ struct SvgCurve {
         bool broken = false;  ///< drawn as a cross
     };
     std::string name;
-    std::vector<Point> points;  ///< by rising x; those that a logarithm has no place for are left out
+    std::vector<Point> points;  ///< joined in this order; those that a logarithm has no place for are left out
     /// A dashed line of this slope (of the logarithms) through the curve's middle; NaN: none.
     double guide_slope = 0;
     bool has_guide = false;
