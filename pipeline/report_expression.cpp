@@ -247,6 +247,12 @@ FigureValue Expression::value_of(const Step& step, const Lookup& lookup) const {
 
 FigureValue Expression::combined(const Step& step, const std::vector<FigureValue>& taken) const {
     if (step.op == Op::choose) return present(taken[0]).number != 0 ? taken[1] : taken[2];
+    // One side may settle it without the other.
+    const auto settles = [&](const FigureValue& v) {
+        return !v.is_missing && !v.is_text && (v.number != 0) == (step.op == Op::either);
+    };
+    if ((step.op == Op::both || step.op == Op::either) && (settles(taken[0]) || settles(taken[1])))
+        return step.op == Op::either ? 1.0 : 0.0;
     const bool compares = step.op == Op::equal || step.op == Op::unequal;
     double numbers[3] = {};
     for (std::size_t i = 0; i < taken.size(); ++i) {

@@ -40,8 +40,8 @@ public:
     /// The names in it, in order of appearance, each once.
     const std::vector<std::string>& names() const { return names_; }
 
-    /// throws MissingFigure, from the lookup, unless the value is of the branch of an if that is not taken;
-    /// ConfigError where a text stands for a number
+    /// throws MissingFigure, from the lookup, unless the value does not matter: in the branch of an if that is not
+    /// taken, beside a false in && or a true in ||; ConfigError where a text stands for a number
     FigureValue evaluate(const Lookup& lookup) const;
     double number(const Lookup& lookup) const;
     bool holds(const Lookup& lookup) const { return number(lookup) != 0; }

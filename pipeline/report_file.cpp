@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 FigureValue value_of(const TomlValue& value, const std::string& item) {
     if (value.kind == Field::Kind::boolean) return item == "true" ? 1.0 : 0.0;
     if (value.kind == Field::Kind::text) return item;
-    return std::stod(item);
+    return std::strtod(item.c_str(), nullptr);  // denormal numbers too
 }
 
 /// A table of formulas, in the order of the file.

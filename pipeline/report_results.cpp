@@ -17,16 +17,18 @@ std::string band_text(std::optional<double> least, std::optional<double> most) {
     return least ? fmt::format("at least {}", shown(*least)) : fmt::format("at most {}", shown(*most));
 }
 
-/// The reason why a row has no such figure, if that is nobody's failure.
-std::string absence(const ReportRow& row) {
-    for (const StepRecord& step : row.steps)
-        if (step.absent) return fmt::format("{}: {}", step.step, step.reason);
-    return "";
-}
-
 std::string failure(const ReportRow& row) {
     for (const StepRecord& step : row.steps)
         if (!step.done && !step.absent) return fmt::format("{} {}", step.step, step.reason);
+    return "";
+}
+
+/// Why a row lacks figures, if that is nobody's failure: a program that is not there. Not what follows a step that
+/// failed.
+std::string absence(const ReportRow& row) {
+    if (!failure(row).empty()) return "";
+    for (const StepRecord& step : row.steps)
+        if (step.absent) return fmt::format("{}: {}", step.step, step.reason);
     return "";
 }
 
@@ -119,7 +121,8 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
         });
         CheckResult out{result.experiment->name, "slope of " + plot.title, curve.name, "", "", Verdict::passed, ""};
         if (!curve.slope) {
-            result.checks.push_back(missing(*row, "slope", std::move(out)));
+            out.verdict = Verdict::not_run, out.reason = "too few points for a slope";
+            result.checks.push_back(std::move(out));
             continue;
         }
         compare(*curve.slope, row->number(plot.least_slope.empty() ? Expression("-1e9", "") : plot.least_slope),

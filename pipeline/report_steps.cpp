@@ -213,25 +213,33 @@ StepRecord StepRunner::run_program(const ReportStep& step, const Planned& planne
     return record;
 }
 
-StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, const Planned& planned) {
+/// A step that this process does itself.
+StepRecord StepRunner::made(const ReportStep& step, const ReportRow& row, const Planned& planned) {
     StepRecord record;
-    if (step.run == "cloud") {
-        record.figures =
-            make_cloud(planned.from, planned.points, step.point, row.lookup(), settings_.seed, step.single,
-                       planned.output);
-        record.figures["exit"] = 0;
-    } else if (step.run == "text") {
-        write_file_atomically(planned.output, filled(step.text, row.lookup(), 17, step.where));
-        record.figures = {{"exit", 0}};
-    } else {
-        record = run_program(step, planned);
+    record.figures = json::object();
+    record.figures["exit"] = 0;
+    try {
+        if (step.run == "cloud")
+            record.figures.update(make_cloud(planned.from, planned.points, step.point, row.lookup(),
+                                             settings_.seed, step.single, planned.output));
+        else
+            write_file_atomically(planned.output, filled(step.text, row.lookup(), 17, step.where));
+    } catch (const Error& error) {
+        record.reason = error.what();
+        record.figures["exit"] = static_cast<int>(error.code());
     }
+    return record;
+}
+
+StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, const Planned& planned) {
+    const bool ours = step.run == "cloud" || step.run == "text";
+    StepRecord record = ours ? made(step, row, planned) : run_program(step, planned);
     const int code = record.figures.value("exit", 0);
+    record.reason = replaced(record.reason, settings_.folder.string() + "/", "");
+    record.figures["message"] = record.reason;
     record.done = std::find(step.exit.begin(), step.exit.end(), code) != step.exit.end();
     if (!record.done)
         record.reason = fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
-    else
-        record.figures["message"] = record.reason;
     record.step = step.name, record.run = step.run;
     record.name = planned.name, record.output = planned.output;
     return record;

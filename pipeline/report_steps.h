@@ -37,6 +37,7 @@ private:
     Planned plan(const ReportStep& step, const ReportRow& row);
     StepRecord done(const Experiment& experiment, const ReportStep& step, const ReportRow& row);
     StepRecord executed(const ReportStep& step, const ReportRow& row, const Planned& planned);
+    StepRecord made(const ReportStep& step, const ReportRow& row, const Planned& planned);
     StepRecord run_program(const ReportStep& step, const Planned& planned);
     void make_inputs(const Experiment& experiment, const ReportRow& row, const Planned& planned);
     std::string program_path(const std::string& name) const;

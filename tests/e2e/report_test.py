@@ -108,7 +108,7 @@ def check_nothing_outside(text, what):
 
 
 def test_page():
-    done = report("small", SMALL.replace("MOST", "1e-3"), "out")
+    done = report("small", SMALL.replace("MOST", "0.1"), "out")
     if not h.check(done.code == 0, f"small report ends with {done.code}: {done.err[-500:]}"):
         return
     said = done.json()
@@ -131,15 +131,15 @@ def test_page():
 def test_resume():
     before = {f: f.read_bytes() for f in (h.folder / "out").glob("*.*") if f.suffix != ".json" or f.name == "report.json"}
     stamps = {f: f.stat().st_mtime_ns for f in (h.folder / "out/steps").iterdir()}
-    said = report("small", SMALL.replace("MOST", "1e-3"), "out").json()
+    said = report("small", SMALL.replace("MOST", "0.1"), "out").json()
     h.check(said["steps_run"] == 0 and said["steps_reused"] == 16, f"a second run does nothing: {said}")
     h.check(stamps == {f: f.stat().st_mtime_ns for f in (h.folder / "out/steps").iterdir()}, "no step's file is touched")
     h.check(all(f.read_bytes() == data for f, data in before.items()), "page, CSV and JSON are the same bytes")
     model = next((h.folder / "out/steps").glob("fit-*.slim"))
     model.unlink()
-    said = report("small", SMALL.replace("MOST", "1e-3"), "out").json()
+    said = report("small", SMALL.replace("MOST", "0.1"), "out").json()
     h.check(said["steps_run"] == 1, f"a lost output is made again, alone: {said}")
-    said = report("small", SMALL.replace("MOST", "1e-3"), "out", "--set", "values.points=2000").json()
+    said = report("small", SMALL.replace("MOST", "0.1"), "out", "--set", "values.points=2000").json()
     h.check(said["steps_run"] == 11, f"another number of points makes what depends on it: {said}")
     one = h.folder / "stopped"
     child = subprocess.Popen([h.bin / "slim-report", h.folder / "small.toml", "-o", one, "--threads", "1"],
@@ -150,7 +150,7 @@ def test_resume():
         time.sleep(0.02)
     child.terminate()
     h.check(child.wait(20) == 143, "SIGTERM ends it with 143")
-    said = report("small", SMALL.replace("MOST", "1e-3"), "stopped").json()
+    said = report("small", SMALL.replace("MOST", "0.1"), "stopped").json()
     h.check(said["steps_reused"] >= 5 and said["steps_run"] <= 11, f"what was done before the stop counts: {said}")
 
 

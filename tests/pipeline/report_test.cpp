@@ -53,6 +53,9 @@ TEST(ReportExpression, NamesWhatIsMissingOnlyWhereItIsNeeded) {
     EXPECT_THROW(number("m.none"), MissingFigure);
     EXPECT_EQ(number("if(x == 3, 1, m.none)"), 1);
     EXPECT_THROW(number("if(x == 3, m.none, 1)"), MissingFigure);
+    EXPECT_EQ(number("x == 3 || m.none == 1"), 1);
+    EXPECT_EQ(number("m.none == 1 && x == 2"), 0);
+    EXPECT_THROW(number("x == 2 || m.none == 1"), MissingFigure);
     EXPECT_THROW(number("shape + 1"), ConfigError);
     EXPECT_THROW(number("shape"), ConfigError);
 }
