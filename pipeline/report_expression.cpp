@@ -224,15 +224,6 @@ double Expression::apply(const Step& step, const double* a) {
     }
 }
 
-namespace {
-
-const FigureValue& present(const FigureValue& value) {
-    if (value.is_missing) throw MissingFigure{value.text};
-    return value;
-}
-
-}  // namespace
-
 FigureValue Expression::value_of(const Step& step, const Lookup& lookup) const {
     if (step.op == Op::constant) return step.value;
     if (step.op == Op::text) return texts_[step.index];
@@ -246,17 +237,20 @@ FigureValue Expression::value_of(const Step& step, const Lookup& lookup) const {
 }
 
 FigureValue Expression::combined(const Step& step, const std::vector<FigureValue>& taken) const {
-    if (step.op == Op::choose) return present(taken[0]).number != 0 ? taken[1] : taken[2];
+    if (step.op == Op::choose && !taken[0].is_missing)
+        return taken[0].number != 0 ? taken[1] : taken[2];
     // One side may settle it without the other.
     const auto settles = [&](const FigureValue& v) {
         return !v.is_missing && !v.is_text && (v.number != 0) == (step.op == Op::either);
     };
     if ((step.op == Op::both || step.op == Op::either) && (settles(taken[0]) || settles(taken[1])))
         return step.op == Op::either ? 1.0 : 0.0;
+    for (const FigureValue& value : taken)
+        if (value.is_missing) return value;
     const bool compares = step.op == Op::equal || step.op == Op::unequal;
     double numbers[3] = {};
     for (std::size_t i = 0; i < taken.size(); ++i) {
-        if (present(taken[i]).is_text && !compares)
+        if (taken[i].is_text && !compares)
             throw ConfigError(
                 fmt::format("{}: '{}': expected a number, found '{}'", where_, text_, taken[i].text));
         numbers[i] = taken[i].number;
@@ -278,7 +272,8 @@ FigureValue Expression::evaluate(const Lookup& lookup) const {
         stack.erase(first, stack.end());
         stack.push_back(std::move(value));
     }
-    return present(stack.back());
+    if (stack.back().is_missing) throw MissingFigure{stack.back().text};
+    return stack.back();
 }
 
 double Expression::number(const Lookup& lookup) const {

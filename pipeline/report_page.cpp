@@ -61,10 +61,10 @@ std::string verdict_cell(Verdict v) {
 
 std::string text_cell(const std::string& text) { return "<td class=\"text\">" + esc(text) + "</td>"; }
 
-std::string shown(const std::optional<FigureValue>& value) {
-    if (!value) return "";
-    if (value->is_text) return esc(value->text);
-    return std::isfinite(value->number) ? number_text(value->number, 4) : "";
+std::string cell(const std::optional<FigureValue>& value) {
+    if (value && value->is_text) return text_cell(value->text);
+    const bool shows = value && std::isfinite(value->number);
+    return "<td>" + (shows ? number_text(value->number, 4) : "") + "</td>";
 }
 
 std::string base64(const std::string& bytes) {
@@ -162,8 +162,8 @@ std::string rows_table(const ExperimentResult& result) {
     std::vector<std::string> notes;
     for (const ReportRow& row : result.rows) {
         out += "<tr>";
-        for (const auto& [name, values] : e.grid) out += "<td>" + shown(row.at(name)) + "</td>";
-        for (const auto& [heading, formula] : e.columns) out += "<td>" + shown(row.value(formula)) + "</td>";
+        for (const auto& [name, values] : e.grid) out += cell(row.at(name));
+        for (const auto& [heading, formula] : e.columns) out += cell(row.value(formula));
         out += "</tr>\n";
         for (const StepRecord& step : row.steps)
             if (!step.done) notes.push_back(fmt::format("{}: {} {}", row.label(e), step.step, step.reason));

@@ -125,8 +125,10 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
             result.checks.push_back(std::move(out));
             continue;
         }
-        compare(*curve.slope, row->number(plot.least_slope.empty() ? Expression("-1e9", "") : plot.least_slope),
-                row->number(plot.most_slope.empty() ? Expression("1e9", "") : plot.most_slope), plot.known, out);
+        const auto bound = [&](const Expression& formula) {
+            return formula.empty() ? std::nullopt : row->number(formula);
+        };
+        compare(*curve.slope, bound(plot.least_slope), bound(plot.most_slope), plot.known, out);
         result.checks.push_back(std::move(out));
     }
 }

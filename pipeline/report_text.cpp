@@ -9,7 +9,8 @@
 namespace slim {
 
 std::string number_text(double value, int digits) {
-    if (std::isfinite(value) && value == std::round(value) && std::abs(value) < 1e15)
+    const double most = digits >= 17 ? 1e15 : 1e7;  // people count zeros badly
+    if (std::isfinite(value) && value == std::round(value) && std::abs(value) < most)
         return fmt::format("{:.0f}", value);
     return digits >= 17 ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits);
 }
