@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -99,6 +100,12 @@ std::vector<std::string> pngs_of(const StepRecord& step) {
     return out;
 }
 
+/// "view-1a2b.mean.png": mean.
+std::string map_of(const std::string& path) {
+    const std::string stem = std::filesystem::path(path).stem().string();
+    return stem.substr(stem.rfind('.') + 1);
+}
+
 std::string pictures_html(const ExperimentResult& result) {
     std::string out;
     for (const ReportPictures& shown_of : result.experiment->pictures)
@@ -107,7 +114,9 @@ std::string pictures_html(const ExperimentResult& result) {
             if (!step || !step->done || !row.is_meant(shown_of.when)) continue;
             const std::string caption = shown_of.caption.empty() ? row.label(*result.experiment)
                                                                  : row.text(shown_of.caption, 4, shown_of.where);
-            for (const std::string& path : pngs_of(*step)) out += picture(path, caption);
+            const std::vector<std::string> files = pngs_of(*step);
+            for (const std::string& path : files)
+                out += picture(path, caption + (files.size() > 1 ? ", " + map_of(path) : ""));
         }
     return out.empty() ? "" : "<div class=\"figures\">\n" + out + "</div>\n";
 }
@@ -187,9 +196,10 @@ std::string checks_table(const std::vector<CheckResult>& checks) {
         rows += "<tr>" + text_cell(c.name) + text_cell(c.place) + "<td>" + esc(c.value) + "</td>" + text_cell(c.band) +
                 verdict_cell(c.verdict) + text_cell(c.reason) + "</tr>\n";
     }
-    return fmt::format("<details{}><summary>{} bands, {} left</summary>\n<table>\n<tr><th>figure</th><th class=\"text\">where"
-                       "</th><th>found</th><th class=\"text\">band</th><th class=\"text\">verdict</th><th class=\"text\">reason"
-                       "</th></tr>\n{}</table></details>\n", bad > 0 ? " open" : "", checks.size(), bad, rows);
+    return fmt::format("<details{}><summary>{} bands, {} failed</summary>\n<table>\n<tr><th>figure</th>"
+                       "<th class=\"text\">where</th><th>found</th><th class=\"text\">band</th>"
+                       "<th class=\"text\">verdict</th><th class=\"text\">reason</th></tr>\n{}</table></details>\n",
+                       bad > 0 ? " open" : "", checks.size(), bad, rows);
 }
 
 std::string cases_table(const std::vector<ExperimentResult>& results) {
