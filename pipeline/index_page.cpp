@@ -2,6 +2,7 @@
 
 #include "pipeline/json_text.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/svg_plot.h"
 #include "pipeline/version.h"
 
 #include <fmt/format.h>
@@ -39,23 +40,6 @@ figcaption {{ font-size: .85rem; color: #555; padding-top: .3rem }}
 <h1>{0}</h1>
 )";
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else
-            out += c;
-    }
-    return out;
-}
-
 /// A path for src="...": what a browser would read as something else is percent-encoded.
 std::string url_of(const std::string& path) {
     std::string out;
@@ -65,7 +49,7 @@ std::string url_of(const std::string& path) {
         else
             out += c;
     }
-    return escaped(out);
+    return escaped_markup(out);
 }
 
 std::string grouped(std::uint64_t n) {
@@ -79,7 +63,7 @@ std::string figure_text(const std::string& key, const json& value) {
         return memory_size_text(value.get<std::uint64_t>());
     if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
     if (value.is_number()) return fmt::format("{:.4g}", value.get<double>());
-    return value.is_string() ? escaped(value.get<std::string>()) : escaped(text_of(value));
+    return value.is_string() ? escaped_markup(value.get<std::string>()) : escaped_markup(text_of(value));
 }
 
 using Columns = std::vector<std::pair<std::string, std::string>>;  // key, heading
@@ -99,7 +83,7 @@ std::string table_of(const std::vector<StepOutcome>& outcomes, const std::string
     for (const auto& [key, heading] : present) head += "<th>" + heading + "</th>";
     for (const StepOutcome& outcome : outcomes) {
         if (outcome.step.verb != verb) continue;
-        rows += "<tr><td>" + escaped(outcome.step.name) + "</td>";
+        rows += "<tr><td>" + escaped_markup(outcome.step.name) + "</td>";
         for (const auto& [key, heading] : present)
             rows += "<td>" +
                     (outcome.result.contains(key) ? figure_text(key, outcome.result.at(key)) : "") +
@@ -120,7 +104,7 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
     std::string text =
         "<table>\n<tr><th></th><th>seconds</th><th>peak memory</th><th></th></tr>\n";
     for (const StepOutcome& outcome : outcomes) {
-        text += cost_row(escaped(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
+        text += cost_row(escaped_markup(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
                          outcome.up_to_date ? "up to date: as recorded" : "");
         if (!outcome.result.contains("stages")) continue;
         const json& stages = outcome.result.at("stages");
@@ -134,20 +118,20 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
 }
 
 std::string pictures_of(const Job& job, const StepOutcome& outcome) {
-    std::string text = "<h2>" + escaped(outcome.step.name) + "</h2>\n<div class=\"views\">\n";
+    std::string text = "<h2>" + escaped_markup(outcome.step.name) + "</h2>\n<div class=\"views\">\n";
     if (!outcome.result.contains("files")) return "";
     for (const json& file : outcome.result.at("files")) {
         const fs::path path = file.get<std::string>();
         const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
         if (path.string().ends_with(".lines.svg"))
             text += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
-                                url_of(relative.string()), escaped(path.filename().string()));
+                                url_of(relative.string()), escaped_markup(path.filename().string()));
         if (path.extension() != ".png") continue;
         const std::string caption = path.stem().string();
         text += fmt::format(
             "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"
             "<figcaption>{1}</figcaption></figure>\n",
-            url_of(relative.string()), escaped(caption));
+            url_of(relative.string()), escaped_markup(caption));
     }
     return text + "</div>\n";
 }
@@ -155,9 +139,9 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
 }  // namespace
 
 std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes) {
-    std::string text = fmt::format(kHead, escaped(job.title));
-    text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped(program_version()),
-                        escaped(job.file.filename().string()));
+    std::string text = fmt::format(kHead, escaped_markup(job.title));
+    text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped_markup(program_version()),
+                        escaped_markup(job.file.filename().string()));
     text += "<h2>Model</h2>\n" +
             table_of(outcomes, "build", {{"points", "points"}, {"leaves", "leaves"},
                                          {"surfels", "surfels"}, {"bytes", "size"}});

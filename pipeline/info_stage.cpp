@@ -11,12 +11,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -94,6 +96,18 @@ json provenance_info(const std::string& path, const json& provenance) {
     }
 }
 
+/// Support radii of the leaves, model units; empty without any.
+json leaf_radii(const SurfelTree& tree) {
+    std::vector<double> radii;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
+        if (tree.node(i).is_leaf()) radii.push_back(tree.support_radius(i));
+    if (radii.empty()) return json::object();
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
+    return {{"min", *least}, {"median", *middle}, {"max", *most}};
+}
+
 json model_info(const std::string& path) {
     const ModelFile file = ModelFile::open(path);
     const ModelHeader& header = file.header();
@@ -124,6 +138,7 @@ json model_info(const std::string& path) {
             {"noise", std::sqrt(header.noise_variance)},
             {"t_mdl", header.mdl_threshold},
             {"seed", header.seed},
+            {"leaf_radius", leaf_radii(tree)},
             {"leaves_by_level", levels.to_json()},
             {"leaves_by_degree", degrees.to_json()},
             {"sharp_leaves_by_sheets", sheets.to_json()},

@@ -3,12 +3,14 @@
 int main(int argc, char** argv) {
     return slim::run_stage<slim::MeasureConfig>(
         {"measure",
-         "distance, normals and curvature of a cloud against a model; l2 and max are the RMS and "
+         "Distance, normals and curvature of a cloud against a model; l2 and max are the RMS and "
          "the largest distance of the points, along their normals, to the leaves as they blend "
          "(build's fit error is of each leaf alone), as shares of the model's diagonal L; "
-         "normal_rms_deg is in degrees, curvatures in 1 / unit",
-         {"slim measure scan.slim scan.ply",
-          "slim measure torus.slim torus.ply --truth torus.truth --json"},
+         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ.",
+         {"slim measure scan.slim scan.ply --two-way --per-point distances.ply",
+          "slim measure torus.slim torus.ply --truth torus.truth --json",
+          "slim measure shape:torus smoothed.ply",
+          "slim measure before.png after.png -o difference.png"},
          true},
         argc, argv, slim::run_measure);
 }

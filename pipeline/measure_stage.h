@@ -5,35 +5,53 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 namespace slim {
 
-/// How far a cloud lies from a model.
+/// How far a cloud lies from a model and a model from a cloud; or a picture from another.
 struct MeasureConfig {
-    std::string model, cloud, truth, output;
+    std::string model, cloud, truth, per_point, output;
+    bool two_way = false;
+    double tolerance = 0.001;
+    std::uint64_t samples = 200'000;
+    double threshold = 1.0 / 255;
 
     template <class Visitor>
     void visit(Visitor&& field) {
-        field.input("model", model, "model.slim");
-        field.input("cloud", cloud, "cloud to project onto the model");
-        field.optional_output("output", output,
-                              "JSON file for the result (with a manifest: up to date is not measured again)");
+        field.input("model", model, "model.slim, shape:NAME (an analytic shape of slim scan), or a picture");
+        field.input("cloud", cloud, "cloud to project onto the model, or a picture of the same size");
+        field.optional_output(
+            "output", output,
+            "JSON file for the result (with a manifest: up to date is not measured again); of "
+            "pictures also x.png: their difference");
         field.path("truth", truth,
                    "exact normals and curvatures (doubles nx ny nz k1 k2 a point); default: "
                    "<cloud>.truth, if there");
+        field.path("per_point", per_point,
+                   "PLY for the figures of every point: scalar_distance (also as quality), "
+                   "scalar_normal_angle, ...");
+        field("two_way", two_way, "also from the model to the cloud, or to its faces if it has any");
+        field("tolerance", tolerance, "of completeness: a distance over the model's diagonal L", 0, 1);
+        field("samples", samples, "points on the model's surface (two_way): about as many", 1, 1e9);
+        field("threshold", threshold, "of pictures: a pixel differs if a channel differs by more", 0,
+              1e30);
     }
 };
 
 /// Projects every finite point of the cloud along its normal (NUMERICS 5.5; the model's own normal
 /// where it has none). Keys: points missed l2 max max_at (the point of the cloud that is farthest,
-/// world) normal_rms_deg leaves bytes; with truth also k1_rms k2_rms
-/// mean_curvature_rms (1 / length) and the same with _x_diagonal.
+/// world) p50 p90 p95 p99 normal_rms_deg normal_p99_deg leaves bytes; with truth also k1_rms k2_rms
+/// mean_curvature_rms (1 / length) and the same with _x_diagonal; completeness: the share of the finite
+/// points that have the model within `tolerance`.
 /// A point whose normal's line finds the surface only against the normal is counted as `opposed`,
 /// the normals compared without sign (scans hold some flipped normals). One that is supported but
 /// whose line meets nothing in reach, the normal running along the surface, is counted as `astray`
 /// and projected along the model's normal. A point is missed if no surfel supports it or neither
-/// line meets the surface in reach. A mean over nothing is null. throws DataError if the cloud has
-/// no finite point
+/// line meets the surface in reach. A mean over nothing is null.
+///
+/// two_way adds model_to_cloud (measure_back.h). Two pictures are compared as measure_pictures.h says.
+/// throws DataError if the cloud has no finite point
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context);
 
 }  // namespace slim

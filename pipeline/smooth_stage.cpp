@@ -1,13 +1,11 @@
 #include "pipeline/smooth_stage.h"
 
-#include "formats/cloud_kind.h"
 #include "formats/cloud_rewriter.h"
 #include "formats/model_file.h"
-#include "formats/ply_faces.h"
-#include "formats/ply_reader.h"
 #include "formats/point_source.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
+#include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
 #include "slim/smooth/smoothing.h"
 
@@ -16,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 namespace slim {
 namespace {
@@ -101,18 +98,6 @@ json smooth_cloud(const Smoother& smoother) {
     return result;
 }
 
-Mesh read_mesh(const std::string& path, const Vec3d& origin) {
-    Mesh mesh;
-    PlyReader vertices(path);
-    for (PointChunk chunk; vertices.read(chunk, kChunk);)
-        for (const Vec3d& p : chunk.position) mesh.position.push_back(p - origin);
-    if (mesh.position.size() >= std::numeric_limits<std::uint32_t>::max())
-        throw DataError(fmt::format("{}: a mesh of {} vertices; at most 4294967294 are smoothed as one "
-                                    "(--mode points takes more)", path, mesh.position.size()));
-    read_ply_faces(path, mesh.position.size(), [&](auto corners) { mesh.add_face(corners); });
-    return mesh;
-}
-
 json smooth_faces(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     const auto n_steps = static_cast<std::uint64_t>(config.iterations);
@@ -142,13 +127,6 @@ json smooth_faces(const Smoother& smoother) {
     result["faces_unsupported"] = smoothed.faces_unsupported;
     result["held"] = counts.held;
     return result;
-}
-
-/// Whether the input is a PLY whose faces name their corners.
-bool is_mesh(const std::string& path) {
-    if (cloud_kind(path, ByteReader(path).peek(4096).substr(0, 4096)) != CloudKind::ply) return false;
-    const PlyReader reader(path);
-    return reader.info().has_faces && reader.has_corner_lists();
 }
 
 void check_paths(const SmoothConfig& config) {

@@ -9,7 +9,7 @@ import time
 
 from harness import SOURCE, Harness
 
-VERBS = ["scan", "slice", "normals", "fit", "tree", "build", "render", "smooth", "measure", "info", "run", "plan"]
+VERBS = ["scan", "slice", "normals", "fit", "tree", "build", "render", "smooth", "measure", "info", "run", "plan", "report"]
 harness = Harness("slim", *(f"slim-{verb}" for verb in VERBS))
 run, check = harness.run, harness.check
 

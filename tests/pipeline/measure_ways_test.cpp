@@ -1,0 +1,208 @@
+#include "formats/image_io.h"
+#include "pipeline/measure_stage.h"
+#include "slim/base/parallel.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <numbers>
+
+// What measure does beside the errors of a cloud: the other way, per point, shapes and pictures.
+
+namespace slim::test {
+namespace {
+
+using nlohmann::json;
+
+class MeasureWays : public FitStages {
+protected:
+    json measured(const std::string& model, const std::string& cloud, const std::function<void(MeasureConfig&)>& change) {
+        MeasureConfig c;
+        c.model = model, c.cloud = cloud;
+        change(c);
+        return run_as("measure", c, run_measure, listener_);
+    }
+    json both_ways(const std::string& model, const std::string& cloud) {
+        return measured(model, cloud, [](MeasureConfig& c) { c.two_way = true, c.samples = 20000; });
+    }
+    void build_sphere(std::uint64_t n = 20000) {
+        cloud_ = sampled("sphere", n);
+        path_ = write(cloud_, "sphere.ply");
+        build(build_config(path_, "m.slim"));
+        model_ = file("m.slim");
+    }
+    std::string png(const std::string& name, std::vector<std::uint8_t> rgba) {
+        write_png_srgb8(file(name), 2, 1, rgba);
+        return file(name);
+    }
+
+    Cloud cloud_;
+    std::string path_, model_;
+};
+
+TEST_F(MeasureWays, SamplesOfASphereAddUpToItsAreaAndLieOnIt) {
+    build_sphere();
+    const json m = both_ways(model_, path_).at("model_to_cloud");
+    EXPECT_EQ(m["to"], "points");
+    EXPECT_NEAR(m["area"].get<double>(), 4 * std::numbers::pi, 0.06);
+    EXPECT_GT(m["samples"], 15000);
+    // 20,000 points on 4 pi: the nearest is half a mean spacing, 0.0125, off on average.
+    const double l2 = m["l2"].get<double>() * std::sqrt(12.0);
+    EXPECT_GT(l2, 0.010);
+    EXPECT_LT(l2, 0.018);
+}
+
+TEST_F(MeasureWays, AModelWithoutItsCloudThereIsFoundTheOtherWayOnly) {
+    build_sphere();
+    Cloud half;
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+        if (cloud_.positions[i].z > 0) {
+            half.positions.push_back(cloud_.positions[i]);
+            half.normals.push_back(cloud_.normals[i]);
+            half.truth.push_back(cloud_.truth[i]);
+            half.scan_ids.push_back(0);
+        }
+    const json m = measured(model_, write(half, "half.ply"), [](MeasureConfig& c) {
+        c.two_way = true, c.tolerance = 0.02;
+    });
+    EXPECT_DOUBLE_EQ(m["completeness"].get<double>(), 1);
+    EXPECT_NEAR(m["model_to_cloud"]["within"].get<double>(), 0.53, 0.03);  // and what is near the rim
+    EXPECT_NEAR(m["model_to_cloud"]["max"].get<double>() * m["diagonal"].get<double>(), std::sqrt(2.0), 0.03);
+    EXPECT_LT(m["model_to_cloud"]["max_at"][2].get<double>(), -0.98);
+}
+
+TEST_F(MeasureWays, FacesAreMeasuredExactly) {
+    build_sphere();
+    // A cube about the sphere: the sphere's farthest points are at (1, 1, 1) / sqrt(3).
+    const std::string cube = folder_.write(
+        "cube.ply",
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 6\nproperty list uchar int vertex_indices\nend_header\n"
+        "-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
+        "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n");
+    const json m = both_ways(model_, cube).at("model_to_cloud");
+    EXPECT_EQ(m["to"], "faces");
+    EXPECT_NEAR(m["max"].get<double>() * std::sqrt(12.0), 1 - 1 / std::sqrt(3.0), 0.006);  // samples are 0.025 apart
+}
+
+TEST_F(MeasureWays, ThreadsDoNotMatter) {
+    build_sphere(5000);
+    const auto at = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return measured(model_, path_, [&](MeasureConfig& c) {
+            c.two_way = true, c.samples = 5000, c.per_point = file("p.ply");
+        });
+    };
+    const json one = at(1);
+    const std::string bytes = read_bytes(file("p.ply"));
+    EXPECT_EQ(at(7), one);
+    EXPECT_EQ(read_bytes(file("p.ply")), bytes);
+}
+
+TEST_F(MeasureWays, EveryPointHasItsFiguresInItsPlace) {
+    build_sphere();
+    Cloud one_off = cloud_;
+    one_off.positions[7] *= 1.02;                 // outside
+    one_off.positions[8] *= 0.99;                 // inside
+    one_off.positions[9] += Vec3d{50, 0, 0};      // missed
+    one_off.positions[10].x = std::nan("");
+    measured(model_, write(one_off, "one_off.ply"), [&](MeasureConfig& c) { c.per_point = file("points.ply"); });
+    const std::string bytes = read_bytes(file("points.ply"));
+    for (const char* name : {"scalar_distance", "scalar_normal_angle", "scalar_k1_error", "scalar_k2_error",
+                             "scalar_mean_curvature_error", "quality"})
+        EXPECT_NE(bytes.find(std::string("property float ") + name + "\n"), std::string::npos) << name;
+    EXPECT_NE(bytes.find("element vertex 20000\n"), std::string::npos);
+    // double x y z, float nx ny nz, ushort scan, six floats
+    constexpr std::size_t kRow = 24 + 12 + 2 + 24;
+    const char* rows = bytes.data() + bytes.find("end_header\n") + 11;
+    ASSERT_EQ(bytes.size() - bytes.find("end_header\n") - 11, 20000 * kRow);
+    const auto scalar = [&](std::size_t point, std::size_t k) {
+        float value;
+        std::memcpy(&value, rows + point * kRow + 38 + 4 * k, 4);
+        return value;
+    };
+    EXPECT_NEAR(scalar(7, 0), 0.02, 2e-4);
+    EXPECT_NEAR(scalar(8, 0), -0.01, 2e-4);
+    EXPECT_EQ(scalar(7, 5), scalar(7, 0));
+    EXPECT_TRUE(std::isnan(scalar(9, 0)) && std::isnan(scalar(9, 5)));
+    EXPECT_TRUE(std::isnan(scalar(10, 0)));
+    EXPECT_LT(std::abs(scalar(11, 0)), 1e-4);
+}
+
+TEST_F(MeasureWays, PercentilesAndCompletenessAreThoseOfTheDistances) {
+    build_sphere();
+    Cloud off = cloud_;  // a tenth is 1 % of L off
+    const double step = 0.01 * std::sqrt(12.0);
+    for (std::size_t i = 0; i < off.size(); i += 10) off.positions[i] *= 1 + step;
+    const json m = measured(model_, write(off, "off.ply"), [](MeasureConfig& c) { c.tolerance = 0.005; });
+    EXPECT_DOUBLE_EQ(m["completeness"].get<double>(), 0.9);
+    EXPECT_NEAR(m["p95"].get<double>(), 0.01, 1e-4);
+    EXPECT_LT(m["p90"].get<double>(), 1e-4);
+    EXPECT_LT(m["p50"].get<double>(), m["p90"].get<double>());
+}
+
+TEST_F(MeasureWays, AShapeMeasuresACloudExactly) {
+    Cloud off = sampled("torus", 2000);
+    for (std::size_t i = 0; i < off.size(); ++i) off.positions[i] += off.truth[i].normal * 0.01;
+    const std::string path = write(off, "off.ply");
+    const json m = measured("shape:torus", path, [](MeasureConfig&) {});
+    EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), 0.01, 1e-9);
+    EXPECT_LT(m["normal_rms_deg"].get<double>(), 1e-4);
+    EXPECT_LT(m["k1_rms"].get<double>(), 1e-6);
+    EXPECT_EQ(code_of([&] { measured("shape:tours", path, [](MeasureConfig&) {}); }), ExitCode::usage);
+}
+
+TEST_F(MeasureWays, AMissingTruthIsNamed) {
+    build_sphere(2000);
+    EXPECT_EQ(code_of([&] { measured(model_, path_, [](MeasureConfig& c) { c.truth = "nowhere.truth"; }); }),
+              ExitCode::bad_data);
+    EXPECT_NE(message_.find("nowhere.truth: the truth cannot be read"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("expected"), std::string::npos);
+}
+
+TEST_F(MeasureWays, PicturesDifferWhereTheyDo) {
+    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
+    const std::string b = png("b.png", {255, 0, 0, 255, 10, 71, 30, 255});
+    const json same = measured(a, a, [](MeasureConfig&) {});
+    EXPECT_EQ(same["identical"], true);
+    EXPECT_EQ(same["above"], 0.0);
+    const json m = measured(a, b, [&](MeasureConfig& c) { c.output = file("d.png"); });
+    EXPECT_NEAR(m["max"].get<double>(), 51 / 255.0, 1e-12);
+    EXPECT_NEAR(m["rms"].get<double>(), 51 / 255.0 / std::sqrt(8.0), 1e-12);
+    EXPECT_DOUBLE_EQ(m["above"].get<double>(), 0.5);
+    EXPECT_EQ(m["max_at"], json({1, 0}));
+    EXPECT_EQ(m["channels"]["R"]["max"], 0.0);
+    const PngImage d = read_png(file("d.png"));
+    EXPECT_EQ(d.rgba[0], 0);
+    EXPECT_EQ(d.rgba[4], 255);
+    EXPECT_DOUBLE_EQ(measured(a, b, [](MeasureConfig& c) { c.threshold = 0.3; })["above"].get<double>(), 0);
+}
+
+TEST_F(MeasureWays, ExrChannelsAreComparedAsTheyAre) {
+    const std::vector<float> z{1, 2}, other{1, 2.5f}, nan{1, std::nanf("")};
+    const auto exr = [&](const char* name, const std::vector<float>& plane, const char* channel) {
+        write_exr(file(name), 2, 1, std::vector<ExrChannel>{{channel, ChannelType::float32, plane, {}}});
+        return file(name);
+    };
+    const std::string a = exr("a.exr", z, "Z");
+    const json m = measured(a, exr("b.exr", other, "Z"), [](MeasureConfig&) {});
+    EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 0.5);
+    EXPECT_EQ(measured(a, exr("n.exr", nan, "Z"), [](MeasureConfig&) {})["not_finite"], 1);
+    EXPECT_EQ(code_of([&] { measured(a, exr("c.exr", z, "k1"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
+}
+
+TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {
+    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
+    write_png_srgb8(file("b.png"), 1, 1, std::vector<std::uint8_t>{1, 2, 3, 255});
+    EXPECT_EQ(code_of([&] { measured(a, file("b.png"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("2x1"), std::string::npos) << message_;
+    EXPECT_EQ(code_of([&] { measured(a, "m.slim", [](MeasureConfig&) {}); }), ExitCode::usage);
+    EXPECT_EQ(code_of([&] { measured(a, a, [&](MeasureConfig& c) { c.output = a; }); }), ExitCode::usage);
+    EXPECT_EQ(code_of([&] { measured(a, file("none.png"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
+}
+
+}  // namespace
+}  // namespace slim::test
