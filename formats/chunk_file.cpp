@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include <fcntl.h>
@@ -164,11 +165,13 @@ ChunkFile::~ChunkFile() = default;
 ChunkFile::ChunkFile(ChunkFile&&) noexcept = default;
 ChunkFile& ChunkFile::operator=(ChunkFile&&) noexcept = default;
 
-ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind) {
+ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind, bool by_pages) {
     auto state = std::make_unique<State>();
     state->path = path;
     state->what = kind.what;
     state->map();
+    // Without it the system reads up to megabytes around each page.
+    if (by_pages) ::madvise(const_cast<unsigned char*>(state->data), state->size, MADV_RANDOM);
     state->read_header(kind);
     state->read_table();
     state->check_gaps();
@@ -220,6 +223,21 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
     }
     let_go(data, data + e.count * e.element_size);
     if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
+}
+
+std::string ChunkFile::identity() const {
+    std::vector<unsigned char> bytes(state_->data, state_->data + sizeof(ChunkFileHeader));
+    bytes.insert(bytes.end(), state_->data + state_->header.table_offset,
+                 state_->data + state_->size);
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return text;
+}
+
+void ChunkFile::read_whole() const {
+    ::madvise(const_cast<unsigned char*>(state_->data), state_->size, MADV_NORMAL);
 }
 
 void ChunkFile::verify_all() const {

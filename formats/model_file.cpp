@@ -2,10 +2,12 @@
 
 #include "formats/message.h"
 #include "formats/model_check.h"
+#include "slim/base/check.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -59,46 +61,120 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
     return file.offset(fault.chunk) + fault.entry * size;
 }
 
+void write_arrays(const std::string& path, const SurfelTree& tree,
+                  const std::string& provenance_json, std::span<const PackedColor> colors) {
+    const HeaderRecord header = pack(tree.header());
+    const bool two_rims = std::any_of(tree.nodes().begin(), tree.nodes().end(),
+                                      [](const TreeNode& n) { return n.rims().second != 0; });
+    const RecordIndex& index = tree.record_index();
+    ChunkWriter writer(path, two_rims                ? kModelKind
+                             : !index.empty()        ? kMixedModelKind
+                             : !tree.sharp().empty() ? kSharpModelKind
+                                                     : kSmoothModelKind);
+    writer.add("header", std::span<const HeaderRecord>(&header, 1));
+    writer.add("provenance", std::span<const char>(provenance_json));
+    writer.add("pages", tree.page_origins());
+    writer.add("nodes", tree.nodes());
+    writer.add("records", tree.records());
+    if (!index.empty()) {
+        writer.add("page_start", index.page_start);
+        writer.add("in_page", index.in_page);
+    }
+    if (!tree.sharp().empty()) {
+        writer.add("sharp", tree.sharp());
+        writer.add("sheets", tree.sheets());
+    }
+    if (!colors.empty()) writer.add("colors", colors);
+    writer.commit();
+}
+
 }  // namespace
 
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json) {
-    const HeaderRecord header = pack(data.header);
-    const bool two_rims = std::any_of(data.nodes.begin(), data.nodes.end(),
-                                      [](const TreeNode& n) { return n.rims().second != 0; });
-    ChunkWriter writer(path, two_rims               ? kModelKind
-                             : !data.in_page.empty() ? kMixedModelKind
-                             : !data.sharp.empty()   ? kSharpModelKind
-                                                     : kSmoothModelKind);
-    writer.add("header", std::span<const HeaderRecord>(&header, 1));
-    writer.add("provenance", std::span<const char>(provenance_json));
-    writer.add("pages", std::span<const Vec3d>(data.page_origins));
-    writer.add("nodes", std::span<const TreeNode>(data.nodes));
-    writer.add("records", std::span<const float>(data.records));
-    if (!data.in_page.empty()) {
-        writer.add("page_start", std::span<const std::uint64_t>(data.page_start));
-        writer.add("in_page", std::span<const std::uint16_t>(data.in_page));
-    }
-    if (!data.sharp.empty()) {
-        writer.add("sharp", std::span<const SharpEntry>(data.sharp));
-        writer.add("sheets", std::span<const float>(data.sheets));
-    }
-    writer.commit();
+    write_arrays(path, data.view(), provenance_json, {});
+}
+
+void write_model_colors(const std::string& path, std::span<const PackedColor> colors) {
+    const ModelFile model = ModelFile::open(path);
+    SLIM_CHECK(colors.size(), ==, model.tree().n_nodes());
+    write_arrays(path, model.tree(), model.provenance_json(), colors);
+}
+
+std::span<const PackedColor> ModelFile::colors() const {
+    if (!file_.has("colors")) return {};
+    const auto colors = file_.array<PackedColor>("colors");
+    if (colors.size() != tree().n_nodes())
+        throw FormatError(message(file_.path(), ": byte ", file_.offset("colors"), ": ",
+                                  colors.size(), " colours for ", tree().n_nodes(), " nodes"));
+    return colors;
+}
+
+void ModelFile::read_small_chunks() {
+    header_ = read_header(file_);
+    const auto json = file_.array<char>("provenance");
+    provenance_.assign(json.begin(), json.end());
+}
+
+void ModelFile::fail(const ModelFault& fault) const {
+    throw FormatError(message(file_.path(), ": byte ", byte_of(file_, tree(), fault), ": chunk ",
+                              fault.chunk, ", node ", fault.entry, ": ", fault.reason));
 }
 
 ModelFile ModelFile::open(const std::string& path) {
     ModelFile model(ChunkFile::open(path, kModelKind));
-    const ChunkFile& file = model.file_;
-    file.verify_all();
-    model.header_ = read_header(file);
-    const auto json = file.array<char>("provenance");
-    model.provenance_.assign(json.begin(), json.end());
-    const SurfelTree tree = model.tree();
-    const ModelFault fault = check_model(tree);
-    if (!fault.chunk.empty())
-        throw FormatError(message(path, ": byte ", byte_of(file, tree, fault), ": chunk ",
-                                  fault.chunk, ", node ", fault.entry, ": ", fault.reason));
+    model.file_.verify_all();
+    model.read_small_chunks();
+    if (const ModelFault fault = check_model(model.tree()); !fault.chunk.empty()) model.fail(fault);
+    model.colors();
     return model;
+}
+
+ModelFile ModelFile::open_by_pages(const std::string& path) {
+    ModelFile model(ChunkFile::open(path, kModelKind, true));
+    for (const char* chunk : {"header", "provenance", "pages", "page_start", "in_page"})
+        if (model.file_.has(chunk)) model.file_.verify(chunk);
+    model.read_small_chunks();
+    if (const ModelFault fault = check_sizes(model.tree()); !fault.chunk.empty()) model.fail(fault);
+    return model;
+}
+
+void ModelFile::check() const {
+    file_.read_whole();
+    file_.verify_all();
+    if (const ModelFault fault = check_model(tree()); !fault.chunk.empty()) fail(fault);
+}
+
+void ModelFile::check(std::span<const std::uint32_t> nodes) const {
+    const SurfelTree all = tree();
+    for (const std::uint32_t i : nodes)
+        if (const ModelFault fault = check_alone(all, i); !fault.chunk.empty()) fail(fault);
+}
+
+std::uint64_t ModelFile::bytes_of_pages(std::span<const std::uint32_t> nodes) const {
+    constexpr std::uint64_t kPage = 4096;
+    std::vector<bool> touched((file_.file_size() + kPage - 1) / kPage);
+    const auto touch = [&](std::uint64_t offset, std::uint64_t n) {
+        for (std::uint64_t page = offset / kPage; n > 0 && page <= (offset + n - 1) / kPage; ++page)
+            touched[page] = true;
+    };
+    const SurfelTree all = tree();
+    touch(0, sizeof(HeaderRecord));
+    touch(file_.file_size() - 1, 1);  // the table
+    touch(file_.offset("provenance"), provenance_.size());
+    touch(file_.offset("pages"), all.page_origins().size_bytes());
+    if (!all.record_index().empty()) {
+        touch(file_.offset("page_start"), all.record_index().page_start.size_bytes());
+        touch(file_.offset("in_page"), all.record_index().in_page.size_bytes());
+    }
+    const std::uint64_t node_chunk = file_.offset("nodes"), record_chunk = file_.offset("records");
+    for (const std::uint32_t i : nodes) {
+        touch(node_chunk + i * sizeof(TreeNode), sizeof(TreeNode));
+        const auto first = static_cast<std::uint64_t>(all.record(i) - all.records().data());
+        const auto length = static_cast<std::uint64_t>(floats_per_surfel(all.record_degree(i)));
+        touch(record_chunk + sizeof(float) * first, sizeof(float) * length);
+    }
+    return kPage * static_cast<std::uint64_t>(std::count(touched.begin(), touched.end(), true));
 }
 
 SurfelTree ModelFile::tree() const {

@@ -19,6 +19,7 @@ namespace slim {
 ///     -o x.png, several     x.<aov>.png
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
 ///     -o x.PNG, x.EXR       the same, their extension as given
+///     several frames        each of these numbered: x_0001.png, x.<aov>_0001.png
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
@@ -27,10 +28,16 @@ struct OutputPlan {
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
     std::vector<std::string> drawn;           ///< those AOVs
     std::filesystem::path stem;               ///< without extension: legends
+    std::string number = {};                  ///< "_0001" of a film's picture
     std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
     std::filesystem::path lines_svg() const;
+    /// The same for picture k of a film: x_0001.png, x.mean_0001.png, x_0001.exr, x_0001.lines.svg.
+    OutputPlan numbered(int k) const;
 };
+
+/// Command lines that make films of numbered pictures, one for each drawn AOV.
+std::vector<std::string> film_commands(const OutputPlan& plan);
 
 /// Throws ConfigError for an extension that is neither, or that contradicts --format.
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs);
@@ -38,11 +45,18 @@ OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::strin
 /// Makes the output's folder. Throws IoError naming it.
 void make_folder(const OutputPlan& plan);
 
+/// A picture of light and the AOV it is of, in the order of the AOVs.
+struct ColorPlane {
+    std::string aov;
+    Picture picture;  ///< over transparent
+};
+
 /// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
-/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. `planes` keeps what had to be
-/// rearranged and must outlive the result.
+/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. The first
+/// picture of light is R G B A without a layer. `planes` keeps what had to be rearranged and must
+/// outlive the result.
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
-                                     const RenderedFrame& frame, const Picture& shaded,
+                                     const RenderedFrame& frame, std::span<const ColorPlane> colors,
                                      std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes);
 

@@ -57,16 +57,17 @@ TraceLook look_of(const FrameLight& light, const ShadeView& view) {
     return look;
 }
 
+PictureSize buffer_size(const RenderedFrame& frame, int factor = 1) {
+    return {frame.buffer.width / factor, frame.buffer.height / factor};
+}
+
 /// A frame's planes as shading takes them.
 struct FramePlanes {
-    PixelView view;
     std::array<std::vector<float>, 3> normals;
     SurfacePlanes planes;
 
-    FramePlanes(const Camera& camera, const RenderedFrame& frame)
-        : view(pixel_view(camera, frame.size.width, frame.size.height)),
-          normals(turned(frame)),
-          planes{view, {0, 0, frame.size.width, frame.size.height}, frame.buffer, normals} {}
+    explicit FramePlanes(const RenderedFrame& frame)
+        : normals(turned(frame)), planes{frame.pixels, frame.window, frame.buffer, normals} {}
     FramePlanes(const FramePlanes&) = delete;
     FramePlanes& operator=(const FramePlanes&) = delete;
 
@@ -78,38 +79,38 @@ private:
     }
 };
 
-void shade_traced(const FrameLight& light, const PictureSize& size, RenderedFrame& frame) {
-    const FramePlanes planes(light.camera, frame);
+void shade_traced(const FrameLight& light, int factor, RenderedFrame& frame) {
+    const FramePlanes planes(frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     const TraceLook look = look_of(light, frame.view);
     const std::span<const float> open =
         light.config.ao ? std::span<const float>(frame.open) : std::span<const float>{};
-    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
         return light_rows(surface, look, open, rows, frame.light_counts);
     });
 }
 
 /// Forward projection with lights or a material of one's own.
-void shade_lit(const FrameLight& light, const PictureSize& size, RenderedFrame& frame) {
-    const FramePlanes planes(light.camera, frame);
+void shade_lit(const FrameLight& light, int factor, RenderedFrame& frame) {
+    const FramePlanes planes(frame);
     const SceneFrame scene{light.header.bounds.center(),
                            std::max(0.5 * light.header.bounds.diagonal(), 1e-300)};
     const LightRig rig = rig_of(light.config, light.header, frame.view);
     const Material material = parse_materials(light.config.material)[0];
-    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
         return shade_lit_rows(planes.planes, scene, rig, material, rows);
     });
 }
 
 /// The look that shade_rows has built in.
-void shade_plain(const PictureSize& size, RenderedFrame& frame) {
+void shade_plain(int factor, RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
     const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
     const auto rows_into = [&](const RowRange& rows, Picture& out) {
         shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
     };
-    if (frame.size.width == size.width) return rows_into({0, b.height}, frame.shaded);
-    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+    if (factor == 1) return rows_into({0, b.height}, frame.shaded);
+    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
         Picture band;
         rows_into(rows, band);
         return band;
@@ -169,19 +170,19 @@ double TracedModels::lowest(const Vec3d& up) const {
 }
 
 void find_openness(const FrameLight& light, RenderedFrame& frame) {
-    const FramePlanes planes(light.camera, frame);
+    const FramePlanes planes(frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     frame.open = openness_plane(surface, openness_of(light.config, light.header),
                                 wanted_ground(light), frame.light_counts);
 }
 
-void shade_frame(const FrameLight& light, const PictureSize& size, RenderedFrame& frame) {
+void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {
     if (light.traced)
-        shade_traced(light, size, frame);
+        shade_traced(light, factor, frame);
     else if (is_plain(light.config))
-        shade_plain(size, frame);
+        shade_plain(factor, frame);
     else
-        shade_lit(light, size, frame);
+        shade_lit(light, factor, frame);
 }
 
 }  // namespace slim

@@ -1,9 +1,11 @@
 #include "pipeline/render_view.h"
 
+#include "raytrace/camera_path.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -58,13 +60,6 @@ std::vector<double> parse_numbers(const std::string& text) {
     return numbers;
 }
 
-UpAxis up_axis(const RenderConfig& config) {
-    const char letter = config.up.back();
-    if (config.up.size() == 1)
-        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
-    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
-}
-
 std::optional<Vec3f> parse_color(std::string_view text) {
     if (text.size() != 7 || text[0] != '#') return std::nullopt;
     std::uint32_t rgb = 0;
@@ -96,11 +91,16 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
     if (is_camera_name(config.camera)) {
-        camera = named_camera(config.camera, model.bounds, aspect,
-                              {.up = up_axis(config),
-                               .orthographic = orthographic,
-                               .fov_y_deg = config.fov,
-                               .free_right = config.ortho_width > 0 ? 0 : free_right});
+        const Framing framing{.up = up_axis(config),
+                              .orthographic = orthographic,
+                              .fov_y_deg = config.fov,
+                              .turns = config.turntable,
+                              .free_right = config.ortho_width > 0 ? 0 : free_right};
+        camera = named_camera(config.camera, model.bounds, aspect, framing);
+        if (config.same_scale)
+            for (const char* side : {"front", "right", "top"})  // the others are as wide as these
+                camera.width =
+                    std::max(camera.width, named_camera(side, model.bounds, aspect, framing).width);
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)
@@ -120,6 +120,74 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     return camera;
 }
 
+namespace {
+
+/// "iso zoom 2" as a configuration of its own.
+RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
+    RenderConfig key = config;
+    if (const std::size_t at = text.find("zoom"); at != std::string::npos) {
+        const std::vector<double> zoom = parse_numbers(text.substr(at + 4));
+        if (zoom.size() != 1 || !(zoom[0] > 0))
+            throw ConfigError("path: expected a number > 0 after zoom, found \"" + text + "\"");
+        key.zoom = zoom[0];
+        text.resize(at);
+    }
+    const std::size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
+    if (first == std::string::npos) throw ConfigError("path: a keyframe without a camera");
+    key.camera = text.substr(first, last - first + 1);
+    return key;
+}
+
+std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
+                            const PictureSize& size, double free_right) {
+    std::vector<Camera> keys;
+    for (std::size_t begin = 0; begin <= config.path.size();) {
+        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
+        keys.push_back(make_camera(keyframe_of(config, config.path.substr(begin, end - begin)),
+                                   model, size, free_right));
+        begin = end + 1;
+    }
+    return keys;
+}
+
+}  // namespace
+
+int n_frames(const RenderConfig& config) {
+    if (config.turntable > 0 && !config.path.empty())
+        throw ConfigError("turntable and path both move the camera: give one");
+    if (config.path.empty() != (config.frames == 0))
+        throw ConfigError(config.path.empty() ? "frames is for a path, which is not given"
+                                              : "path: say how many pictures with frames");
+    const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
+    const bool film = config.turntable > 0 || !config.path.empty();
+    if (config.frame > (film ? n : 0))
+        throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
+                               : "frame is for a turntable or a path, which are not given");
+    return n;
+}
+
+Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                    double free_right, int frame) {
+    if (!config.path.empty()) {
+        const std::vector<Camera> keys = path_of(config, model, size, free_right);
+        const double t = config.frames > 1 ? static_cast<double>(frame) / (config.frames - 1) : 0;
+        return camera_on_path(keys, t * static_cast<double>(keys.size() - 1));
+    }
+    const Camera camera = make_camera(config, model, size, free_right);
+    if (config.turntable == 0) return camera;
+    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty()
+                             ? model.bounds.center()
+                             : camera.target;
+    return turned(camera, center, up_vector(up_axis(config)), 360.0 * frame / config.turntable);
+}
+
+UpAxis up_axis(const RenderConfig& config) {
+    const char letter = config.up.back();
+    if (config.up.size() == 1)
+        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
+    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
+}
+
 std::string view_name(const RenderConfig& config) {
     if (!config.name.empty()) return config.name;
     return is_camera_name(config.camera) ? config.camera : "view";
@@ -133,11 +201,19 @@ std::string describe(const Camera& camera, const Vec3d& origin) {
                        text_of(camera.target + origin), text_of(camera.up), lens);
 }
 
-ShadeView shade_view(const Camera& camera, const PictureSize& size) {
+ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x, int first_y) {
     const PixelView p = pixel_view(camera, size.width, size.height);
     const double px_per_unit = p.orthographic ? p.px_per_unit : p.focal_px;
-    return {p.right,           -p.down, -p.forward, size.width / (2 * px_per_unit),
-            size.height / (2 * px_per_unit), p.orthographic};
+    return {p.right,
+            -p.down,
+            -p.forward,
+            size.width / (2 * px_per_unit),
+            size.height / (2 * px_per_unit),
+            p.orthographic,
+            first_x,
+            first_y,
+            size.width,
+            size.height};
 }
 
 Background parse_background(const std::string& text, bool is_map) {

@@ -22,6 +22,7 @@ ALLOWED = {
     "slim/tree": ["slim/cover"],
     "slim/blend": ["slim/model"],
     "slim/smooth": ["slim/tree", "slim/blend"],
+    "slim/color": ["slim/tree"],
     "formats": ["slim/model"],
     "raytrace": ["slim/model"],
     "raytrace/intersect": ["raytrace", "slim/tree", "slim/blend"],
@@ -29,8 +30,8 @@ ALLOWED = {
     "raytrace/trace": ["raytrace/intersect", "slim/tree", "slim/blend"],
     "raytrace/brute": ["raytrace", "slim/blend"],
     "raytrace/lines": ["raytrace"],
-    "pipeline": ["slim/scanner", "slim/smooth", "formats", "raytrace/project", "raytrace/brute",
-                 "raytrace/lines", "raytrace/trace"],
+    "pipeline": ["slim/scanner", "slim/smooth", "slim/color", "formats", "raytrace/project",
+                 "raytrace/brute", "raytrace/lines", "raytrace/trace"],
     "tests": ["pipeline"],
 }
 # Heavy third-party headers, and the only files that may see them.
