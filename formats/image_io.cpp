@@ -1,4 +1,4 @@
-// PNG through OpenImageIO; this file is its sole user.
+// PNG, and pictures of light, through OpenImageIO; this file is its sole user.
 
 #include "formats/image_io.h"
 
@@ -10,12 +10,15 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cmath>
+#include <exception>
 #include <filesystem>
 #include <memory>
-#include <string_view>
 
 namespace slim {
 namespace {
+
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 
 bool is_opaque(std::span<const std::uint8_t> rgba) {
     for (std::size_t i = 3; i < rgba.size(); i += 4)
@@ -39,17 +42,47 @@ OIIO::ImageSpec png_spec(int width, int height, int n_channels, const ImageMetad
     return spec;
 }
 
-std::vector<unsigned char> encode_png(const std::string& path, const OIIO::ImageSpec& spec,
-                                      const std::uint8_t* pixels) {
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x.png", &memory);
-    if (!output)
-        throw IoError(path + ": no PNG writer: " + OIIO::geterror(), ExitCode::internal);
-    if (!output->open("x.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels) ||
-        !output->close())
-        throw IoError(path + ": cannot encode PNG: " + output->geterror(), ExitCode::resource);
-    return bytes;
+/// OpenImageIO's stream over our atomic file. The PNG library is C: what fails is thrown once it has returned.
+class AtomicProxy : public OIIO::Filesystem::IOProxy {
+public:
+    explicit AtomicProxy(AtomicFile& file) : IOProxy("", Write), file_(file) {}
+    const char* proxytype() const override { return "slim"; }
+    std::size_t write(const void* bytes, std::size_t n) override {
+        try {
+            file_.write(bytes, n);
+            m_pos += static_cast<std::int64_t>(n);
+            return n;
+        } catch (...) {
+            failure_ = std::current_exception();
+            return 0;
+        }
+    }
+    std::size_t size() const override { return file_.size(); }
+    void rethrow() const {
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    AtomicFile& file_;
+    std::exception_ptr failure_;
+};
+
+float linear_from_srgb(float v) {
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+/// Floats of any channels as three, through the sRGB curve if they were integers.
+std::vector<float> light_of(const std::vector<float>& in, std::size_t n_channels, bool is_srgb) {
+    const std::size_t n_pixels = in.size() / n_channels;
+    const bool grey = n_channels < 3;
+    std::vector<float> rgb(3 * n_pixels);
+    for (std::size_t i = 0; i < n_pixels; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float v = in[i * n_channels + (grey ? 0 : c)];
+            const float light = std::isfinite(v) && v > 0 ? v : 0;
+            rgb[3 * i + c] = is_srgb ? linear_from_srgb(light) : light;
+        }
+    return rgb;
 }
 
 /// The file's channels (grey, grey + alpha, RGB or RGBA) as RGBA.
@@ -66,18 +99,71 @@ std::vector<std::uint8_t> widened(const std::vector<std::uint8_t>& in, std::size
 
 }  // namespace
 
+struct PngWriter::State {
+    std::string path;
+    int width = 0, next_row = 0;
+    bool opaque = false;
+    AtomicFile file;
+    AtomicProxy proxy;
+    std::unique_ptr<OIIO::ImageOutput> output;
+
+    explicit State(const std::string& its_path) : path(its_path), file(its_path), proxy(file) {}
+    void check(bool ok) {
+        proxy.rethrow();
+        if (!ok) throw IoError(path + ": cannot encode PNG: " + output->geterror(), ExitCode::resource);
+    }
+};
+
+PngWriter::PngWriter(const std::string& path, int width, int height, bool opaque, const ImageMetadata& metadata)
+    : state_(std::make_unique<State>(path)) {
+    State& s = *state_;
+    s.width = width, s.opaque = opaque;
+    s.output = OIIO::ImageOutput::create("x.png", &s.proxy);
+    if (!s.output) throw IoError(path + ": no PNG writer: " + OIIO::geterror(), ExitCode::internal);
+    s.check(s.output->open("x.png", png_spec(width, height, opaque ? 3 : 4, metadata)));
+}
+
+PngWriter::~PngWriter() = default;
+PngWriter::PngWriter(PngWriter&&) noexcept = default;
+
+void PngWriter::add_rows(std::span<const std::uint8_t> rgba) {
+    State& s = *state_;
+    SLIM_CHECK(rgba.size() % (4 * static_cast<std::size_t>(s.width)), ==, 0u);
+    const int n = static_cast<int>(rgba.size() / 4 / static_cast<std::size_t>(s.width));
+    const std::vector<std::uint8_t> rgb = s.opaque ? without_alpha(rgba) : std::vector<std::uint8_t>();
+    s.check(s.output->write_scanlines(s.next_row, s.next_row + n, 0, OIIO::TypeDesc::UINT8,
+                                      s.opaque ? rgb.data() : rgba.data()));
+    s.next_row += n;
+}
+
+void PngWriter::commit() {
+    state_->check(state_->output->close());
+    state_->file.commit();
+}
+
 void write_png_srgb8(const std::string& path, int width, int height,
                      std::span<const std::uint8_t> rgba, const ImageMetadata& metadata) {
     SLIM_CHECK(rgba.size(), ==,
                4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const bool opaque = is_opaque(rgba);
-    const std::vector<std::uint8_t> rgb =
-        opaque ? without_alpha(rgba) : std::vector<std::uint8_t>();
-    const std::vector<unsigned char> bytes =
-        encode_png(path, png_spec(width, height, opaque ? 3 : 4, metadata),
-                   opaque ? rgb.data() : rgba.data());
-    write_file_atomically(
-        path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    PngWriter writer(path, width, height, is_opaque(rgba), metadata);
+    writer.add_rows(rgba);
+    writer.commit();
+}
+
+LightImage read_light_image(const std::string& path) {
+    if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
+    if (!input)
+        throw FormatError(path + ": expected a picture (EXR, HDR, PNG, JPEG, TIFF): " + OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.image_pixels() > kMostPixels)
+        throw FormatError(path + ": expected at most 268 million pixels, found " + std::to_string(spec.width) + "x" +
+                          std::to_string(spec.height));
+    std::vector<float> pixels(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
+        throw FormatError(path + ": damaged picture: " + input->geterror());
+    return {spec.width, spec.height,
+            light_of(pixels, static_cast<std::size_t>(spec.nchannels), !spec.format.is_floating_point())};
 }
 
 PngImage read_png(const std::string& path) {

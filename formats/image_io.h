@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,11 @@ using ImageMetadata = std::map<std::string, std::string>;
 
 /// Matrices by name.
 using ImageMatrices = std::map<std::string, std::array<float, 16>>;
+
+/// Where an image lies in a larger one of that size; 0: it is the whole.
+struct ImagePlace {
+    int x = 0, y = 0, whole_width = 0, whole_height = 0;
+};
 
 enum class ChannelType { half_float, float32, uint32 };
 
@@ -37,16 +43,62 @@ struct ExrChannel {
 void write_png_srgb8(const std::string& path, int width, int height,
                      std::span<const std::uint8_t> rgba, const ImageMetadata& metadata = {});
 
+/// The same row by row from the top, for pictures larger than memory: RGBA in, written as RGB if `opaque`.
+class PngWriter {
+public:
+    PngWriter(const std::string& path, int width, int height, bool opaque, const ImageMetadata& metadata = {});
+    ~PngWriter();
+    PngWriter(PngWriter&&) noexcept;
+    /// rgba: 4 width n values
+    void add_rows(std::span<const std::uint8_t> rgba);
+    /// After the last row: the file appears under its name.
+    void commit();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 /// Writes a single-part scanline EXR, zip compressed, with the chromaticities of Rec.709,
 /// atomically.
 ///
 /// channels  any order, unique names; R G B A are premultiplied linear colour
+/// place     where the channels lie in a larger picture, as the data window of its display window
 /// metadata  string attributes; "DateTime" becomes capDate, "ImageDescription" comments, "Copyright" owner
 /// matrices  m44f attributes such as worldToCamera: 16 floats, row-vector form as Imath has it, that is
 ///           with the translation in the last row
 /// throws    IoError naming the file; a plane of the wrong length is a SLIM_CHECK failure
 void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-               const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {});
+               const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {},
+               const ImagePlace& place = {});
+
+/// The same band by band from the top, for pictures larger than memory.
+class ExrWriter {
+public:
+    /// channels: names and types; their planes are not looked at
+    ExrWriter(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
+              const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {}, const ImagePlace& place = {});
+    ~ExrWriter();
+    ExrWriter(ExrWriter&&) noexcept;
+    /// The same channels with their planes of the next n_rows rows.
+    void add_rows(int n_rows, std::span<const ExrChannel> channels);
+    void commit();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// A picture of light: linear Rec.709, rows from the top, 3 floats a pixel.
+struct LightImage {
+    int width = 0, height = 0;
+    std::vector<float> rgb;
+};
+/// Reads any format that OpenImageIO knows (EXR, HDR, PNG, JPEG, TIFF, ...): integers through the sRGB curve, floats
+/// as they are; alpha is ignored, grey is widened, negative and not finite values become 0.
+/// throws IoError if there is no such file, FormatError naming it if it is no picture, is damaged, or has more than
+/// 268 million pixels
+LightImage read_light_image(const std::string& path);
 
 /// A PNG as read back: always RGBA (alpha 255 if the file has none), straight alpha.
 struct PngImage {

@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 
 namespace slim {
 namespace {
@@ -56,9 +57,10 @@ std::string exr_name(const std::string& name) {
                                         : name;
 }
 
-Imf::Header make_header(int width, int height, std::span<const ExrChannel> channels,
+Imf::Header make_header(const Imath::Box2i& data, const ImagePlace& place, std::span<const ExrChannel> channels,
                         const ImageMetadata& metadata, const ImageMatrices& matrices) {
-    Imf::Header header(width, height);
+    const Imath::V2i last = place.whole_width > 0 ? Imath::V2i(place.whole_width - 1, place.whole_height - 1) : data.max;
+    Imf::Header header(Imath::Box2i({0, 0}, last), data);
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709 with D65
     for (const auto& [name, value] : metadata)
@@ -73,12 +75,12 @@ Imf::Header make_header(int width, int height, std::span<const ExrChannel> chann
     return header;
 }
 
-/// A slice of contiguous rows of T; the library only reads through the pointer when it writes a
-/// file.
+/// A slice of contiguous rows of T for the data window; the library only reads through the pointer when it writes
+/// a file.
 template <class T>
-Imf::Slice plane(Imf::PixelType type, const T* values, int width) {
-    return Imf::Slice(type, reinterpret_cast<char*>(const_cast<T*>(values)), sizeof(T),
-                      sizeof(T) * static_cast<std::size_t>(width));
+Imf::Slice plane(Imf::PixelType type, const T* values, const Imath::Box2i& data) {
+    const auto width = static_cast<std::size_t>(data.max.x - data.min.x + 1);
+    return Imf::Slice::Make(type, const_cast<T*>(values), data, sizeof(T), sizeof(T) * width);
 }
 
 std::vector<half> halves(std::span<const float> values) {
@@ -98,17 +100,17 @@ void check_planes(std::span<const ExrChannel> channels, std::size_t n_pixels) {
 }
 
 /// Fills the frame buffer; half planes are converted into `converted`, which must outlive it.
-Imf::FrameBuffer frame_of(std::span<const ExrChannel> channels, int width,
+Imf::FrameBuffer frame_of(std::span<const ExrChannel> channels, const Imath::Box2i& data,
                           std::vector<std::vector<half>>& converted) {
     Imf::FrameBuffer frame;
     for (const ExrChannel& c : channels) {
         if (c.type == ChannelType::half_float) {
             converted.push_back(halves(c.floats));
-            frame.insert(c.name, plane(Imf::HALF, converted.back().data(), width));
+            frame.insert(c.name, plane(Imf::HALF, converted.back().data(), data));
         } else if (c.type == ChannelType::uint32) {
-            frame.insert(c.name, plane(Imf::UINT, c.integers.data(), width));
+            frame.insert(c.name, plane(Imf::UINT, c.integers.data(), data));
         } else {
-            frame.insert(c.name, plane(Imf::FLOAT, c.floats.data(), width));
+            frame.insert(c.name, plane(Imf::FLOAT, c.floats.data(), data));
         }
     }
     return frame;
@@ -152,23 +154,64 @@ ExrImage::Channel read_channel(Imf::InputFile& file, const Imath::Box2i& window,
 
 }  // namespace
 
-void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-               const ImageMetadata& metadata, const ImageMatrices& matrices) {
-    check_planes(channels, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    AtomicFile file(path);
-    try {
-        AtomicStream stream(file);
-        std::vector<std::vector<half>> converted;
-        const Imf::FrameBuffer frame = frame_of(channels, width, converted);
-        Imf::OutputFile output(stream, make_header(width, height, channels, metadata, matrices));
-        output.setFrameBuffer(frame);
-        output.writePixels(height);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {
-        throw IoError(path + ": cannot write EXR: " + e.what(), ExitCode::resource);
+struct ExrWriter::State {
+    int width = 0, next_row = 0;
+    ImagePlace place;
+    AtomicFile file;
+    AtomicStream stream;
+    std::unique_ptr<Imf::OutputFile> output;
+
+    explicit State(const std::string& path) : file(path), stream(file) {}
+
+    template <class Body>
+    void guarded(const Body& body) {
+        try {
+            body();
+        } catch (const Error&) {
+            throw;
+        } catch (const std::exception& e) {
+            throw IoError(file.path() + ": cannot write EXR: " + e.what(), ExitCode::resource);
+        }
     }
-    file.commit();
+};
+
+ExrWriter::ExrWriter(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
+                     const ImageMetadata& metadata, const ImageMatrices& matrices, const ImagePlace& place)
+    : state_(std::make_unique<State>(path)) {
+    State& s = *state_;
+    s.width = width, s.place = place;
+    s.guarded([&] {
+        const Imath::Box2i data({place.x, place.y}, {place.x + width - 1, place.y + height - 1});
+        s.output = std::make_unique<Imf::OutputFile>(s.stream, make_header(data, place, channels, metadata, matrices));
+    });
+}
+
+ExrWriter::~ExrWriter() = default;
+ExrWriter::ExrWriter(ExrWriter&&) noexcept = default;
+
+void ExrWriter::add_rows(int n_rows, std::span<const ExrChannel> channels) {
+    State& s = *state_;
+    check_planes(channels, static_cast<std::size_t>(s.width) * static_cast<std::size_t>(n_rows));
+    const int y = s.place.y + s.next_row;
+    const Imath::Box2i band({s.place.x, y}, {s.place.x + s.width - 1, y + n_rows - 1});
+    s.guarded([&] {
+        std::vector<std::vector<half>> converted;
+        s.output->setFrameBuffer(frame_of(channels, band, converted));
+        s.output->writePixels(n_rows);
+    });
+    s.next_row += n_rows;
+}
+
+void ExrWriter::commit() {
+    state_->guarded([&] { state_->output.reset(); });
+    state_->file.commit();
+}
+
+void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
+               const ImageMetadata& metadata, const ImageMatrices& matrices, const ImagePlace& place) {
+    ExrWriter writer(path, width, height, channels, metadata, matrices, place);
+    writer.add_rows(height, channels);
+    writer.commit();
 }
 
 ExrImage read_exr(const std::string& path) {

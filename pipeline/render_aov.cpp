@@ -1,7 +1,10 @@
 #include "pipeline/render_aov.h"
 
 #include "pipeline/render_bands.h"
+#include "pipeline/render_directions.h"
+#include "pipeline/render_look.h"
 #include "pipeline/render_maps.h"
+#include "pipeline/render_shadings.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
@@ -19,7 +22,14 @@ constexpr float kMapLightFloor = 0.5f;
 
 const std::map<std::string, Channels>& channel_table() {
     static const std::map<std::string, Channels> table{
-        {"shaded", kNormalChannel},      {"mean", kMeanChannel},
+        {"shaded", kNormalChannel},      {"environment", kNormalChannel},
+        {"matcap", kNormalChannel},      {"reflection", kNormalChannel},
+        {"hillshade", kNormalChannel | kPositionChannel},
+        {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
+        {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
+        {"e1", kThirdOrderChannel},      {"e2", kThirdOrderChannel},
+        {"dk1_dt2", kThirdOrderChannel}, {"dk2_dt1", kThirdOrderChannel},
+        {"mean", kMeanChannel},
         {"gauss", kGaussChannel},        {"k1", kK1Channel},
         {"k2", kK2Channel},              {"normal", kNormalChannel},
         {"depth", kDepthChannel},        {"position", kPositionChannel},
@@ -33,13 +43,13 @@ const std::map<std::string, Channels>& channel_table() {
 
 NormalPlanes normal_planes(const GBuffer& b) { return {b.normal[0], b.normal[1], b.normal[2]}; }
 
+bool is_direction(const std::string& aov) { return aov == "dir1" || aov == "dir2"; }
+
 bool is_curvature(const std::string& aov) {
-    return (channel_table().at(aov) & kCurvatureChannel) != 0;
+    return (channel_table().at(aov) & kCurvatureChannel) != 0 && !is_direction(aov);
 }
 
-Legend level_legend(const ColorMap& map, const ValueRange& range) {
-    return {"level", "1: coarsest", &map, range, "", ""};
-}
+bool is_third_order(const std::string& aov) { return channel_table().at(aov) == kThirdOrderChannel; }
 
 std::span<const float> plane_of(const std::string& aov, const RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
@@ -50,6 +60,11 @@ std::span<const float> plane_of(const std::string& aov, const RenderedFrame& fra
            : aov == "depth"    ? b.depth
            : aov == "error"    ? b.fit_error
            : aov == "coverage" ? b.coverage
+           : aov == "level"    ? b.level
+           : aov == "e1"       ? b.third[0]
+           : aov == "dk1_dt2"  ? b.third[1]
+           : aov == "dk2_dt1"  ? b.third[2]
+           : aov == "e2"       ? b.third[3]
                                : frame.truth_distance;
 }
 
@@ -115,47 +130,10 @@ Picture paint_ids(const GBuffer& b, const RowRange& rows) {
     return paint_hits(b, rows, [&](std::size_t i) { return color_of_id(b.surfel_id[i]); });
 }
 
-AovPicture draw_levels(const RenderedFrame& frame, const PictureSize& size) {
-    const GBuffer& b = frame.buffer;
-    const ValueRange levels = full_range(b.level, b.hit);
-    const double lo = std::round(levels.lo);
-    // At least five steps, so that the legend's ticks are whole numbers.
-    const int n = std::max(5, static_cast<int>(std::round(levels.hi) - lo) + 1);
-    AovPicture out;
-    out.own_map = std::make_shared<const ColorMap>(stepped_viridis(n));
-    const ValueRange range{lo - 0.5, lo + n - 0.5};
-    out.legend = level_legend(*out.own_map, range);
-    out.picture = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
-        return paint_map(b, rows, *out.legend, b.level);
-    });
-    return out;
-}
-
-AovPicture draw_map(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    double diagonal, const PictureSize& size) {
-    const GBuffer& b = frame.buffer;
-    const std::span<const float> values = plane_of(aov, frame);
-    const ValueRange range = map_range(config, aov, values, b.hit, diagonal);
-    const bool lit = config.light_maps && is_curvature(aov);
-    AovPicture out;
-    out.legend = make_legend(config, aov, range, values, b.hit);
-    out.picture = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
-        Picture band = paint_map(b, rows, *out.legend, values);
-        if (lit)
-            light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, rows.begin);
-        return band;
-    });
-    return out;
-}
-
-/// A legend before anything is drawn: its words are known, its numbers are of a usual length.
-std::optional<Legend> expected_legend(const RenderConfig& config, const std::string& aov) {
-    constexpr ValueRange kUsual{-2500, 2500};
-    if (aov == "level") return level_legend(viridis(), kUsual);
-    if (!map_spec(aov)) return std::nullopt;
-    Legend legend = make_legend(config, aov, kUsual, {}, {});
-    legend.clipped_high = legend.clipped_low = true;
-    return legend;
+/// The pixels of a part that a picture of that size has of the frame.
+PictureSize part_size(const RenderedFrame& frame, const PictureSize& size) {
+    const int factor = frame.size.width / size.width;
+    return {frame.buffer.width / factor, frame.buffer.height / factor};
 }
 
 Vec3d shape_offset(const RenderConfig& config) {
@@ -176,8 +154,10 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     for (const std::string& aov : config.aov) {
         if (aov != "all") add(aov);
         else
-            for (const char* each : {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth",
-                                     "position", "id", "error", "level", "coverage"})
+            for (const char* each :
+                 {"shaded", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2", "dir1",
+                  "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id", "error", "level",
+                  "coverage"})
                 add(each);
     }
     if (aovs.empty()) throw ConfigError("aov: expected at least one");
@@ -189,6 +169,16 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     if (!truth && !config.offset.empty())
         throw ConfigError("offset is for the aov truth_distance, which is not asked for");
     return aovs;
+}
+
+void keep_possible_aovs(const RenderConfig& config, int degree, std::vector<std::string>& aovs) {
+    if (degree >= 3) return;
+    for (const std::string& aov : config.aov)
+        if (aov != "all" && is_third_order(aov))
+            throw ConfigError(config.model + ": aov " + aov +
+                              " needs third derivatives, which a model of degree " + std::to_string(degree) +
+                              " does not have: build it with --degree 3");
+    std::erase_if(aovs, is_third_order);
 }
 
 Channels channels_of(const std::vector<std::string>& aovs, bool light_maps) {
@@ -220,30 +210,39 @@ std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& mode
     return distances;
 }
 
-AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    const Bbox& bounds, const PictureSize& size) {
+MapValues map_values(const std::string& aov, const RenderedFrame& frame) {
+    MapValues out{plane_of(aov, frame), {}};
+    if (!is_third_order(aov)) return out;
+    out.magnitudes.resize(out.plane.size());
+    std::transform(out.plane.begin(), out.plane.end(), out.magnitudes.begin(), [](float v) { return std::abs(v); });
+    return out;
+}
+
+Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look, const ShadingInputs& shadings,
+                 const RenderedFrame& frame, const Bbox& bounds, const PictureSize& size) {
     const GBuffer& b = frame.buffer;
+    const PictureSize part = part_size(frame, size);
     const auto painted = [&](const auto& paint_rows) {
-        return AovPicture{paint_in_bands(frame.size, size, paint_rows), {}, {}};
+        return paint_in_bands({b.width, b.height}, part, paint_rows);
     };
-    if (aov == "shaded") return {frame.shaded, {}, {}};
-    if (aov == "lines") return {Picture(size.width, size.height), {}, {}};
+    if (aov == "shaded") return frame.shaded;
+    if (aov == "lines") return Picture(part.width, part.height);
+    if (is_shading(aov))
+        return painted([&](const RowRange& r) { return paint_shading(aov, shadings, frame, r); });
+    if (is_direction(aov))
+        return painted([&](const RowRange& r) { return paint_directions(b, aov == "dir2", r); });
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
     if (aov == "position")
         return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });
     if (aov == "id") return painted([&](const RowRange& r) { return paint_ids(b, r); });
-    if (aov == "level") return draw_levels(frame, size);
-    return draw_map(config, aov, frame, bounds.diagonal(), size);
-}
-
-double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
-                   const PictureSize& size) {
-    double share = 0;
-    if (!config.legend) return share;
-    for (const std::string& aov : aovs)
-        if (const auto legend = expected_legend(config, aov))
-            share = std::max(share, legend_share(*legend, size.width, size.height));
-    return share;
+    const MapValues values = map_values(aov, frame);
+    const bool lit = config.light_maps && is_curvature(aov);
+    return painted([&](const RowRange& rows) {
+        Picture band = paint_map(b, rows, *look.legend, values.span());
+        if (lit)
+            light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, rows.begin);
+        return band;
+    });
 }
 
 }  // namespace slim

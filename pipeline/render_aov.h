@@ -3,21 +3,24 @@
 #include "pipeline/render_config.h"
 #include "pipeline/render_view.h"
 #include "raytrace/frame.h"
-#include "raytrace/legend.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/picture.h"
+#include "raytrace/renderer.h"
 #include "slim/base/bbox.h"
 
-#include <memory>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace slim {
 
-/// The AOVs to draw, without doubles, "all" replaced by every one the model alone can give. Throws
+/// The AOVs to draw, without doubles, "all" replaced by every one a model alone can give. Throws
 /// ConfigError for truth_distance without a --truth-shape, or a shape without it.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
+
+/// Takes out what this model cannot give: derivatives of curvature unless it is cubic. ConfigError, naming the
+/// remedy, if one was asked for by name.
+void keep_possible_aovs(const RenderConfig& config, int degree, std::vector<std::string>& aovs);
 
 /// What the renderer must deliver for these AOVs, and no more.
 Channels channels_of(const std::vector<std::string>& aovs, bool light_maps);
@@ -25,13 +28,15 @@ Channels channels_of(const std::vector<std::string>& aovs, bool light_maps);
 /// AOVs whose pictures must not be averaged (ids, levels), or cost too much at twice the size.
 bool is_filterable(const std::string& aov);
 
-/// One rendered frame and what derives from it.
+/// One rendered frame, or the part of one that its buffer holds, and what derives from it.
 struct RenderedFrame {
-    PictureSize size;
-    ShadeView view;
+    PictureSize size;     ///< of the whole
+    PixelWindow window;   ///< the buffer's part of it
+    PixelView pixels;     ///< of the whole
+    ShadeView view;       ///< of the part
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
-    Picture shaded;                     ///< at the picture's size; empty unless asked for
+    Picture shaded;                     ///< the part at the picture's size; empty unless asked for
     std::vector<FeatureLine> lines;     ///< those asked for, in the order of drawing
 };
 
@@ -41,21 +46,19 @@ struct RenderedFrame {
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& buffer);
 
-/// A picture of one AOV, over transparent.
-struct AovPicture {
-    Picture picture;
-    std::optional<Legend> legend;           ///< of a map
-    /// what the legend points to, if made for this picture
-    std::shared_ptr<const ColorMap> own_map;
+/// What an AOV paints as a map: a plane of the frame, or the magnitudes of one whose sign is arbitrary.
+struct MapValues {
+    std::span<const float> plane;
+    std::vector<float> magnitudes;
+    std::span<const float> span() const { return magnitudes.empty() ? plane : std::span<const float>(magnitudes); }
 };
+MapValues map_values(const std::string& aov, const RenderedFrame& frame);
 
-/// Draws an AOV; a frame larger than `size` is averaged.
-AovPicture draw_aov(const RenderConfig& config, const std::string& aov, const RenderedFrame& frame,
-                    const Bbox& bounds, const PictureSize& size);
+struct AovLook;
+struct ShadingInputs;
 
-/// Share of the picture's width that the widest legend burned into these AOVs will take at the
-/// right; 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
-double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
-                   const PictureSize& size);
+/// Draws an AOV of a frame's part, over transparent; a frame larger than `size`, the whole picture's, is averaged.
+Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look, const ShadingInputs& shadings,
+                 const RenderedFrame& frame, const Bbox& bounds, const PictureSize& size);
 
 }  // namespace slim

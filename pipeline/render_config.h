@@ -33,6 +33,13 @@ struct RenderConfig {
     std::string unit;
     std::string truth_shape;
     std::vector<double> offset;
+    std::string environment, matcap;
+    double environment_turn = 0;
+    bool environment_behind = false;
+    std::vector<double> sun{315, 45};
+    std::string contours = "auto";
+    bool scale_bar = false;
+    std::string crop, tile;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -57,7 +64,8 @@ struct RenderConfig {
               "enlarges about the picture's middle: 2 shows half of what the camera shows", 0.001,
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
-                     {"shaded", "mean", "gauss", "k1", "k2", "normal", "depth", "position", "id",
+                     {"shaded", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2",
+                      "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id",
                       "error", "level", "coverage", "truth_distance", "lines", "all"});
         field.choice("lines", lines,
                      "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
@@ -86,6 +94,20 @@ struct RenderConfig {
         field("unit", unit, "name of the model's length unit, for legends (mm, m, ...)");
         field("truth_shape", truth_shape, "analytic shape that truth_distance measures against");
         field("offset", offset, "where that shape's origin lies in the world: x,y,z");
+        field.path("environment", environment,
+                   "lat-long picture of the light for --aov environment: EXR, HDR, PNG, ... (default: a built-in "
+                   "studio)");
+        field("environment_turn", environment_turn, "turns it about the up axis, degrees", -360, 360);
+        field("environment_behind", environment_behind, "shows it behind the model");
+        field.path("matcap", matcap,
+                   "picture of a ball for --aov matcap: PNG, JPEG, EXR, ... (default: a built-in one)");
+        field("sun", sun, "of --aov hillshade: azimuth clockwise from north (+y, with --up z), altitude; degrees");
+        field("contours", contours,
+              "contour lines of --aov hillshade: auto, none, or their spacing in model units (every fifth is heavier)");
+        field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
+        field("crop", crop,
+              "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the whole has there");
+        field("tile", tile, "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
     }
 };
 

@@ -1,6 +1,7 @@
 #include "pipeline/render_files.h"
 
 #include "formats/extension.h"
+#include "pipeline/render_directions.h"
 #include "pipeline/version.h"
 #include "raytrace/lines/stroke.h"
 #include "slim/base/error.h"
@@ -46,6 +47,12 @@ std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame
     if (aov == "gauss") return {{"curvature.gauss", &b.gauss}};
     if (aov == "k1") return {{"curvature.k1", &b.k1}};
     if (aov == "k2") return {{"curvature.k2", &b.k2}};
+    if (aov == "e1") return {{"extremality.e1", &b.third[0]}};
+    if (aov == "e2") return {{"extremality.e2", &b.third[3]}};
+    if (aov == "dk1_dt2") return {{"extremality.dk1_dt2", &b.third[1]}};
+    if (aov == "dk2_dt1") return {{"extremality.dk2_dt1", &b.third[2]}};
+    if (aov == "dir1")
+        return {{"dir1.X", &b.direction[0]}, {"dir1.Y", &b.direction[1]}, {"dir1.Z", &b.direction[2]}};
     if (aov == "normal")
         return {{"N.X", &b.normal[0]}, {"N.Y", &b.normal[1]}, {"N.Z", &b.normal[2]}};
     if (aov == "position")
@@ -58,15 +65,25 @@ std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame
     return {};
 }
 
-/// The colour planes R G B A of an interleaved picture.
-void add_color(const Picture& shaded, std::vector<std::vector<float>>& planes,
+/// The colour planes of an interleaved picture: R G B A, or R G B of a layer.
+void add_color(const Picture& picture, const std::string& layer, std::vector<std::vector<float>>& planes,
                std::vector<ExrChannel>& out) {
     const char* const names[] = {"R", "G", "B", "A"};
-    for (std::size_t c = 0; c < 4; ++c) {
-        std::vector<float> plane(shaded.n_pixels());
-        for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = shaded.rgba[4 * i + c];
+    for (std::size_t c = 0; c < (layer.empty() ? 4u : 3u); ++c) {
+        std::vector<float> plane(picture.n_pixels());
+        for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = picture.rgba[4 * i + c];
         planes.push_back(std::move(plane));
-        out.push_back({names[c], ChannelType::half_float, planes.back(), {}});
+        out.push_back({layer + names[c], ChannelType::half_float, planes.back(), {}});
+    }
+}
+
+void add_second_direction(const GBuffer& buffer, std::vector<std::vector<float>>& planes,
+                          std::vector<ExrChannel>& out) {
+    const char* const names[] = {"dir2.X", "dir2.Y", "dir2.Z"};
+    auto axes = second_directions(buffer);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        planes.push_back(std::move(axes[axis]));
+        out.push_back({names[axis], ChannelType::float32, planes.back(), {}});
     }
 }
 
@@ -154,13 +171,16 @@ void make_folder(const OutputPlan& plan) {
 }
 
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
-                                     const RenderedFrame& frame, const Picture& shaded,
+                                     const RenderedFrame& frame, std::span<const ColorPlane> colors,
                                      std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
-    planes.reserve(4 + lines.size() + 1);  // the channels look at the planes' values, which moving a vector keeps
+    // The channels look at the planes' values, which moving a vector keeps.
+    planes.reserve(4 * colors.size() + 3 + lines.size() + 1);
+    for (const ColorPlane& color : colors)
+        add_color(color.picture, out.empty() ? "" : color.aov + ".", planes, out);
     for (const std::string& aov : aovs) {
-        if (aov == "shaded") add_color(shaded, planes, out);
+        if (aov == "dir2") add_second_direction(frame.buffer, planes, out);
         if (aov == "id")
             out.push_back({"surfel.id", ChannelType::uint32, {}, frame.buffer.surfel_id});
         for (const NamedPlane& plane : float_planes(aov, frame))
@@ -183,6 +203,7 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:units", config.unit.empty() ? "model units" : config.unit},
         {"slim:seed", std::to_string(model.seed)},
         {"slim:curvature", "positive where convex, normals outwards, 1/length"},
+        {"slim:directions", "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
     return metadata;

@@ -38,11 +38,17 @@ OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::strin
 /// Makes the output's folder. Throws IoError naming it.
 void make_folder(const OutputPlan& plan);
 
+/// A picture of light and the AOV it is of, in the order of the AOVs.
+struct ColorPlane {
+    std::string aov;
+    Picture picture;  ///< over transparent
+};
+
 /// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
-/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. `planes` keeps what had to be
-/// rearranged and must outlive the result.
+/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. The first picture of light
+/// is R G B A without a layer. `planes` keeps what had to be rearranged and must outlive the result.
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
-                                     const RenderedFrame& frame, const Picture& shaded,
+                                     const RenderedFrame& frame, std::span<const ColorPlane> colors,
                                      std::span<const LineKind> lines,
                                      std::vector<std::vector<float>>& planes);
 

@@ -23,6 +23,10 @@ const std::map<std::string, MapSpec>& specs() {
         {"gauss", {"Gauss curvature", -2, true, "cap or cup +", hyperbolic.c_str()}},
         {"k1", {"curvature k1", -1, true, "convex +", concave.c_str()}},
         {"k2", {"curvature k2", -1, true, "convex +", concave.c_str()}},
+        {"e1", {"|e1| = |dk1/dt1|", -2, false, "sign goes with t1", ""}},
+        {"e2", {"|e2| = |dk2/dt2|", -2, false, "sign goes with t2", ""}},
+        {"dk1_dt2", {"|dk1/dt2|", -2, false, "sign goes with t2", ""}},
+        {"dk2_dt1", {"|dk2/dt1|", -2, false, "sign goes with t1", ""}},
         {"truth_distance", {"distance to truth", 1, true, "outside +", inside.c_str()}},
         {"depth", {"depth", 1, false, "far", "near"}},
         {"error", {"fit error (RMS)", 1, false, "", ""}},
@@ -55,7 +59,7 @@ std::optional<double> parse_number(std::string_view text) {
 [[noreturn]] void bad_range(const std::string& entry) {
     throw ConfigError(
         "range: expected A > 0, AOV=A or AOV=LO:HI with LO < HI for one of mean, gauss, "
-        "k1, k2, depth, error, coverage, truth_distance; found \"" +
+        "k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth, error, coverage, truth_distance; found \"" +
         entry + "\"");
 }
 

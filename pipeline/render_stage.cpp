@@ -9,11 +9,18 @@
 #include "pipeline/render_bands.h"
 #include "pipeline/render_files.h"
 #include "pipeline/render_lines.h"
+#include "pipeline/render_directions.h"
+#include "pipeline/render_look.h"
 #include "pipeline/render_maps.h"
+#include "pipeline/render_output.h"
+#include "pipeline/render_parts.h"
+#include "pipeline/render_shadings.h"
 #include "pipeline/render_view.h"
 #include "raytrace/brute/brute_renderer.h"
+#include "raytrace/crop.h"
 #include "raytrace/lines/stroke.h"
 #include "raytrace/project/forward_renderer.h"
+#include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -21,10 +28,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <map>
 
 namespace slim {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 /// All that is fixed before the first pixel.
@@ -36,6 +45,9 @@ struct RenderJob {
     PictureSize size;
     Camera camera;
     std::vector<LineKind> lines;  ///< in the order of drawing
+    PixelWindow window;           ///< what of the picture is wanted
+    ShadingInputs shadings;
+    std::map<std::string, AovLook> looks = {};
 
     /// What the frame that lines are found in must hold for them.
     Channels for_lines() const { return line_channels(lines, tree.header().degree); }
@@ -56,32 +68,48 @@ double median(std::vector<double> values) {
 }
 
 /// A frame drawn again keeps the memory of its picture.
-void shade_frame(const PictureSize& size, RenderedFrame& frame) {
+void shade_frame(int factor, RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
     const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
     const auto rows_into = [&](const RowRange& rows, Picture& out) {
         shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
     };
-    if (frame.size.width == size.width) return rows_into({0, b.height}, frame.shaded);
-    frame.shaded = paint_in_bands(frame.size, size, [&](const RowRange& rows) {
+    if (factor == 1) return rows_into({0, b.height}, frame.shaded);
+    const PictureSize size{b.width / factor, b.height / factor};
+    frame.shaded = paint_in_bands({b.width, b.height}, size, [&](const RowRange& rows) {
         Picture band;
         rows_into(rows, band);
         return band;
     });
 }
 
-/// Projection, shading and lines: what a frame time means.
-RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
-                       RenderedFrame& frame) {
-    frame.size = {job.size.width * factor, job.size.height * factor};
-    frame.view = shade_view(job.camera, frame.size);
-    // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
-    const RenderRequest request{job.camera, frame.size.width, frame.size.height, wanted,
-                                job.config.lod * factor, {}, job.config.loose};
+PixelWindow times(const PixelWindow& w, int factor) {
+    return {w.x * factor, w.y * factor, w.width * factor, w.height * factor};
+}
+
+/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what derives from it.
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window, double lod,
+                        Channels wanted, RenderedFrame& frame) {
+    frame.size = size, frame.window = window;
+    frame.pixels = pixel_view(job.camera, size.width, size.height);
+    frame.view = shade_view(job.camera, size, window.x, window.y);
+    const RenderRequest request{job.camera, size.width, size.height, wanted, lod, window, job.config.loose};
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
-    if (with_shading) shade_frame(job.size, frame);
+    if (frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+        drop_undefined_directions(job.tree.header().diagonal, frame.buffer);
+    return stats;
+}
+
+/// Projection, shading and lines: what a frame time means.
+RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
+                       const PicturePart& part, RenderedFrame& frame) {
+    // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
+    const RenderStats stats =
+        draw_buffer(job, {job.size.width * factor, job.size.height * factor}, times(part.drawn, factor),
+                    job.config.lod * factor, wanted, frame);
+    if (with_shading) shade_frame(factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
     return stats;
@@ -94,14 +122,16 @@ struct Frames {
     bool has_fine = false;
     RenderStats stats;
     double median_ms = 0;
+    std::uint64_t covered = 0;  ///< of the part that is wanted, not of its margin
 
     const RenderedFrame& for_aov(const std::string& aov) const {
         return has_fine && is_filterable(aov) ? fine : plain;
     }
 };
 
+/// Parts of a picture may be empty.
 void require_hits(const RenderJob& job, const RenderStats& stats) {
-    if (stats.covered_pixels > 0) return;
+    if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
     const ModelHeader& m = job.tree.header();
     const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
     throw NumericalError(
@@ -116,14 +146,14 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
 }
 
 /// Renders the frame of a factor as often as the job says; returns the median time.
-double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, StageContext& context,
-                       RenderedFrame& frame, RenderStats& stats) {
+double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const PicturePart& part,
+                       StageContext& context, RenderedFrame& frame, RenderStats& stats) {
     std::vector<double> times;
     const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
     for (std::uint64_t k = 0; k < repeats; ++k) {
         context.reporter.progress("frames", k, repeats);
         const auto start = std::chrono::steady_clock::now();
-        stats = draw_frame(job, factor, wanted, job.wants("shaded"), frame);
+        stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame);
         times.push_back(milliseconds_since(start));
     }
     return median(times);
@@ -143,38 +173,75 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
     for (const std::string& aov : job.aovs) {
         const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
                            job.plan.drawn.end();
-        if (is_filterable(aov) && (drawn || aov == "shaded")) aovs.push_back(aov);
+        if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
     }
     return aovs;
 }
 
-Frames draw_frames(const RenderJob& job, StageContext& context) {
+std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
+    std::uint64_t n = 0;
+    for (int y = w.y; y < w.y + w.height; ++y)
+        n += static_cast<std::uint64_t>(std::count(&b.hit[b.index(w.x, y)], &b.hit[b.index(w.x, y)] + w.width, 1));
+    return n;
+}
+
+Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {
     const auto plain = plain_aovs(job), fine = fine_aovs(job);
     const bool lit = job.config.light_maps;
     const Channels plain_channels = channels_of(plain, lit) | job.for_lines();
     Frames frames;
     frames.has_fine = !fine.empty();
     if (frames.has_fine) {
-        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit),
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit), part,
                                            context, frames.fine, frames.stats);
         if (!plain.empty() || !job.lines.empty())
-            draw_frame(job, 1, plain_channels, false, frames.plain);
+            draw_frame(job, 1, plain_channels, false, part, frames.plain);
     } else {
-        frames.median_ms = draw_repeatedly(job, 1, plain_channels, context, frames.plain, frames.stats);
+        frames.median_ms =
+            draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames.stats);
     }
-    require_hits(job, frames.stats);
+    frames.covered = frames.has_fine
+                         ? count_hits(frames.fine.buffer, times(part.inside(), job.config.supersample))
+                         : count_hits(frames.plain.buffer, part.inside());
     if (job.wants("truth_distance"))
         frames.plain.truth_distance =
             truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
     return frames;
 }
 
-Json range_json(const ValueRange& range) { return Json::array({range.lo, range.hi}); }
+/// The longer side of the frame that ranges are taken from.
+constexpr int kReferenceSide = 1000;
 
-void write_png(const std::string& path, const Picture& picture, const ImageMetadata& metadata) {
-    const Picture8 encoded = encode_srgb8(picture);
-    write_png_srgb8(path, encoded.width, encoded.height, encoded.rgba, metadata);
+PictureSize reference_size(const PictureSize& size) {
+    const int longer = std::max(size.width, size.height);
+    if (longer <= kReferenceSide) return size;
+    const auto scaled = [&](int side) {
+        return std::max(1, static_cast<int>(std::int64_t{side} * kReferenceSide / longer));
+    };
+    return {scaled(size.width), scaled(size.height)};
 }
+
+/// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
+void choose_looks(RenderJob& job) {
+    RenderedFrame reference;
+    std::vector<std::string> aovs;
+    for (const std::string& aov : job.plan.drawn)
+        if (needs_reference(job.config, aov)) aovs.push_back(aov);
+    if (job.wants("hillshade") && aovs.empty() && job.config.contours == "auto") aovs.push_back("hillshade");
+    if (!aovs.empty()) {
+        const PictureSize size = reference_size(job.size);
+        const double scale = static_cast<double>(size.width) / job.size.width;
+        draw_buffer(job, size, {0, 0, size.width, size.height}, job.config.lod * scale,
+                    channels_of(aovs, false), reference);
+        if (job.wants("truth_distance"))
+            reference.truth_distance = truth_distances(job.config, job.tree.header().origin, reference.buffer);
+        if (job.wants("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
+    }
+    for (const std::string& aov : job.plan.drawn)
+        job.looks[aov] = look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
+}
+
+Json range_json(const ValueRange& range) { return Json::array({range.lo, range.hi}); }
 
 /// Collects what was written, for the result and the manifest.
 struct Written {
@@ -182,73 +249,159 @@ struct Written {
     Json ranges = Json::object();
 };
 
-void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, ImageMetadata metadata,
-               StageContext& context, Written& written) {
-    const std::string& aov = job.plan.drawn[k];
-    AovPicture drawn =
-        draw_aov(job.config, aov, frames.for_aov(aov), job.tree.header().bounds, job.size);
-    Picture& picture = drawn.picture;
-    const LegendPlace place =
-        drawn.legend ? best_legend_place(*drawn.legend, picture) : LegendPlace::right;
-    composite_over(
-        parse_background(job.config.background, drawn.legend.has_value() || aov == "lines"), picture);
+/// Whether every pixel of an AOV's picture hides what is behind it.
+bool has_background(const RenderJob& job, const std::string& aov) {
+    return (aov == "environment" && job.config.environment_behind) ||
+           parse_background(job.config.background, false).alpha >= 1;
+}
+
+void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at, Picture& picture) {
+    if (aov == "environment" && job.config.environment_behind)
+        return composite_over_environment(*job.shadings.environment,
+                                          pixel_view(job.camera, job.size.width, job.size.height), at.x, at.y,
+                                          picture);
+    const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
+    composite_over(parse_background(job.config.background, on_white), picture, at.y, job.size.height);
+}
+
+/// Legend, key and scale bar; false where one does not fit.
+bool burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas) {
+    bool fits = true;
+    if (look.legend && job.config.legend) fits &= burn_legend(*look.legend, canvas, look.place);
+    if (look.key && job.config.legend) fits &= burn_key(*look.key, canvas, look.place);
+    if (job.config.scale_bar)
+        fits &= burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+    return fits;
+}
+
+/// The band of a drawn AOV as it is shown.
+Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
+                         const PicturePart& part, Reporter& reporter) {
+    const AovLook& look = job.looks.at(aov);
+    Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
+                                    job.tree.header().bounds, job.size),
+                           part.inside());
+    put_background(job, aov, part.wanted, picture);
     draw_lines(frames.plain.lines, picture);
-    if (drawn.legend) {
-        const ValueRange& range = drawn.legend->range;
-        written.ranges[aov] = range_json(range);
-        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", range.lo, range.hi);
-    }
-    if (drawn.legend && job.config.legend) {
-        if (!burn_legend(*drawn.legend, picture, place))
-            context.reporter.warn(job.plan.pngs[k].string() +
-                                  ": too small for a legend; see the SVG beside it");
+    const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
+    if (!burn_words(job, look, canvas) && part.wanted.y == job.window.y)
+        reporter.warn(job.plan.stem.string() + ": " + aov +
+                      ": the picture is too small for its legend or scale bar; legends are beside it as SVG");
+    return picture;
+}
+
+void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, const PicturePart& part,
+               ImageMetadata metadata, StageContext& context, PictureFiles& files) {
+    const std::string& aov = job.plan.drawn[k];
+    if (const auto& legend = job.looks.at(aov).legend)
+        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+    files.add_png(k, finished_picture(job, aov, frames, part, context.reporter), has_background(job, aov), metadata);
+}
+
+/// The parts of a frame that a data file holds, without the margin.
+RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& inside) {
+    RenderedFrame out;
+    out.size = frame.size;
+    out.buffer = crop(frame.buffer, inside);
+    out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
+    out.lines = frame.lines;
+    return out;
+}
+
+void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
+                PictureFiles& files) {
+    // Colour may be averaged, data never: they come from the frame at the picture's own size.
+    std::vector<ColorPlane> colors;
+    const AovLook none;
+    for (const std::string& aov : job.aovs)
+        if (is_color(aov))
+            colors.push_back({aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
+                                                 job.tree.header().bounds, job.size),
+                                        part.inside())});
+    const RenderedFrame data = without_margin(frames.plain, part.inside());
+    std::vector<std::vector<float>> planes;
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes), metadata);
+}
+
+void add(const RenderStats& part, RenderStats& sum) {
+    sum.nodes_visited += part.nodes_visited;
+    sum.surfels_drawn += part.surfels_drawn;
+    sum.loose_hidden += part.loose_hidden;
+    sum.root_tests += part.root_tests;
+    sum.distance_tests += part.distance_tests;
+    sum.unblended_pixels += part.unblended_pixels;
+}
+
+/// What a run came to.
+struct Outcome {
+    RenderStats stats;
+    double frame_ms = 0;  ///< of all bands
+    int factor = 1;
+    Json lines;
+    Written written;
+};
+
+void write_legends(const RenderJob& job, Written& written) {
+    for (const std::string& aov : job.plan.drawn) {
+        const AovLook& look = job.looks.at(aov);
+        if (look.legend) written.ranges[aov] = range_json(look.legend->range);
+        if (!job.config.legend || !look.on_white()) continue;
         const std::string svg = job.plan.legend(aov).string();
-        write_file_atomically(svg, legend_svg(*drawn.legend));
+        write_file_atomically(svg, look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
         written.files.push_back(svg);
     }
-    write_png(job.plan.pngs[k].string(), picture, metadata);
-    written.files.push_back(job.plan.pngs[k]);
 }
 
-void write_data(const RenderJob& job, const Frames& frames, const ImageMetadata& metadata,
-                Written& written) {
-    // Colour may be averaged, data never: they come from the frame at the picture's own size.
-    std::vector<std::vector<float>> planes;
-    const std::vector<ExrChannel> channels =
-        exr_channels(job.aovs, frames.plain, frames.for_aov("shaded").shaded, job.lines, planes);
-    write_exr(job.plan.exr.string(), job.size.width, job.size.height, channels, metadata,
-              make_matrices(job.camera, job.size));
-    written.files.push_back(job.plan.exr);
+/// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its bytes.
+std::uint64_t pixel_bytes(const RenderJob& job) {
+    const auto planes = [&](const std::vector<std::string>& aovs) {
+        GBuffer one;
+        one.resize(1, 1, channels_of(aovs, job.config.light_maps));
+        std::uint64_t bytes = 1;
+        one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
+        return bytes;
+    };
+    const auto factor = static_cast<std::uint64_t>(job.config.supersample);
+    return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) + factor * factor * planes(fine_aovs(job));
 }
 
-Written write_files(const RenderJob& job, const Frames& frames, StageContext& context) {
-    const ImageMetadata metadata =
-        make_metadata(job.config, context.config, hash_file(job.config.model), job.tree.header(),
-                      job.camera);
-    make_folder(job.plan);
-    Written written;
-    for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
-        context.reporter.progress("pictures", k, job.plan.drawn.size());
-        write_aov(job, k, frames, metadata, context, written);
-    }
-    if (!job.plan.exr.empty()) write_data(job, frames, metadata, written);
-    if (!job.lines.empty())
+Outcome draw_and_write(const RenderJob& job, const ImageMetadata& metadata, StageContext& context) {
+    const auto parts = picture_parts(job.size, job.window, pixel_bytes(job), !job.lines.empty());
+    PictureFiles files(job.plan, job.size, job.window, parts.size() == 1, make_matrices(job.camera, job.size));
+    Outcome outcome;
+    for (std::size_t band = 0; band < parts.size(); ++band) {
+        context.reporter.progress("bands", band, parts.size());
+        const Frames frames = draw_frames(job, parts[band], context);
+        add(frames.stats, outcome.stats);
+        outcome.stats.covered_pixels += frames.covered;
+        outcome.frame_ms += frames.median_ms;
+        outcome.factor = frames.has_fine ? job.config.supersample : 1;
+        if (parts.size() == 1) require_hits(job, outcome.stats);
+        for (std::size_t k = 0; k < job.plan.drawn.size(); ++k)
+            write_aov(job, k, frames, parts[band], metadata, context, files);
+        if (!job.plan.exr.empty()) write_data(job, frames, parts[band], metadata, files);
+        if (job.lines.empty()) continue;
         for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.size,
                                             job.tree.header().origin, frames.plain.lines, job.lines))
-            written.files.push_back(file);
-    return written;
+            outcome.written.files.push_back(file);
+        outcome.lines = lines_json(frames.plain.lines, job.lines);
+    }
+    require_hits(job, outcome.stats);
+    const auto pictures = files.commit();
+    outcome.written.files.insert(outcome.written.files.begin(), pictures.begin(), pictures.end());
+    write_legends(job, outcome.written);
+    return outcome;
 }
 
-Json make_result(const RenderJob& job, const Frames& frames, const Written& written) {
+Json make_result(const RenderJob& job, const Outcome& outcome) {
     Json files = Json::array();
-    for (const auto& file : written.files) files.push_back(file.string());
-    const RenderStats& s = frames.stats;
-    const int factor = frames.has_fine ? job.config.supersample : 1;
+    for (const auto& file : outcome.written.files) files.push_back(file.string());
+    const RenderStats& s = outcome.stats;
     Json result = {{"files", files},
-            {"width", job.size.width},
-            {"height", job.size.height},
+            {"width", job.window.width},
+            {"height", job.window.height},
             {"rendered_pixels",
-             static_cast<std::int64_t>(job.size.width) * job.size.height * factor * factor},
+             static_cast<std::int64_t>(job.window.width) * job.window.height * outcome.factor * outcome.factor},
             {"covered_pixels", s.covered_pixels},
             {"surfels_drawn", s.surfels_drawn},
             {"loose_hidden", s.loose_hidden},
@@ -256,9 +409,10 @@ Json make_result(const RenderJob& job, const Frames& frames, const Written& writ
             {"root_tests", s.root_tests},
             {"distance_tests", s.distance_tests},
             {"unblended_pixels", s.unblended_pixels},
-            {"frame_ms_median", frames.median_ms},
-            {"ranges", written.ranges}};
-    if (!job.lines.empty()) result["lines"] = lines_json(frames.plain.lines, job.lines);
+            {"frame_ms_median", outcome.frame_ms},
+            {"ranges", outcome.written.ranges}};
+    if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
+    if (job.camera.orthographic) result["pixel_size"] = job.camera.width / job.size.width;
     return result;
 }
 
@@ -267,10 +421,15 @@ void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
         throw DataError(config.model + ": a model without surfels cannot be drawn");
 }
 
+void require_scale(const RenderJob& job) {
+    if (job.config.scale_bar && !job.camera.orthographic)
+        throw ConfigError("scale_bar: a perspective picture has no one scale: draw it with --ortho");
+}
+
 /// Curvature comes from the surfels' second derivatives, which planes do not have.
 void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
     if (job.tree.header().degree > 1) return;
-    for (const char* aov : {"mean", "gauss", "k1", "k2"})
+    for (const char* aov : {"mean", "gauss", "k1", "k2", "dir1", "dir2"})
         if (job.wants(aov))
             return reporter.warn(
                 fmt::format("{}: a model of degree 1 is flat within each surfel, so that its "
@@ -281,18 +440,21 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
 }  // namespace
 
 Json run_render(const RenderConfig& config, StageContext& context) {
-    const std::vector<std::string> aovs = wanted_aovs(config);
-    const OutputPlan plan = plan_outputs(config, aovs);
+    std::vector<std::string> aovs = wanted_aovs(config);
     const PictureSize size = parse_size(config.size);
     check_ranges(config);
     check_lines(config, aovs);
+    check_shadings(config, aovs);
     parse_background(config.background, false);
+    const fs::path named = plan_outputs(config, aovs).named;
 
     require_model(config.model);
 
-    Stamp stamp(context, manifest_path(plan.named.string()));
+    Stamp stamp(context, manifest_path(named.string()));
     stamp.input(config.model);
-    stamp.depends("drawn as " + plan.stem.filename().string());
+    for (const std::string& file : {config.environment, config.matcap})
+        if (!file.empty()) stamp.input(file);
+    stamp.depends("drawn as " + named.stem().string());
     for (const std::string& file : {config.lines_ply, config.lines_obj}) stamp.depends("lines to " + file);
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
     if (config.repeat == 1)
@@ -301,14 +463,20 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
+    keep_possible_aovs(config, tree.header().degree, aovs);
+    const OutputPlan plan = plan_outputs(config, aovs);
     const double room = legend_room(config, plan.drawn, size);
-    const RenderJob job{config, tree, aovs, plan, size,
-                        make_camera(config, tree.header(), size, room),
-                        wanted_lines(config, aovs, tree.header(), context.reporter)};
+    const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
+    RenderJob job{config, tree, aovs, plan, size, make_camera(config, tree.header(), size, room), lines,
+                  wanted_window(config, size, !lines.empty()), load_shadings(config, aovs, tree.header())};
+    require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
-    const Frames frames = draw_frames(job, context);
-    const Written written = write_files(job, frames, context);
-    return stamp.commit(written.files, make_result(job, frames, written));
+    make_folder(job.plan);
+    choose_looks(job);
+    const ImageMetadata metadata = make_metadata(config, context.config, hash_file(config.model), tree.header(),
+                                                 job.camera);
+    const Outcome outcome = draw_and_write(job, metadata, context);
+    return stamp.commit(outcome.written.files, make_result(job, outcome));
 }
 
 }  // namespace slim

@@ -33,13 +33,6 @@ std::vector<double> parse_numbers(const std::string& text) {
     return numbers;
 }
 
-UpAxis up_axis(const RenderConfig& config) {
-    const char letter = config.up.back();
-    if (config.up.size() == 1)
-        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
-    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
-}
-
 Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
                          const Vec3d& origin) {
     Camera camera;
@@ -121,6 +114,13 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     return camera;
 }
 
+UpAxis up_axis(const RenderConfig& config) {
+    const char letter = config.up.back();
+    if (config.up.size() == 1)
+        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
+    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
+}
+
 std::string view_name(const RenderConfig& config) {
     if (!config.name.empty()) return config.name;
     return is_camera_name(config.camera) ? config.camera : "view";
@@ -134,11 +134,11 @@ std::string describe(const Camera& camera, const Vec3d& origin) {
                        text_of(camera.target + origin), text_of(camera.up), lens);
 }
 
-ShadeView shade_view(const Camera& camera, const PictureSize& size) {
+ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x, int first_y) {
     const PixelView p = pixel_view(camera, size.width, size.height);
     const double px_per_unit = p.orthographic ? p.px_per_unit : p.focal_px;
     return {p.right,           -p.down, -p.forward, size.width / (2 * px_per_unit),
-            size.height / (2 * px_per_unit), p.orthographic};
+            size.height / (2 * px_per_unit), p.orthographic, first_x, first_y, size.width, size.height};
 }
 
 Background parse_background(const std::string& text, bool is_map) {

@@ -23,14 +23,17 @@ PictureSize parse_size(const std::string& text);
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 
+/// --up.
+UpAxis up_axis(const RenderConfig& config);
+
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);
 
 /// Camera in words and world coordinates, all digits: for errors and metadata.
 std::string describe(const Camera& camera, const Vec3d& origin);
 
-/// The camera as shading sees it.
-ShadeView shade_view(const Camera& camera, const PictureSize& size);
+/// The camera as shading sees it, for planes that begin at (first_x, first_y) of a picture of that size.
+ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x = 0, int first_y = 0);
 
 /// --background; "auto" is a grey gradient behind a rendered object (shaded, normal) and white
 /// behind a map. Throws ConfigError.

@@ -145,6 +145,10 @@ void validate(const Camera& c) {
 
 Vec3d up_vector(UpAxis up) { return with_up(up, {0, 1, 0}); }
 
+std::array<Vec3d, 3> upright_axes(UpAxis up) {
+    return {with_up(up, {1, 0, 0}), with_up(up, {0, 1, 0}), with_up(up, {0, 0, 1})};
+}
+
 bool is_camera_name(std::string_view name) {
     return std::any_of(kNamedViews.begin(), kNamedViews.end(),
                        [&](const NamedView& v) { return v.name == name; });

@@ -3,6 +3,7 @@
 #include "slim/base/bbox.h"
 #include "slim/base/vec.h"
 
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,9 @@ enum class UpAxis { y, z, x, minus_y, minus_z, minus_x };
 
 /// The axis as a unit vector.
 Vec3d up_vector(UpAxis up);
+
+/// Right, up and back (towards the eye) of the front view: east, up and south of a world with that axis up.
+std::array<Vec3d, 3> upright_axes(UpAxis up);
 
 /// How named_camera frames a box.
 struct Framing {

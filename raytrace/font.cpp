@@ -1,6 +1,7 @@
 #include "raytrace/font.h"
 
 #include "raytrace/font_glyphs.h"
+#include "raytrace/panel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,14 +110,10 @@ public:
         for (const Segment& s : segments) add(s, pen_radius);
     }
 
-    void blend(Picture& picture, const Vec3f& color) const {
-        for (int y = std::max(0, -y0_); y < std::min(height_, picture.height - y0_); ++y)
-            for (int x = std::max(0, -x0_); x < std::min(width_, picture.width - x0_); ++x) {
-                const float c = coverage_[index(x, y)];
-                float* p = picture.pixel(x0_ + x, y0_ + y);
-                p[0] += (color.x - p[0]) * c, p[1] += (color.y - p[1]) * c;
-                p[2] += (color.z - p[2]) * c, p[3] += (1 - p[3]) * c;
-            }
+    void blend(const Canvas& canvas, const Vec3f& color) const {
+        for (int y = std::max(0, canvas.y0 - y0_); y < std::min(height_, canvas.y_end() - y0_); ++y)
+            for (int x = std::max(0, canvas.x0 - x0_); x < std::min(width_, canvas.x_end() - x0_); ++x)
+                blend_pixel(canvas.pixel(x0_ + x, y0_ + y), color, coverage_[index(x, y)]);
     }
 
 private:
@@ -151,7 +148,7 @@ float text_width(std::string_view text, const TextStyle& style) {
     return std::max(0.0f, units - kGapUnits) * style.cap_height / kCapUnits;
 }
 
-void draw_text(Picture& picture, std::string_view text, float x, float baseline,
+void draw_text(const Canvas& canvas, std::string_view text, float x, float baseline,
                const TextStyle& style) {
     const float scale = style.cap_height / kCapUnits;
     const float pen_radius = std::max(0.45f, 0.5f * style.weight * style.cap_height);
@@ -160,7 +157,7 @@ void draw_text(Picture& picture, std::string_view text, float x, float baseline,
         const Glyph& glyph = glyph_of(next_character(text));
         segments.clear();
         Pen(segments, x, baseline, scale).draw(glyph.path);
-        if (!segments.empty()) CoverageBox(segments, pen_radius).blend(picture, style.color);
+        if (!segments.empty()) CoverageBox(segments, pen_radius).blend(canvas, style.color);
         x += (glyph.advance + kGapUnits) * scale;
     }
 }

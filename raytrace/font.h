@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raytrace/picture.h"
+#include "raytrace/canvas.h"
 #include "slim/base/vec.h"
 
 #include <string_view>
@@ -24,7 +24,7 @@ float text_width(std::string_view text, const TextStyle& style);
 
 /// Draws one line; (x, baseline) is its left end in pixels, y downwards. Parts outside the picture are
 /// cut off. Cost: O(pixels under the text x strokes near them).
-void draw_text(Picture& picture, std::string_view text, float x, float baseline,
+void draw_text(const Canvas& canvas, std::string_view text, float x, float baseline,
                const TextStyle& style);
 
 }  // namespace slim

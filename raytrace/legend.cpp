@@ -1,6 +1,7 @@
 #include "raytrace/legend.h"
 
 #include "raytrace/font.h"
+#include "raytrace/panel.h"
 #include "slim/base/check.h"
 
 #include <algorithm>
@@ -9,10 +10,6 @@
 
 namespace slim {
 namespace {
-
-constexpr Vec3f kInk{0.012f, 0.013f, 0.016f};
-constexpr Vec3f kPaper{1, 1, 1};
-constexpr float kPaperAlpha = 0.86f;
 
 /// Sizes in pixels; `unit` is a thousandth of the picture's smaller side.
 struct Layout {
@@ -33,58 +30,22 @@ Labels labels_of(const Legend& legend) {
     return labels;
 }
 
-void blend(float* p, const Vec3f& color, float coverage) {
-    p[0] += (color.x - p[0]) * coverage, p[1] += (color.y - p[1]) * coverage;
-    p[2] += (color.z - p[2]) * coverage, p[3] += (1 - p[3]) * coverage;
-}
-
-/// Calls pixel(x, y, p) for the pixels of the picture that the box touches.
-template <class Body>
-void for_pixels(Picture& picture, float x0, float y0, float x1, float y1, const Body& pixel) {
-    const int from_x = std::max(0, static_cast<int>(std::floor(x0)));
-    const int from_y = std::max(0, static_cast<int>(std::floor(y0)));
-    const int to_x = std::min(picture.width, static_cast<int>(std::ceil(x1)));
-    const int to_y = std::min(picture.height, static_cast<int>(std::ceil(y1)));
-    for (int y = from_y; y < to_y; ++y)
-        for (int x = from_x; x < to_x; ++x)
-            pixel(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, picture.pixel(x, y));
-}
-
-/// A rounded rectangle with smooth edges (signed distance to it).
-void fill_rounded(Picture& picture, const Layout& l, float radius) {
-    const float cx = l.x + l.width / 2, cy = l.y + l.height / 2;
-    for_pixels(picture, l.x, l.y, l.x + l.width, l.y + l.height, [&](float x, float y, float* p) {
-        const float dx = std::abs(x - cx) - l.width / 2 + radius;
-        const float dy = std::abs(y - cy) - l.height / 2 + radius;
-        const float outside = std::hypot(std::max(dx, 0.0f), std::max(dy, 0.0f)) +
-                              std::min(std::max(dx, dy), 0.0f) - radius;
-        blend(p, kPaper, kPaperAlpha * std::clamp(0.5f - outside, 0.0f, 1.0f));
-    });
-}
-
-void fill_box(Picture& picture, float x0, float y0, float x1, float y1, const Vec3f& color) {
-    for_pixels(picture, x0, y0, x1, y1, [&](float x, float y, float* p) {
-        const float in_x = std::clamp(std::min(x - x0, x1 - x) + 0.5f, 0.0f, 1.0f);
-        const float in_y = std::clamp(std::min(y - y0, y1 - y) + 0.5f, 0.0f, 1.0f);
-        blend(p, color, in_x * in_y);
-    });
-}
-
 /// Triangle on the edge y = base of the bar, its tip `height` away (negative: upwards).
-void fill_tip(Picture& picture, const Layout& l, float base, float height, const Vec3f& color) {
+void fill_tip(const Canvas& canvas, const Layout& l, float base, float height, const Vec3f& color) {
     const float cx = l.bar_x + l.bar_width / 2;
-    for_pixels(picture, l.bar_x - 1, std::min(base, base + height), l.bar_x + l.bar_width + 1,
-               std::max(base, base + height), [&](float x, float y, float* p) {
-                   const float left = 1 - (y - base) / height;  // 1 at the bar, 0 at the tip
-                   const float inside = left * l.bar_width / 2 - std::abs(x - cx);
-                   blend(p, color, std::clamp(inside + 0.5f, 0.0f, 1.0f));
-               });
+    const PixelBox box{l.bar_x - 1, std::min(base, base + height), l.bar_x + l.bar_width + 1,
+                       std::max(base, base + height)};
+    for_pixels(canvas, box, [&](float x, float y, float* p) {
+        const float left = 1 - (y - base) / height;  // 1 at the bar, 0 at the tip
+        const float inside = left * l.bar_width / 2 - std::abs(x - cx);
+        blend_pixel(p, color, std::clamp(inside + 0.5f, 0.0f, 1.0f));
+    });
 }
 
-void fill_bar(Picture& picture, const Layout& l, const ColorMap& map) {
-    for_pixels(picture, l.bar_x, l.bar_y, l.bar_x + l.bar_width, l.bar_y + l.bar_height,
+void fill_bar(const Canvas& canvas, const Layout& l, const ColorMap& map) {
+    for_pixels(canvas, {l.bar_x, l.bar_y, l.bar_x + l.bar_width, l.bar_y + l.bar_height},
                [&](float, float y, float* p) {
-                   blend(p, map.linear(1 - (y - l.bar_y) / l.bar_height), 1);
+                   blend_pixel(p, map.linear(1 - (y - l.bar_y) / l.bar_height), 1);
                });
 }
 
@@ -117,8 +78,7 @@ float panel_top(LegendPlace place, float margin, float panel_height, int height)
 Layout layout_of(const Legend& legend, const Labels& labels, LegendPlace place, int width,
                  int height) {
     Layout l{};
-    const auto side = static_cast<float>(std::min(width, height));
-    const float u = l.unit = std::max(side / 1000, 0.5f);
+    const float u = l.unit = text_unit(width, height);
     // Whole pixels for bar and panel keep their edges crisp.
     l.margin = std::round(24 * u), l.padding = std::round(18 * u);
     l.bar_width = std::round(30 * u), l.bar_height = std::round(330 * u);
@@ -157,24 +117,24 @@ double covered_alpha(const Layout& l, const Picture& object) {
     return sum;
 }
 
-void draw_words(Picture& picture, const Legend& legend, const Layout& l) {
+void draw_words(const Canvas& canvas, const Legend& legend, const Layout& l) {
     float y = l.y + l.padding + l.title.cap_height;
-    draw_text(picture, legend.title, l.bar_x, y, l.title);
+    draw_text(canvas, legend.title, l.bar_x, y, l.title);
     y += line_height(legend.title, l.title);
-    draw_text(picture, legend.unit, l.bar_x, y, l.label);
+    draw_text(canvas, legend.unit, l.bar_x, y, l.label);
     const float top = l.bar_y - (legend.clipped_high ? l.tip : 0);
-    draw_text(picture, legend.high_note, l.bar_x, top - 1.15f * l.label.cap_height, l.label);
+    draw_text(canvas, legend.high_note, l.bar_x, top - 1.15f * l.label.cap_height, l.label);
     const float bottom = l.bar_y + l.bar_height + (legend.clipped_low ? l.tip : 0);
-    draw_text(picture, legend.low_note, l.bar_x, bottom + 2.15f * l.label.cap_height, l.label);
+    draw_text(canvas, legend.low_note, l.bar_x, bottom + 2.15f * l.label.cap_height, l.label);
 }
 
-void draw_ticks(Picture& picture, const Legend& legend, const Labels& labels, const Layout& l) {
+void draw_ticks(const Canvas& canvas, const Legend& legend, const Labels& labels, const Layout& l) {
     const float edge = l.bar_x + l.bar_width, half = std::max(0.5f, 0.75f * l.unit);
     for (std::size_t i = 0; i < labels.ticks.size(); ++i) {
         const double t = (labels.ticks[i] - legend.range.lo) / (legend.range.hi - legend.range.lo);
         const float y = l.bar_y + l.bar_height * static_cast<float>(1 - t);
-        fill_box(picture, edge, y - half, edge + l.tick, y + half, kInk);
-        draw_text(picture, labels.texts[i], edge + l.tick + l.gap, y + l.label.cap_height / 2,
+        fill_box(canvas, {edge, y - half, edge + l.tick, y + half}, kInk);
+        draw_text(canvas, labels.texts[i], edge + l.tick + l.gap, y + l.label.cap_height / 2,
                   l.label);
     }
 }
@@ -199,19 +159,19 @@ double legend_share(const Legend& legend, int width, int height) {
     return has_room(l, width, height) ? static_cast<double>(l.width + l.margin) / width : 0;
 }
 
-bool burn_legend(const Legend& legend, Picture& picture, LegendPlace place) {
+bool burn_legend(const Legend& legend, const Canvas& canvas, LegendPlace place) {
     SLIM_CHECK(legend.map != nullptr, ==, true);
     SLIM_CHECK(legend.range.lo, <, legend.range.hi);
     const Labels labels = labels_of(legend);
-    const Layout l = layout_of(legend, labels, place, picture.width, picture.height);
-    if (!has_room(l, picture.width, picture.height)) return false;
-    fill_rounded(picture, l, std::round(10 * l.unit));
-    fill_bar(picture, l, *legend.map);
-    if (legend.clipped_high) fill_tip(picture, l, l.bar_y, -l.tip, legend.map->linear(1));
+    const Layout l = layout_of(legend, labels, place, canvas.width, canvas.height);
+    if (!has_room(l, canvas.width, canvas.height)) return false;
+    fill_panel(canvas, {l.x, l.y, l.x + l.width, l.y + l.height}, std::round(10 * l.unit));
+    fill_bar(canvas, l, *legend.map);
+    if (legend.clipped_high) fill_tip(canvas, l, l.bar_y, -l.tip, legend.map->linear(1));
     if (legend.clipped_low)
-        fill_tip(picture, l, l.bar_y + l.bar_height, l.tip, legend.map->linear(0));
-    draw_ticks(picture, legend, labels, l);
-    draw_words(picture, legend, l);
+        fill_tip(canvas, l, l.bar_y + l.bar_height, l.tip, legend.map->linear(0));
+    draw_ticks(canvas, legend, labels, l);
+    draw_words(canvas, legend, l);
     return true;
 }
 

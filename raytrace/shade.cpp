@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -47,19 +48,31 @@ FloatV power_lanes(FloatV base, int exponent) {
     return product;
 }
 
+float screen_coordinate(int pixel, int n) {
+    return (static_cast<float>(pixel) + 0.5f) * 2 / static_cast<float>(n) - 1;
+}
+
 /// The camera's axes in floats, and the direction from a pixel's surface to the eye in those axes.
 struct EyeFrame {
     Vec3f right, up, back;
     float half_width, half_height;
     bool orthographic;
+    int first_x, first_y, whole_width, whole_height;
 
-    explicit EyeFrame(const ShadeView& v)
+    EyeFrame(const ShadeView& v, int width, int height)
         : right(to_float(v.right)), up(to_float(v.up)), back(to_float(v.back)),
           half_width(static_cast<float>(v.half_width)),
-          half_height(static_cast<float>(v.half_height)), orthographic(v.orthographic) {}
+          half_height(static_cast<float>(v.half_height)), orthographic(v.orthographic),
+          first_x(v.first_x), first_y(v.first_y),
+          whole_width(v.whole_width > 0 ? v.whole_width : width),
+          whole_height(v.whole_height > 0 ? v.whole_height : height) {}
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
     Vec3V from_world(const Vec3V& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
+
+    /// Column x and row y of the planes in [-1, 1] over the whole picture, rightwards and upwards.
+    float across(int x) const { return screen_coordinate(first_x + x, whole_width); }
+    float upwards(int y) const { return -screen_coordinate(first_y + y, whole_height); }
 
     /// s, t in [-1, 1] over the picture, t upwards.
     Vec3f toward_eye(float s, float t) const {
@@ -74,10 +87,6 @@ struct EyeFrame {
         return unit_lanes({across, FloatV(-t * half_height), FloatV(1.0f)});
     }
 };
-
-float screen_coordinate(int pixel, int n) {
-    return (static_cast<float>(pixel) + 0.5f) * 2 / static_cast<float>(n) - 1;
-}
 
 constexpr float kTurnedRound = 0.5f;  ///< from -n . e on no silhouette
 
@@ -105,7 +114,7 @@ struct Surface {
 
     /// Whether a pixel in one of eight directions faces the eye; the nearest are asked first.
     bool is_near_front(int x, int y, const Vec3f& toward_eye) const {
-        const int reach = std::max(2, std::max(width, height) / 200);
+        const int reach = shade_reach(frame.whole_width, frame.whole_height);
         for (int r = 1; r <= reach; ++r)
             for (int dy = -r; dy <= r; dy += r)
                 for (int dx = -r; dx <= r; dx += r)
@@ -136,7 +145,7 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
               const NormalPlanes& normals, std::span<const std::uint8_t> hit, const Body& pixel) {
     const auto n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     check_planes(n_pixels, height, rows, normals, hit);
-    const EyeFrame frame(view);
+    const EyeFrame frame(view, width, height);
     const Surface surface{width, height, frame, normals, hit};
     const std::size_t first = surface.index(0, rows.begin);
     parallel_blocks(static_cast<std::size_t>(rows.end - rows.begin), kRowGrain,
@@ -146,8 +155,7 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
             for (int x = 0; x < width; ++x) {
                 const std::size_t i = surface.index(x, y);
                 if (!hit[i]) continue;
-                const Vec3f toward_eye = frame.toward_eye(screen_coordinate(x, width),
-                                                          -screen_coordinate(y, height));
+                const Vec3f toward_eye = frame.toward_eye(frame.across(x), frame.upwards(y));
                 pixel(i - first, surface.eye_normal(x, y, surface.raw_normal(i), toward_eye), toward_eye);
             }
     });
@@ -179,9 +187,9 @@ PixelLanes load_lanes(const Surface& surface, int x, int y) {
     const NormalPlanes& n = surface.normals;
     p.normal = unit_lanes(surface.frame.from_world(
         Vec3V{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}));
-    p.toward_eye = surface.frame.toward_eye(screen_coordinate(x, surface.width),
-                                            2 / static_cast<float>(surface.width),
-                                            -screen_coordinate(y, surface.height));
+    p.toward_eye = surface.frame.toward_eye(surface.frame.across(x),
+                                            2 / static_cast<float>(surface.frame.whole_width),
+                                            surface.frame.upwards(y));
     return p;
 }
 
@@ -243,6 +251,8 @@ void store_lanes(const Vec3V& color, const FloatV& alpha, int n, float* rgba) {
 
 }  // namespace
 
+int shade_reach(int width, int height) { return std::max(2, std::max(width, height) / 200); }
+
 Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye) {
     constexpr float kMirrored = 0.3f;
     const float away = -dot(normal, toward_eye);
@@ -273,7 +283,7 @@ void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes
     check_planes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), height, rows, normals, hit);
     out.width = width, out.height = rows.end - rows.begin;
     out.rgba.resize(4 * out.n_pixels());
-    const EyeFrame frame(view);
+    const EyeFrame frame(view, width, height);
     const Surface surface{width, height, frame, normals, hit};
     parallel_blocks(static_cast<std::size_t>(out.height), kRowGrain, [&](std::size_t begin, std::size_t end) {
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
@@ -296,9 +306,33 @@ void light_picture(const ShadeView& view, const NormalPlanes& normals,
              });
 }
 
-void composite_over(const Background& background, Picture& picture) {
+void for_eye_rows(int width, int height, const RowRange& rows, const ShadeView& view,
+                  const NormalPlanes& normals, std::span<const std::uint8_t> hit,
+                  const std::function<void(const EyeRow&)>& visit) {
+    const auto n = static_cast<std::size_t>(width);
+    check_planes(n * static_cast<std::size_t>(height), height, rows, normals, hit);
+    const EyeFrame frame(view, width, height);
+    const Surface surface{width, height, frame, normals, hit};
+    parallel_blocks(static_cast<std::size_t>(rows.end - rows.begin), kRowGrain,
+                    [&](std::size_t begin, std::size_t end) {
+        std::vector<Vec3f> normal(n), toward_eye(n);
+        for (int y = rows.begin + static_cast<int>(begin); y < rows.begin + static_cast<int>(end); ++y) {
+            for (int x = 0; x < width; ++x) {
+                const std::size_t i = surface.index(x, y);
+                if (!hit[i]) continue;
+                const auto k = static_cast<std::size_t>(x);
+                toward_eye[k] = frame.toward_eye(frame.across(x), frame.upwards(y));
+                normal[k] = surface.eye_normal(x, y, surface.raw_normal(i), toward_eye[k]);
+            }
+            visit({y, hit.subspan(surface.index(0, y), n), normal, toward_eye});
+        }
+    });
+}
+
+void composite_over(const Background& background, Picture& picture, int first_row, int whole_height) {
+    const auto rows = static_cast<float>(whole_height > 0 ? whole_height : picture.height);
     for (int y = 0; y < picture.height; ++y) {
-        const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(picture.height);
+        const float t = (static_cast<float>(first_row + y) + 0.5f) / rows;
         const Vec3f c = background.top * (1 - t) + background.bottom * t;
         for (int x = 0; x < picture.width; ++x) {
             float* p = picture.pixel(x, y);

@@ -4,6 +4,7 @@
 #include "slim/base/vec.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 namespace slim {
@@ -14,6 +15,8 @@ struct ShadeView {
     Vec3d right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};
     double half_width = 1, half_height = 1;
     bool orthographic = false;
+    /// Where the planes that are shaded begin in a larger picture, and its size; 0: they are the whole.
+    int first_x = 0, first_y = 0, whole_width = 0, whole_height = 0;
 };
 
 /// One plane per coordinate; pixels without a hit are ignored.
@@ -54,6 +57,9 @@ struct RowRange {
 /// returns             unit, n . e >= 0
 Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
 
+/// How far, in pixels, the shading of a pixel of a width x height picture looks at others (see shade).
+int shade_reach(int width, int height);
+
 /// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
 /// sides of a sheet look alike; but within 1/200 of the picture's longer side (at least 2 pixels) of a
 /// surface that faces the eye it is taken for an overshoot of that surface: silhouette_normal.
@@ -81,13 +87,26 @@ void light_picture(const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, float floor, Picture& picture,
                    int first_row = 0);
 
+/// The surface along a row of pixels: unit vectors in camera axes, normals turned to the eye as shade() turns them.
+struct EyeRow {
+    int y = 0;  ///< of the planes
+    std::span<const std::uint8_t> hit;
+    std::span<const Vec3f> normal, toward_eye;  ///< at hits only
+};
+
+/// Calls visit(row) for some rows of the planes, in parallel: for shadings of one's own.
+void for_eye_rows(int width, int height, const RowRange& rows, const ShadeView& view,
+                  const NormalPlanes& normals, std::span<const std::uint8_t> hit,
+                  const std::function<void(const EyeRow&)>& visit);
+
 /// Vertical gradient behind a picture, linear Rec.709; alpha 0 leaves the picture as it is.
 struct Background {
     Vec3f top{1, 1, 1}, bottom{1, 1, 1};
     float alpha = 1;
 };
 
-/// picture OVER background.
-void composite_over(const Background& background, Picture& picture);
+/// picture OVER background; the picture may be the rows from first_row on of one of whole_height rows (0: all).
+void composite_over(const Background& background, Picture& picture, int first_row = 0,
+                    int whole_height = 0);
 
 }  // namespace slim

@@ -1,4 +1,5 @@
 #include "raytrace/lines/crossings.h"
+#include "raytrace/stripes.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,16 +7,13 @@
 namespace slim {
 namespace {
 
-/// Edges of stripes around the whole horizon.
-constexpr float kStripes = 24;
-
 /// Angle of the reflected view 2 (N.v) N - v about the picture's upright axis, in stripes: long
 /// lamps that stand around the scene, at rest relative to the camera.
 float stripe_at(const LineScene& s, std::size_t i) {
     const Vec3f v = normalized(s.toward_eye(i)), n = s.normal(i);
     const Vec3f r = n * (2 * dot(n, v)) - v;
     return std::atan2(dot(r, to_float(s.view.right)), -dot(r, to_float(s.view.forward))) *
-           (kStripes / (2 * std::numbers::pi_v<float>));
+           (kReflectionStripes / (2 * std::numbers::pi_v<float>));
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "pipeline/render_aov.h"
+#include "pipeline/render_config.h"
+#include "raytrace/hillshade.h"
+#include "raytrace/key.h"
+#include "raytrace/legend.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What is decided for a picture as a whole before any part of it is painted.
+struct AovLook {
+    std::optional<Legend> legend;  ///< of a map
+    std::optional<Key> key;        ///< of colours that are no scale
+    /// what the legend points to, if made for this picture
+    std::shared_ptr<const ColorMap> own_map;
+    LegendPlace place = LegendPlace::right;
+
+    bool on_white() const { return legend.has_value() || key.has_value(); }
+};
+
+/// Range, legend and its place by a reference frame: the view at no more than 1000 pixels on its longer side, so that
+/// all parts of a picture and all frames of a film agree.
+AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
+                double diagonal, const Relief& relief);
+
+/// Whether look_of needs a reference frame for this AOV at all.
+bool needs_reference(const RenderConfig& config, const std::string& aov);
+
+/// Share of the picture's width that the widest legend burned into these AOVs will take at the
+/// right; 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
+double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
+                   const PictureSize& size);
+
+}  // namespace slim

@@ -1,0 +1,45 @@
+#include "pipeline/render_output.h"
+
+namespace slim {
+namespace {
+
+bool is_opaque(const Picture8& picture) {
+    for (std::size_t i = 3; i < picture.rgba.size(); i += 4)
+        if (picture.rgba[i] != 255) return false;
+    return true;
+}
+
+}  // namespace
+
+void PictureFiles::add_png(std::size_t k, const Picture& band, bool opaque, const ImageMetadata& metadata) {
+    const Picture8 encoded = encode_srgb8(band);
+    if (!pngs_[k])
+        pngs_[k].emplace(plan_.pngs[k].string(), window_.width, window_.height,
+                         opaque || (at_once_ && is_opaque(encoded)), metadata);
+    pngs_[k]->add_rows(encoded.rgba);
+}
+
+void PictureFiles::add_exr(int n_rows, std::span<const ExrChannel> channels, const ImageMetadata& metadata) {
+    if (!exr_) {
+        const bool is_part = window_.width != whole_.width || window_.height != whole_.height;
+        const ImagePlace place =
+            is_part ? ImagePlace{window_.x, window_.y, whole_.width, whole_.height} : ImagePlace{};
+        exr_.emplace(plan_.exr.string(), window_.width, window_.height, channels, metadata, matrices_, place);
+    }
+    exr_->add_rows(n_rows, channels);
+}
+
+std::vector<std::filesystem::path> PictureFiles::commit() {
+    std::vector<std::filesystem::path> files;
+    for (std::size_t k = 0; k < pngs_.size(); ++k) {
+        pngs_[k]->commit();
+        files.push_back(plan_.pngs[k]);
+    }
+    if (exr_) {
+        exr_->commit();
+        files.push_back(plan_.exr);
+    }
+    return files;
+}
+
+}  // namespace slim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "pipeline/render_config.h"
+#include "pipeline/render_view.h"
+#include "raytrace/renderer.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// What of the picture is wanted: --crop or --tile of it, else the whole. ConfigError if both are given, are not of
+/// their form, lie outside, or if feature lines are wanted as well, which are found in whole pictures only.
+PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size, bool lines);
+
+/// A band of the wanted window that is drawn at once.
+struct PicturePart {
+    PixelWindow wanted;  ///< in pixels of the whole picture
+    /// what is drawn for it: as much more as shading looks at, in whole tiles, inside the picture
+    PixelWindow drawn;
+    /// `wanted` in pixels of `drawn`
+    PixelWindow inside() const {
+        return {wanted.x - drawn.x, wanted.y - drawn.y, wanted.width, wanted.height};
+    }
+};
+
+/// Cuts the window into bands that take at most about 384 MiB, by the bytes of a pixel; one if `at_once`. Where it is
+/// cut changes no byte of the picture.
+std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window, std::uint64_t pixel_bytes,
+                                       bool at_once);
+
+}  // namespace slim

@@ -1,0 +1,127 @@
+#include "raytrace/hillshade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr Vec3f kLine{0.16f, 0.07f, 0.025f};  ///< brown, linear
+constexpr Vec3f kShadow{0.035f, 0.045f, 0.070f}, kLit{0.86f, 0.84f, 0.79f};
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+Vec3f toward_sun(const Relief& r) {
+    const double a = radians(r.azimuth_deg), h = radians(r.altitude_deg);
+    const auto east = static_cast<float>(std::sin(a) * std::cos(h));
+    const auto south = static_cast<float>(-std::cos(a) * std::cos(h));
+    return r.axes[0] * east + r.axes[1] * static_cast<float>(std::sin(h)) + r.axes[2] * south;
+}
+
+/// Light on a slope: a level plane is a light grey, slopes away from the sun go to blue.
+Vec3f relief_color(float cosine) {
+    const float t = std::pow(std::clamp(0.18f + 0.82f * cosine, 0.0f, 1.0f), 1.15f);
+    return kShadow * (1 - t) + kLit * t;
+}
+
+/// Change of height from a pixel to its right and lower neighbour on the tangent plane, model units, as one length.
+class HeightChange {
+public:
+    HeightChange(const PixelView& v, const Vec3f& up) : view_(v), up_(up) {
+        const double per_px = v.orthographic ? 1 / v.px_per_unit : 1 / v.focal_px;
+        step_x_ = to_float(v.right * per_px), step_y_ = to_float(v.down * per_px);
+        forward_ = to_float(v.forward), eye_ = to_float(v.eye);
+    }
+
+    /// n: unit normal, either side; p: the surface point.
+    float at(const Vec3f& n, const Vec3f& p) const {
+        const Vec3f from_eye = p - eye_;
+        const float z = view_.orthographic ? 1 : dot(from_eye, forward_);
+        const Vec3f ray = view_.orthographic ? forward_ : from_eye / z;  // one unit deep
+        const float facing = dot(n, ray);
+        if (std::abs(facing) < 1e-6f) return 1e30f;
+        const auto change = [&](const Vec3f& step) {
+            const Vec3f s = step * z;
+            return dot(up_, s - ray * (dot(n, s) / facing));
+        };
+        const float dx = change(step_x_), dy = change(step_y_);
+        return std::sqrt(dx * dx + dy * dy);
+    }
+
+private:
+    const PixelView& view_;
+    Vec3f up_, step_x_, step_y_, forward_, eye_;
+};
+
+/// How much of a pixel a line covers whose middle is `distance` pixels away; lines lie `gap` pixels apart.
+float line_cover(float distance, float width, float gap) {
+    const float cover = std::clamp(width / 2 + 0.5f - distance, 0.0f, 1.0f);
+    // Below three widths they run into a tone: the share of the ground that they take, at most a half.
+    const float tone = std::min(0.5f, width / std::max(gap, 1e-6f));
+    const float t = std::clamp(gap / (1.5f * (width + 1)) - 1, 0.0f, 1.0f);
+    return tone * (1 - t) + cover * t;
+}
+
+/// Cover of the contour line next to a height.
+float contour_cover(const Relief& r, double height, float change, float width) {
+    const double in_steps = height / r.spacing, nearest = std::round(in_steps);
+    const float step_px = static_cast<float>(r.spacing) / std::max(change, 1e-30f);
+    const auto distance = static_cast<float>(std::abs(in_steps - nearest)) * step_px;
+    const bool is_index = std::fmod(std::abs(nearest), r.index_every) < 0.5;
+    return line_cover(distance, is_index ? 2 * width : width, step_px) * (is_index ? 1.0f : 0.7f);
+}
+
+}  // namespace
+
+double contour_spacing(double low, double high) {
+    const double wanted = (high - low) / 20;
+    if (!(wanted > 0) || !std::isfinite(wanted)) return 0;
+    const double power = std::pow(10.0, std::floor(std::log10(wanted)));
+    const double digit = wanted / power;
+    return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
+}
+
+std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, double percent) {
+    std::vector<float> heights;
+    for (std::size_t i = 0; i < frame.n_pixels(); ++i)
+        if (frame.hit[i])
+            heights.push_back(dot(relief.axes[1], Vec3f{frame.position[0][i], frame.position[1][i], frame.position[2][i]}));
+    if (heights.empty()) return {relief.base, relief.base};
+    const auto rank = [&](double share) {
+        const auto k = static_cast<std::ptrdiff_t>(share / 100 * static_cast<double>(heights.size() - 1));
+        std::nth_element(heights.begin(), heights.begin() + k, heights.end());
+        return relief.base + static_cast<double>(heights[static_cast<std::size_t>(k)]);
+    };
+    const double low = rank(percent);
+    return {low, rank(100 - percent)};
+}
+
+Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& shade, const RowRange& rows,
+                     const Relief& relief, float line_width) {
+    Picture out(b.width, rows.end - rows.begin);
+    const Vec3f sun = toward_sun(relief);
+    const HeightChange change(view, relief.axes[1]);
+    const Vec3f right = to_float(shade.right), up = to_float(shade.up), back = to_float(shade.back);
+    for_eye_rows(b.width, b.height, rows, shade, {b.normal[0], b.normal[1], b.normal[2]}, b.hit, [&](const EyeRow& row) {
+        for (int x = 0; x < b.width; ++x) {
+            const auto k = static_cast<std::size_t>(x);
+            if (!row.hit[k]) continue;
+            const Vec3f n = right * row.normal[k].x + up * row.normal[k].y + back * row.normal[k].z;
+            Vec3f color = relief_color(dot(n, sun));
+            if (relief.spacing > 0) {
+                const std::size_t i = b.index(x, row.y);
+                const Vec3f p{b.position[0][i], b.position[1][i], b.position[2][i]};
+                const double height = relief.base + static_cast<double>(dot(relief.axes[1], p));
+                const float cover = contour_cover(relief, height, change.at(n, p), line_width);
+                color = color * (1 - cover) + kLine * cover;
+            }
+            float* pixel = out.pixel(x, row.y - rows.begin);
+            pixel[0] = color.x, pixel[1] = color.y, pixel[2] = color.z, pixel[3] = 1;
+        }
+    });
+    return out;
+}
+
+}  // namespace slim
