@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include <fcntl.h>
@@ -220,6 +221,20 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
     }
     let_go(data, data + e.count * e.element_size);
     if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
+}
+
+std::string ChunkFile::identity() const {
+    std::vector<unsigned char> bytes(state_->data, state_->data + sizeof(ChunkFileHeader));
+    bytes.insert(bytes.end(), state_->data + state_->header.table_offset, state_->data + state_->size);
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return text;
+}
+
+void ChunkFile::expect_random_access(bool expected) const {
+    ::madvise(const_cast<unsigned char*>(state_->data), state_->size, expected ? MADV_RANDOM : MADV_NORMAL);
 }
 
 void ChunkFile::verify_all() const {

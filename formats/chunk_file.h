@@ -70,6 +70,11 @@ public:
     bool has(std::string_view name) const;
     /// Byte offset of a chunk in the file, for messages.
     std::uint64_t offset(std::string_view name) const;
+    /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks, so that files of
+    /// different contents differ in it, and no chunk is read for it.
+    std::string identity() const;
+    /// Tells the system to read the pages that are touched and none around them, or to go back from that.
+    void expect_random_access(bool expected) const;
     /// Reads a whole chunk against its checksum.
     void verify(std::string_view name) const;
     void verify_all() const;

@@ -73,7 +73,8 @@ ModelFault check_record(const SurfelTree& tree, std::size_t i) {
     return {};
 }
 
-ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& has_parent) {
+/// What a node says of itself and where its children are.
+ModelFault check_fields(const SurfelTree& tree, std::size_t i) {
     const TreeNode& node = tree.node(i);
     const auto fault = [&](auto... parts) { return ModelFault{"nodes", i, message(parts...)}; };
     if (node.degree > tree.header().degree)
@@ -91,8 +92,16 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
     if (end > tree.n_nodes())
         return fault("children up to ", end, ", but there are ", tree.n_nodes(), " nodes");
+    return {};
+}
+
+ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& has_parent) {
+    if (ModelFault f = check_fields(tree, i); !f.chunk.empty()) return f;
+    const TreeNode& node = tree.node(i);
+    if (node.n_children == 0) return {};
+    const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
     for (std::size_t child = node.first_child; child < end; ++child) {
-        if (has_parent[child]) return fault("child ", child, " has another parent too");
+        if (has_parent[child]) return {"nodes", i, message("child ", child, " has another parent too")};
         has_parent[child] = true;
     }
     return {};
@@ -144,6 +153,28 @@ ModelFault check_all_sharp(const SurfelTree& tree) {
 }
 
 }  // namespace
+
+ModelFault check_sizes(const SurfelTree& tree) {
+    if (ModelFault f = check_header(tree); !f.chunk.empty()) return f;
+    const RecordIndex& index = tree.record_index();
+    if (!index.empty() && (index.in_page.size() != tree.n_nodes() || index.page_start.size() != tree.page_origins().size()))
+        return {"in_page", 0, message(index.in_page.size(), " records for ", tree.n_nodes(), " nodes")};
+    const auto shortest = static_cast<std::uint64_t>(floats_per_surfel(0));
+    for (std::size_t i = 0; i < index.in_page.size(); ++i)
+        if (index.page_start[i / kSurfelsPerPage] + index.in_page[i] + shortest > tree.records().size())
+            return {"in_page", i, "record lies outside the records"};
+    return check_pages(tree);
+}
+
+ModelFault check_alone(const SurfelTree& tree, std::size_t i) {
+    if (ModelFault f = check_fields(tree, i); !f.chunk.empty()) return f;
+    if (!tree.record_index().empty()) {
+        const auto length = static_cast<std::ptrdiff_t>(floats_per_surfel(tree.node(i).degree));
+        if (tree.record(i) + length > tree.records().data() + tree.records().size())
+            return {"in_page", i, "record ends outside the records"};
+    }
+    return check_record(tree, i);
+}
 
 ModelFault check_model(const SurfelTree& tree) {
     if (ModelFault f = check_header(tree); !f.chunk.empty()) return f;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -86,19 +87,70 @@ void write_model(const std::string& path, const SurfelTreeData& data,
     writer.commit();
 }
 
+void ModelFile::read_small_chunks() {
+    header_ = read_header(file_);
+    const auto json = file_.array<char>("provenance");
+    provenance_.assign(json.begin(), json.end());
+}
+
+void ModelFile::fail(const ModelFault& fault) const {
+    throw FormatError(message(file_.path(), ": byte ", byte_of(file_, tree(), fault), ": chunk ", fault.chunk,
+                              ", node ", fault.entry, ": ", fault.reason));
+}
+
 ModelFile ModelFile::open(const std::string& path) {
     ModelFile model(ChunkFile::open(path, kModelKind));
-    const ChunkFile& file = model.file_;
-    file.verify_all();
-    model.header_ = read_header(file);
-    const auto json = file.array<char>("provenance");
-    model.provenance_.assign(json.begin(), json.end());
-    const SurfelTree tree = model.tree();
-    const ModelFault fault = check_model(tree);
-    if (!fault.chunk.empty())
-        throw FormatError(message(path, ": byte ", byte_of(file, tree, fault), ": chunk ",
-                                  fault.chunk, ", node ", fault.entry, ": ", fault.reason));
+    model.file_.verify_all();
+    model.read_small_chunks();
+    if (const ModelFault fault = check_model(model.tree()); !fault.chunk.empty()) model.fail(fault);
     return model;
+}
+
+ModelFile ModelFile::open_by_pages(const std::string& path) {
+    ModelFile model(ChunkFile::open(path, kModelKind));
+    model.file_.expect_random_access(true);
+    for (const char* chunk : {"header", "provenance", "pages", "page_start", "in_page"})
+        if (model.file_.has(chunk)) model.file_.verify(chunk);
+    model.read_small_chunks();
+    if (const ModelFault fault = check_sizes(model.tree()); !fault.chunk.empty()) model.fail(fault);
+    return model;
+}
+
+void ModelFile::check() const {
+    file_.expect_random_access(false);
+    file_.verify_all();
+    if (const ModelFault fault = check_model(tree()); !fault.chunk.empty()) fail(fault);
+}
+
+void ModelFile::check(std::span<const std::uint32_t> nodes) const {
+    const SurfelTree all = tree();
+    for (const std::uint32_t i : nodes)
+        if (const ModelFault fault = check_alone(all, i); !fault.chunk.empty()) fail(fault);
+}
+
+std::uint64_t ModelFile::bytes_of_pages(std::span<const std::uint32_t> nodes) const {
+    constexpr std::uint64_t kPage = 4096;
+    std::vector<bool> touched((file_.file_size() + kPage - 1) / kPage);
+    const auto touch = [&](std::uint64_t offset, std::uint64_t n) {
+        for (std::uint64_t page = offset / kPage; n > 0 && page <= (offset + n - 1) / kPage; ++page) touched[page] = true;
+    };
+    const SurfelTree all = tree();
+    touch(0, sizeof(HeaderRecord));
+    touch(file_.file_size() - 1, 1);  // the table
+    touch(file_.offset("provenance"), provenance_.size());
+    touch(file_.offset("pages"), all.page_origins().size_bytes());
+    if (!all.record_index().empty()) {
+        touch(file_.offset("page_start"), all.record_index().page_start.size_bytes());
+        touch(file_.offset("in_page"), all.record_index().in_page.size_bytes());
+    }
+    const std::uint64_t node_chunk = file_.offset("nodes"), record_chunk = file_.offset("records");
+    for (const std::uint32_t i : nodes) {
+        touch(node_chunk + i * sizeof(TreeNode), sizeof(TreeNode));
+        const auto first = static_cast<std::uint64_t>(all.record(i) - all.records().data());
+        const auto length = static_cast<std::uint64_t>(floats_per_surfel(all.record_degree(i)));
+        touch(record_chunk + sizeof(float) * first, sizeof(float) * length);
+    }
+    return kPage * static_cast<std::uint64_t>(std::count(touched.begin(), touched.end(), true));
 }
 
 SurfelTree ModelFile::tree() const {

@@ -3,6 +3,8 @@
 #include "formats/chunk_file.h"
 #include "slim/model/surfel_tree.h"
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 namespace slim {
@@ -19,6 +21,19 @@ public:
     /// throws FormatError naming the file, the chunk and byte, the node and the reason; IoError
     static ModelFile open(const std::string& path);
 
+    /// Checks and reads only header, table, page origins, provenance and the index of records: for views of a part.
+    /// Before nodes and records are used either check() them all, or those of a list.
+    static ModelFile open_by_pages(const std::string& path);
+    /// The rest of what open() checks.
+    void check() const;
+    /// Checks nodes and records of a list as open() would, but for checksums and parents.
+    /// throws FormatError
+    void check(std::span<const std::uint32_t> nodes) const;
+    /// Bytes of the file's pages (4 KiB) that hold these nodes and their records, or what open_by_pages reads.
+    std::uint64_t bytes_of_pages(std::span<const std::uint32_t> nodes) const;
+    /// See ChunkFile.
+    std::string identity() const { return file_.identity(); }
+
     /// Views into the mapped file; valid as long as this object.
     SurfelTree tree() const;
     const ModelHeader& header() const { return header_; }
@@ -28,6 +43,8 @@ public:
 
 private:
     explicit ModelFile(ChunkFile file) : file_(std::move(file)) {}
+    void read_small_chunks();
+    [[noreturn]] void fail(const struct ModelFault& fault) const;
 
     ChunkFile file_;
     ModelHeader header_;

@@ -121,6 +121,9 @@ Stamp::Stamp(const StageContext& context, fs::path manifest)
     : context_(context), manifest_(std::move(manifest)), start_(std::chrono::steady_clock::now()) {}
 
 void Stamp::input(const fs::path& file) { inputs_.push_back({file, false}); }
+void Stamp::input(const fs::path& file, const std::string& identity) {
+    inputs_.push_back({file, false, identity});
+}
 void Stamp::optional_input(const fs::path& file) { inputs_.push_back({file, true}); }
 void Stamp::depends(const std::string& text) { depends_ += text + "\n"; }
 
@@ -138,6 +141,10 @@ json Stamp::inputs_json() const {
     for (const Input& input : inputs_) {
         if (input.optional && !fs::exists(input.path))
             hashed_.push_back({{"path", input.path.string()}, {"absent", true}});
+        else if (!input.identity.empty())
+            hashed_.push_back({{"path", input.path.string()},
+                               {"bytes", fs::file_size(input.path)},
+                               {"identity", input.identity}});
         else
             hashed_.push_back(file_json(input.path, input.path, hash_of_input(input.path)));
     }

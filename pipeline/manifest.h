@@ -39,6 +39,8 @@ public:
     /// Adds a file the outputs depend on (hashed when up_to_date or commit is called; IoError if it
     /// cannot be read). Optional files that do not exist are recorded as absent.
     void input(const std::filesystem::path& file);
+    /// The same for a file that says itself what distinguishes it, so that it need not be read.
+    void input(const std::filesystem::path& file, const std::string& identity);
     void optional_input(const std::filesystem::path& file);
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
@@ -57,6 +59,7 @@ private:
     struct Input {
         std::filesystem::path path;
         bool optional;
+        std::string identity = {};
     };
     nlohmann::json inputs_json() const;
     std::string hash_of_input(const std::filesystem::path& file) const;

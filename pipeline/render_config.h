@@ -40,6 +40,8 @@ struct RenderConfig {
     std::string contours = "auto";
     bool scale_bar = false;
     std::string crop, tile;
+    int turntable = 0, frames = 0, frame = 0;
+    std::string path;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -107,6 +109,11 @@ struct RenderConfig {
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the whole has there");
+        field("turntable", turntable, "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
+        field("path", path,
+              "camera path for --frames: keyframes between ';', each as --camera, 'zoom Z' after it if wanted");
+        field("frames", frames, "pictures along --path, from its first keyframe to its last", 0, 9999);
+        field("frame", frame, "draws only this picture of a turntable or path, from 1 (0: all)", 0, 9999);
         field("tile", tile, "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
     }
 };

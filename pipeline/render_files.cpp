@@ -139,6 +139,31 @@ fs::path OutputPlan::lines_svg() const {
     return fs::path((has_aov ? fs::path(stem).replace_extension() : stem).string() + ".lines.svg");
 }
 
+OutputPlan OutputPlan::numbered(int k) const {
+    const auto with_number = [&](const fs::path& file) {
+        fs::path out = file;
+        return out.replace_extension().string() + fmt::format("_{:04}", k) + file.extension().string();
+    };
+    OutputPlan out = *this;
+    for (fs::path& png : out.pngs) png = with_number(png);
+    if (!exr.empty()) out.exr = with_number(exr);
+    out.stem += fmt::format("_{:04}", k);
+    return out;
+}
+
+std::vector<std::string> film_commands(const OutputPlan& plan) {
+    std::vector<std::string> commands;
+    for (const fs::path& png : plan.pngs) {
+        fs::path stem = png;
+        stem.replace_extension();
+        // Encoders want even sides.
+        commands.push_back(fmt::format("ffmpeg -framerate 24 -i '{0}_%04d{1}' -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
+                                       "-c:v libx264 -pix_fmt yuv420p '{0}.mp4'",
+                                       stem.string(), png.extension().string()));
+    }
+    return commands;
+}
+
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const fs::path output = config.output;
     const bool folder = is_folder(output);

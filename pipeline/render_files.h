@@ -19,6 +19,7 @@ namespace slim {
 ///     -o x.png, several     x.<aov>.png
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
 ///     -o x.PNG, x.EXR       the same, their extension as given
+///     several frames        each of these numbered: x_0001.png, x.<aov>_0001.png
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
@@ -30,7 +31,12 @@ struct OutputPlan {
     std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
     std::filesystem::path lines_svg() const;
+    /// The same for picture k of a film: x_0001.png, x.mean_0001.png, x_0001.exr, x_0001.lines.svg.
+    OutputPlan numbered(int k) const;
 };
+
+/// Command lines that make films of numbered pictures, one for each drawn AOV.
+std::vector<std::string> film_commands(const OutputPlan& plan);
 
 /// Throws ConfigError for an extension that is neither, or that contradicts --format.
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs);

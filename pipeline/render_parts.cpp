@@ -49,16 +49,6 @@ PixelWindow parse_tile(const std::string& text, const PictureSize& size) {
     return {0, row(n[0] - 1), size.width, row(n[0]) - row(n[0] - 1)};
 }
 
-/// The window with a margin, in whole tiles, inside the picture.
-PixelWindow drawn_for(const PixelWindow& w, const PictureSize& size) {
-    if (w.width == size.width && w.height == size.height) return w;
-    const int margin = shade_reach(size.width, size.height) + 2;
-    const auto down = [&](int v) { return std::max(0, v - margin) / kAlign * kAlign; };
-    const auto up = [&](int v, int end) { return std::min(end, (v + margin + kAlign - 1) / kAlign * kAlign); };
-    const int x = down(w.x), y = down(w.y);
-    return {x, y, up(w.x + w.width, size.width) - x, up(w.y + w.height, size.height) - y};
-}
-
 }  // namespace
 
 PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size, bool lines) {
@@ -71,6 +61,15 @@ PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size, b
     return config.crop.empty() ? parse_tile(config.tile, size) : parse_crop(config.crop, size);
 }
 
+PixelWindow drawn_window(const PixelWindow& w, const PictureSize& size) {
+    if (w.width == size.width && w.height == size.height) return w;
+    const int margin = shade_reach(size.width, size.height) + 2;
+    const auto down = [&](int v) { return std::max(0, v - margin) / kAlign * kAlign; };
+    const auto up = [&](int v, int end) { return std::min(end, (v + margin + kAlign - 1) / kAlign * kAlign); };
+    const int x = down(w.x), y = down(w.y);
+    return {x, y, up(w.x + w.width, size.width) - x, up(w.y + w.height, size.height) - y};
+}
+
 std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window, std::uint64_t pixel_bytes,
                                        bool at_once) {
     const std::uint64_t row_bytes = pixel_bytes * static_cast<std::uint64_t>(window.width);
@@ -79,7 +78,7 @@ std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindo
     std::vector<PicturePart> parts;
     for (int y = 0; y < window.height; y += rows) {
         const PixelWindow band{window.x, window.y + y, window.width, std::min(rows, window.height - y)};
-        parts.push_back({band, drawn_for(band, size)});
+        parts.push_back({band, drawn_window(band, size)});
     }
     return parts;
 }

@@ -24,6 +24,9 @@ struct PicturePart {
     }
 };
 
+/// What is drawn for a window: itself and a margin, in whole tiles, inside the picture.
+PixelWindow drawn_window(const PixelWindow& wanted, const PictureSize& size);
+
 /// Cuts the window into bands that take at most about 384 MiB, by the bytes of a pixel; one if `at_once`. Where it is
 /// cut changes no byte of the picture.
 std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window, std::uint64_t pixel_bytes,

@@ -1,26 +1,18 @@
 #include "pipeline/render_stage.h"
 
-#include "formats/atomic_file.h"
 #include "formats/image_io.h"
 #include "formats/model_file.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
-#include "pipeline/render_aov.h"
 #include "pipeline/render_bands.h"
-#include "pipeline/render_files.h"
-#include "pipeline/render_lines.h"
 #include "pipeline/render_directions.h"
-#include "pipeline/render_look.h"
+#include "pipeline/render_job.h"
 #include "pipeline/render_maps.h"
-#include "pipeline/render_output.h"
-#include "pipeline/render_parts.h"
-#include "pipeline/render_shadings.h"
-#include "pipeline/render_view.h"
+#include "pipeline/render_write.h"
 #include "raytrace/brute/brute_renderer.h"
-#include "raytrace/crop.h"
-#include "raytrace/lines/stroke.h"
 #include "raytrace/project/forward_renderer.h"
-#include "raytrace/scale_bar.h"
+#include "raytrace/project/lod_cut.h"
+#include "raytrace/project/tile_bins.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -28,33 +20,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <map>
 
 namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-/// All that is fixed before the first pixel.
-struct RenderJob {
-    const RenderConfig& config;
-    const SurfelTree& tree;
-    std::vector<std::string> aovs;
-    OutputPlan plan;
-    PictureSize size;
-    Camera camera;
-    std::vector<LineKind> lines;  ///< in the order of drawing
-    PixelWindow window;           ///< what of the picture is wanted
-    ShadingInputs shadings;
-    std::map<std::string, AovLook> looks = {};
-
-    /// What the frame that lines are found in must hold for them.
-    Channels for_lines() const { return line_channels(lines, tree.header().degree); }
-    bool wants(const char* aov) const {
-        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
-    }
-};
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -81,10 +52,6 @@ void shade_frame(int factor, RenderedFrame& frame) {
         rows_into(rows, band);
         return band;
     });
-}
-
-PixelWindow times(const PixelWindow& w, int factor) {
-    return {w.x * factor, w.y * factor, w.width * factor, w.height * factor};
 }
 
 /// A frame of that size in which pixels stand for `factor` of the picture's: projection and what derives from it.
@@ -115,36 +82,6 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     return stats;
 }
 
-/// The frames of a run: `fine` for pictures that are averaged (twice the size with supersample 2),
-/// `plain` for all else. Without supersampling both are the same one.
-struct Frames {
-    RenderedFrame plain, fine;
-    bool has_fine = false;
-    RenderStats stats;
-    double median_ms = 0;
-    std::uint64_t covered = 0;  ///< of the part that is wanted, not of its margin
-
-    const RenderedFrame& for_aov(const std::string& aov) const {
-        return has_fine && is_filterable(aov) ? fine : plain;
-    }
-};
-
-/// Parts of a picture may be empty.
-void require_hits(const RenderJob& job, const RenderStats& stats) {
-    if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
-    const ModelHeader& m = job.tree.header();
-    const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
-    throw NumericalError(
-        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
-                    "{:g}, {:g}) to "
-                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
-                    "these coordinates; "
-                    "a named camera, as --camera iso, frames the whole model{}",
-                    job.config.model, job.size.width, job.size.height,
-                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
-                    stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
-}
-
 /// Renders the frame of a factor as often as the job says; returns the median time.
 double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const PicturePart& part,
                        StageContext& context, RenderedFrame& frame, RenderStats& stats) {
@@ -157,25 +94,6 @@ double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const 
         times.push_back(milliseconds_since(start));
     }
     return median(times);
-}
-
-/// What the plain frame is for: data files take all, pictures only what is never averaged.
-std::vector<std::string> plain_aovs(const RenderJob& job) {
-    std::vector<std::string> aovs = job.aovs;
-    if (job.config.supersample > 1 && job.plan.exr.empty()) std::erase_if(aovs, is_filterable);
-    return aovs;
-}
-
-/// What the fine frame is for: pictures, and the colour in a data file.
-std::vector<std::string> fine_aovs(const RenderJob& job) {
-    std::vector<std::string> aovs;
-    if (job.config.supersample == 1) return aovs;
-    for (const std::string& aov : job.aovs) {
-        const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
-                           job.plan.drawn.end();
-        if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
-    }
-    return aovs;
 }
 
 std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
@@ -221,6 +139,33 @@ PictureSize reference_size(const PictureSize& size) {
     return {scaled(size.width), scaled(size.height)};
 }
 
+/// Nodes that a view of that size visits.
+void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow& window, double lod,
+                std::vector<std::uint32_t>& visited) {
+    CutCounts counts;
+    counts.visited = &visited;
+    lod_cut(job.tree, pixel_view(job.camera, size.width, size.height), whole_tiles(window),
+            {lod, job.config.loose}, counts);
+}
+
+/// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part reads the pages
+/// that it shows; where that is half of the file or more, all of it is checked as elsewhere.
+std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job) {
+    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1) {
+        std::vector<std::uint32_t> visited;
+        visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
+        const PictureSize reference = reference_size(job.size);
+        if (std::any_of(job.aovs.begin(), job.aovs.end(),
+                        [&](const std::string& aov) { return needs_reference(job.config, aov); }))
+            visit_view(job, reference, {0, 0, reference.width, reference.height},
+                       job.config.lod * reference.width / job.size.width, visited);
+        const std::uint64_t bytes = model.bytes_of_pages(visited);
+        if (2 * bytes < model.file_size()) return model.check(visited), bytes;
+    }
+    model.check();
+    return model.file_size();
+}
+
 /// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
 void choose_looks(RenderJob& job) {
     RenderedFrame reference;
@@ -241,86 +186,30 @@ void choose_looks(RenderJob& job) {
         job.looks[aov] = look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
 }
 
-Json range_json(const ValueRange& range) { return Json::array({range.lo, range.hi}); }
-
-/// Collects what was written, for the result and the manifest.
-struct Written {
-    std::vector<std::filesystem::path> files;
-    Json ranges = Json::object();
+/// What a run came to.
+struct Outcome {
+    RenderStats stats;
+    double frame_ms = 0;  ///< of all bands
+    int factor = 1;
+    int frames = 0;
+    Json lines;
+    std::vector<fs::path> files;
 };
 
-/// Whether every pixel of an AOV's picture hides what is behind it.
-bool has_background(const RenderJob& job, const std::string& aov) {
-    return (aov == "environment" && job.config.environment_behind) ||
-           parse_background(job.config.background, false).alpha >= 1;
-}
-
-void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at, Picture& picture) {
-    if (aov == "environment" && job.config.environment_behind)
-        return composite_over_environment(*job.shadings.environment,
-                                          pixel_view(job.camera, job.size.width, job.size.height), at.x, at.y,
-                                          picture);
-    const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
-    composite_over(parse_background(job.config.background, on_white), picture, at.y, job.size.height);
-}
-
-/// Legend, key and scale bar; false where one does not fit.
-bool burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas) {
-    bool fits = true;
-    if (look.legend && job.config.legend) fits &= burn_legend(*look.legend, canvas, look.place);
-    if (look.key && job.config.legend) fits &= burn_key(*look.key, canvas, look.place);
-    if (job.config.scale_bar)
-        fits &= burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
-    return fits;
-}
-
-/// The band of a drawn AOV as it is shown.
-Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
-                         const PicturePart& part, Reporter& reporter) {
-    const AovLook& look = job.looks.at(aov);
-    Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
-                                    job.tree.header().bounds, job.size),
-                           part.inside());
-    put_background(job, aov, part.wanted, picture);
-    draw_lines(frames.plain.lines, picture);
-    const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
-    if (!burn_words(job, look, canvas) && part.wanted.y == job.window.y)
-        reporter.warn(job.plan.stem.string() + ": " + aov +
-                      ": the picture is too small for its legend or scale bar; legends are beside it as SVG");
-    return picture;
-}
-
-void write_aov(const RenderJob& job, std::size_t k, const Frames& frames, const PicturePart& part,
-               ImageMetadata metadata, StageContext& context, PictureFiles& files) {
-    const std::string& aov = job.plan.drawn[k];
-    if (const auto& legend = job.looks.at(aov).legend)
-        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
-    files.add_png(k, finished_picture(job, aov, frames, part, context.reporter), has_background(job, aov), metadata);
-}
-
-/// The parts of a frame that a data file holds, without the margin.
-RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& inside) {
-    RenderedFrame out;
-    out.size = frame.size;
-    out.buffer = crop(frame.buffer, inside);
-    out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
-    out.lines = frame.lines;
-    return out;
-}
-
-void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
-                PictureFiles& files) {
-    // Colour may be averaged, data never: they come from the frame at the picture's own size.
-    std::vector<ColorPlane> colors;
-    const AovLook none;
-    for (const std::string& aov : job.aovs)
-        if (is_color(aov))
-            colors.push_back({aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
-                                                 job.tree.header().bounds, job.size),
-                                        part.inside())});
-    const RenderedFrame data = without_margin(frames.plain, part.inside());
-    std::vector<std::vector<float>> planes;
-    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes), metadata);
+/// Parts of a picture may be empty.
+void require_hits(const RenderJob& job, const RenderStats& stats) {
+    if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
+    const ModelHeader& m = job.tree.header();
+    const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
+    throw NumericalError(
+        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
+                    "{:g}, {:g}) to "
+                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
+                    "these coordinates; "
+                    "a named camera, as --camera iso, frames the whole model{}",
+                    job.config.model, job.size.width, job.size.height,
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
+                    stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
 }
 
 void add(const RenderStats& part, RenderStats& sum) {
@@ -330,26 +219,6 @@ void add(const RenderStats& part, RenderStats& sum) {
     sum.root_tests += part.root_tests;
     sum.distance_tests += part.distance_tests;
     sum.unblended_pixels += part.unblended_pixels;
-}
-
-/// What a run came to.
-struct Outcome {
-    RenderStats stats;
-    double frame_ms = 0;  ///< of all bands
-    int factor = 1;
-    Json lines;
-    Written written;
-};
-
-void write_legends(const RenderJob& job, Written& written) {
-    for (const std::string& aov : job.plan.drawn) {
-        const AovLook& look = job.looks.at(aov);
-        if (look.legend) written.ranges[aov] = range_json(look.legend->range);
-        if (!job.config.legend || !look.on_white()) continue;
-        const std::string svg = job.plan.legend(aov).string();
-        write_file_atomically(svg, look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
-        written.files.push_back(svg);
-    }
 }
 
 /// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its bytes.
@@ -365,37 +234,67 @@ std::uint64_t pixel_bytes(const RenderJob& job) {
     return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) + factor * factor * planes(fine_aovs(job));
 }
 
-Outcome draw_and_write(const RenderJob& job, const ImageMetadata& metadata, StageContext& context) {
+/// One picture of each AOV, of a film or the only one.
+void draw_and_write(const RenderJob& job, const std::string& model_identity, StageContext& context,
+                    Outcome& outcome) {
+    const ImageMetadata metadata =
+        make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
     const auto parts = picture_parts(job.size, job.window, pixel_bytes(job), !job.lines.empty());
     PictureFiles files(job.plan, job.size, job.window, parts.size() == 1, make_matrices(job.camera, job.size));
-    Outcome outcome;
     for (std::size_t band = 0; band < parts.size(); ++band) {
-        context.reporter.progress("bands", band, parts.size());
+        if (parts.size() > 1) context.reporter.progress("bands", band, parts.size());
         const Frames frames = draw_frames(job, parts[band], context);
         add(frames.stats, outcome.stats);
         outcome.stats.covered_pixels += frames.covered;
         outcome.frame_ms += frames.median_ms;
         outcome.factor = frames.has_fine ? job.config.supersample : 1;
-        if (parts.size() == 1) require_hits(job, outcome.stats);
-        for (std::size_t k = 0; k < job.plan.drawn.size(); ++k)
-            write_aov(job, k, frames, parts[band], metadata, context, files);
-        if (!job.plan.exr.empty()) write_data(job, frames, parts[band], metadata, files);
+        if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
+        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 && band == 0)
+            context.reporter.warn(job.plan.named.string() +
+                                  ": too small for its legend or scale bar; legends are beside it as SVG");
         if (job.lines.empty()) continue;
         for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.size,
                                             job.tree.header().origin, frames.plain.lines, job.lines))
-            outcome.written.files.push_back(file);
+            outcome.files.push_back(file);
         outcome.lines = lines_json(frames.plain.lines, job.lines);
     }
-    require_hits(job, outcome.stats);
+    if (job.n_frames == 1) require_hits(job, outcome.stats);
     const auto pictures = files.commit();
-    outcome.written.files.insert(outcome.written.files.begin(), pictures.begin(), pictures.end());
-    write_legends(job, outcome.written);
+    outcome.files.insert(outcome.files.end(), pictures.begin(), pictures.end());
+    ++outcome.frames;
+}
+
+/// All pictures of the run; legends are those of the whole film.
+Outcome draw_film(RenderJob& job, double free_right, const std::string& model_identity, StageContext& context) {
+    const OutputPlan plan = job.plan;
+    const int wanted = job.config.frame;
+    Outcome outcome;
+    for (int k = wanted > 0 ? wanted : 1; k <= (wanted > 0 ? wanted : job.n_frames); ++k) {
+        if (job.n_frames > 1) {
+            context.reporter.progress("pictures", static_cast<std::uint64_t>(k - 1),
+                                      static_cast<std::uint64_t>(job.n_frames));
+            job.camera = frame_camera(job.config, job.tree.header(), job.size, free_right, k - 1);
+            job.plan = plan.numbered(k);
+        }
+        draw_and_write(job, model_identity, context, outcome);
+    }
+    job.plan = plan;
+    require_hits(job, outcome.stats);
+    for (const fs::path& file : write_legends(job)) outcome.files.push_back(file);
     return outcome;
+}
+
+Json ranges_json(const RenderJob& job) {
+    Json ranges = Json::object();
+    for (const std::string& aov : job.plan.drawn)
+        if (const auto& legend = job.looks.at(aov).legend)
+            ranges[aov] = Json::array({legend->range.lo, legend->range.hi});
+    return ranges;
 }
 
 Json make_result(const RenderJob& job, const Outcome& outcome) {
     Json files = Json::array();
-    for (const auto& file : outcome.written.files) files.push_back(file.string());
+    for (const auto& file : outcome.files) files.push_back(file.string());
     const RenderStats& s = outcome.stats;
     Json result = {{"files", files},
             {"width", job.window.width},
@@ -405,13 +304,18 @@ Json make_result(const RenderJob& job, const Outcome& outcome) {
             {"covered_pixels", s.covered_pixels},
             {"surfels_drawn", s.surfels_drawn},
             {"loose_hidden", s.loose_hidden},
+            {"nodes", job.tree.n_nodes()},
             {"nodes_visited", s.nodes_visited},
             {"root_tests", s.root_tests},
             {"distance_tests", s.distance_tests},
             {"unblended_pixels", s.unblended_pixels},
-            {"frame_ms_median", outcome.frame_ms},
-            {"ranges", outcome.written.ranges}};
+            {"frame_ms_median", outcome.frame_ms / outcome.frames},
+            {"ranges", ranges_json(job)}};
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
+    if (job.n_frames > 1) {
+        result["frames"] = outcome.frames;
+        result["film_commands"] = film_commands(job.plan);
+    }
     if (job.camera.orthographic) result["pixel_size"] = job.camera.width / job.size.width;
     return result;
 }
@@ -439,6 +343,25 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
 
 }  // namespace
 
+/// What the plain frame is for: data files take all, pictures only what is never averaged.
+std::vector<std::string> plain_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs = job.aovs;
+    if (job.config.supersample > 1 && job.plan.exr.empty()) std::erase_if(aovs, is_filterable);
+    return aovs;
+}
+
+/// What the fine frame is for: pictures, and the colour in a data file.
+std::vector<std::string> fine_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    if (job.config.supersample == 1) return aovs;
+    for (const std::string& aov : job.aovs) {
+        const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
+                           job.plan.drawn.end();
+        if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
+    }
+    return aovs;
+}
+
 Json run_render(const RenderConfig& config, StageContext& context) {
     std::vector<std::string> aovs = wanted_aovs(config);
     const PictureSize size = parse_size(config.size);
@@ -446,12 +369,16 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     check_lines(config, aovs);
     check_shadings(config, aovs);
     parse_background(config.background, false);
+    const int frames = n_frames(config);
+    if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
+        throw ConfigError("lines_ply and lines_obj are for one picture, not for a turntable or path");
     const fs::path named = plan_outputs(config, aovs).named;
 
     require_model(config.model);
 
+    const ModelFile model = ModelFile::open_by_pages(config.model);
     Stamp stamp(context, manifest_path(named.string()));
-    stamp.input(config.model);
+    stamp.input(config.model, model.identity());
     for (const std::string& file : {config.environment, config.matcap})
         if (!file.empty()) stamp.input(file);
     stamp.depends("drawn as " + named.stem().string());
@@ -460,23 +387,26 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;
 
-    const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
     keep_possible_aovs(config, tree.header().degree, aovs);
     const OutputPlan plan = plan_outputs(config, aovs);
     const double room = legend_room(config, plan.drawn, size);
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
-    RenderJob job{config, tree, aovs, plan, size, make_camera(config, tree.header(), size, room), lines,
-                  wanted_window(config, size, !lines.empty()), load_shadings(config, aovs, tree.header())};
+    RenderJob job{config, tree, aovs, plan, size, frame_camera(config, tree.header(), size, room, 0), lines,
+                  wanted_window(config, size, !lines.empty()), load_shadings(config, aovs, tree.header()), frames};
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
+    const std::uint64_t bytes_read = check_what_is_drawn(model, job);
     make_folder(job.plan);
     choose_looks(job);
-    const ImageMetadata metadata = make_metadata(config, context.config, hash_file(config.model), tree.header(),
-                                                 job.camera);
-    const Outcome outcome = draw_and_write(job, metadata, context);
-    return stamp.commit(outcome.written.files, make_result(job, outcome));
+    const Outcome outcome = draw_film(job, room, model.identity(), context);
+    if (frames > 1)
+        for (const std::string& command : film_commands(job.plan)) context.reporter.info("as a film: " + command);
+    Json result = make_result(job, outcome);
+    result["model_bytes"] = model.file_size();
+    result["model_bytes_read"] = bytes_read;
+    return stamp.commit(outcome.files, std::move(result));
 }
 
 }  // namespace slim

@@ -1,9 +1,11 @@
 #include "pipeline/render_view.h"
 
+#include "raytrace/camera_path.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -94,6 +96,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                               {.up = up_axis(config),
                                .orthographic = orthographic,
                                .fov_y_deg = config.fov,
+                               .turns = config.turntable,
                                .free_right = config.ortho_width > 0 ? 0 : free_right});
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
@@ -112,6 +115,64 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
     validate(camera);
     return camera;
+}
+
+namespace {
+
+/// "iso zoom 2" as a configuration of its own.
+RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
+    RenderConfig key = config;
+    if (const std::size_t at = text.find("zoom"); at != std::string::npos) {
+        const std::vector<double> zoom = parse_numbers(text.substr(at + 4));
+        if (zoom.size() != 1 || !(zoom[0] > 0))
+            throw ConfigError("path: expected a number > 0 after zoom, found \"" + text + "\"");
+        key.zoom = zoom[0];
+        text.resize(at);
+    }
+    const std::size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
+    if (first == std::string::npos) throw ConfigError("path: a keyframe without a camera");
+    key.camera = text.substr(first, last - first + 1);
+    return key;
+}
+
+std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                            double free_right) {
+    std::vector<Camera> keys;
+    for (std::size_t begin = 0; begin <= config.path.size();) {
+        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
+        keys.push_back(make_camera(keyframe_of(config, config.path.substr(begin, end - begin)), model, size, free_right));
+        begin = end + 1;
+    }
+    return keys;
+}
+
+}  // namespace
+
+int n_frames(const RenderConfig& config) {
+    if (config.turntable > 0 && !config.path.empty())
+        throw ConfigError("turntable and path both move the camera: give one");
+    if (config.path.empty() != (config.frames == 0))
+        throw ConfigError(config.path.empty() ? "frames is for a path, which is not given"
+                                              : "path: say how many pictures with frames");
+    const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
+    const bool film = config.turntable > 0 || !config.path.empty();
+    if (config.frame > (film ? n : 0))
+        throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
+                               : "frame is for a turntable or a path, which are not given");
+    return n;
+}
+
+Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                    double free_right, int frame) {
+    if (!config.path.empty()) {
+        const std::vector<Camera> keys = path_of(config, model, size, free_right);
+        const double t = config.frames > 1 ? static_cast<double>(frame) / (config.frames - 1) : 0;
+        return camera_on_path(keys, t * static_cast<double>(keys.size() - 1));
+    }
+    const Camera camera = make_camera(config, model, size, free_right);
+    if (config.turntable == 0) return camera;
+    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty() ? model.bounds.center() : camera.target;
+    return turned(camera, center, up_vector(up_axis(config)), 360.0 * frame / config.turntable);
 }
 
 UpAxis up_axis(const RenderConfig& config) {

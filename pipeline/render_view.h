@@ -23,6 +23,14 @@ PictureSize parse_size(const std::string& text);
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 
+/// How many pictures: of --turntable or --frames, 1 without either. Throws ConfigError where they, --path and --frame
+/// do not fit together.
+int n_frames(const RenderConfig& config);
+
+/// The camera of picture `frame` (from 0) of a turntable or path; of the one picture make_camera's.
+Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                    double free_right, int frame);
+
 /// --up.
 UpAxis up_axis(const RenderConfig& config);
 

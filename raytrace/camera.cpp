@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <sstream>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -83,20 +85,27 @@ struct Fit {
     double step_right = 0;  ///< of the camera, model units
 };
 
-/// The corners of a box about its centre, in camera axes.
-std::array<Vec3d, 8> corners_of(const Bbox& box, const Basis& b) {
-    std::array<Vec3d, 8> corners;
+/// The corners of a box about its centre, in camera axes, in each of its positions.
+std::vector<Vec3d> corners_of(const Bbox& box, const Basis& b, UpAxis up, int turns) {
+    std::vector<Vec3d> corners;
     const Vec3d h = box.extent() * 0.5;
-    for (unsigned i = 0; i < 8; ++i) {
-        const Vec3d p{i & 1u ? h.x : -h.x, i & 2u ? h.y : -h.y, i & 4u ? h.z : -h.z};
-        corners[i] = {dot(b.right, p), dot(b.down, p), dot(b.forward, p)};
+    const Vec3d x = with_up(up, {1, 0, 0}), y = with_up(up, {0, 1, 0}), z = with_up(up, {0, 0, 1});
+    for (int turn = 0; turn < std::max(1, turns); ++turn) {
+        const double angle = 2 * std::numbers::pi * turn / std::max(1, turns);
+        const double c = std::cos(angle), s = std::sin(angle);
+        for (unsigned i = 0; i < 8; ++i) {
+            const Vec3d p{i & 1u ? h.x : -h.x, i & 2u ? h.y : -h.y, i & 4u ? h.z : -h.z};
+            const double px = dot(p, x), pz = dot(p, z);
+            const Vec3d q = x * (c * px - s * pz) + y * dot(p, y) + z * (s * px + c * pz);
+            corners.push_back({dot(b.right, q), dot(b.down, q), dot(b.forward, q)});
+        }
     }
     return corners;
 }
 
 /// A corner at x stays inside if -left <= (x - step) / (tan_x (distance + z)) <= right. The left bound
 /// at step 0 and the sum of both give the distance, then the right one gives the step.
-Fit fit_perspective(const std::array<Vec3d, 8>& corners, double tan_x, double tan_y,
+Fit fit_perspective(std::span<const Vec3d> corners, double tan_x, double tan_y,
                     const FreePart& part) {
     const double infinity = std::numeric_limits<double>::infinity();
     double past_right = -infinity, past_left = -infinity;
@@ -113,7 +122,7 @@ Fit fit_perspective(const std::array<Vec3d, 8>& corners, double tan_x, double ta
     return fit;
 }
 
-Fit fit_orthographic(const std::array<Vec3d, 8>& corners, double aspect, const FreePart& part) {
+Fit fit_orthographic(std::span<const Vec3d> corners, double aspect, const FreePart& part) {
     double x = 0, y = 0, z = 0;
     for (const Vec3d& c : corners)
         x = std::max(x, c.x), y = std::max(y, c.y), z = std::max(z, c.z);
@@ -170,7 +179,7 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
     camera.fov_y_deg = framing.fov_y_deg;
     const double tan_y = std::tan(radians(framing.fov_y_deg) / 2);
     const Basis basis = basis_of(camera);
-    const auto corners = corners_of(box, basis);
+    const auto corners = corners_of(box, basis, framing.up, framing.turns);
     const FreePart part(framing);
     const Fit fit = framing.orthographic
                         ? fit_orthographic(corners, aspect, part)

@@ -40,6 +40,7 @@ struct Framing {
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
+    int turns = 0;              ///< so many positions of the box, turned about the up axis, stay in the picture
     double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
 };
 

@@ -61,10 +61,13 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
     if (tree.n_nodes() == 0) return cut;
     const ViewVolume volume(view, window);
     std::vector<std::uint32_t> stack{0};
-    while (!stack.empty()) {
+    for (std::size_t n_met = 1; !stack.empty(); ++n_met) {
         const std::uint32_t i = stack.back();
         stack.pop_back();
+        if (n_met > tree.n_nodes())
+            throw FormatError("tree node " + std::to_string(i) + ": has another parent too");
         ++counts.nodes_visited;
+        if (counts.visited) counts.visited->push_back(i);
         const TreeNode& node = tree.node(i);
         const Vec3d center = view.camera_from_local(tree.center(i));
         const double radius = tree.support_radius(i);

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "pipeline/render_aov.h"
+#include "pipeline/render_config.h"
+#include "pipeline/render_files.h"
+#include "pipeline/render_lines.h"
+#include "pipeline/render_look.h"
+#include "pipeline/render_parts.h"
+#include "pipeline/render_shadings.h"
+#include "pipeline/render_view.h"
+#include "raytrace/renderer.h"
+#include "slim/model/surfel_tree.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// All that is fixed before the first pixel.
+struct RenderJob {
+    const RenderConfig& config;
+    const SurfelTree& tree;
+    std::vector<std::string> aovs;
+    OutputPlan plan;
+    PictureSize size;
+    Camera camera;
+    std::vector<LineKind> lines;  ///< in the order of drawing
+    PixelWindow window;           ///< what of the picture is wanted
+    ShadingInputs shadings;
+    int n_frames = 1;
+    std::map<std::string, AovLook> looks = {};
+
+    /// What the frame that lines are found in must hold for them.
+    Channels for_lines() const { return line_channels(lines, tree.header().degree); }
+    bool wants(const char* aov) const {
+        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+    }
+};
+
+/// The frames of a run: `fine` for pictures that are averaged (twice the size with supersample 2),
+/// `plain` for all else. Without supersampling both are the same one.
+struct Frames {
+    RenderedFrame plain, fine;
+    bool has_fine = false;
+    RenderStats stats;
+    double median_ms = 0;
+    std::uint64_t covered = 0;  ///< of the part that is wanted, not of its margin
+
+    const RenderedFrame& for_aov(const std::string& aov) const {
+        return has_fine && is_filterable(aov) ? fine : plain;
+    }
+};
+
+/// What the plain frame is for: data files take all, pictures only what is never averaged.
+std::vector<std::string> plain_aovs(const RenderJob& job);
+
+/// What the fine frame is for: pictures, and the colour in a data file.
+std::vector<std::string> fine_aovs(const RenderJob& job);
+
+/// A window of the picture in pixels of a frame `factor` times as large.
+inline PixelWindow times(const PixelWindow& w, int factor) {
+    return {w.x * factor, w.y * factor, w.width * factor, w.height * factor};
+}
+
+}  // namespace slim

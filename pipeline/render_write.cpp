@@ -1,0 +1,104 @@
+#include "pipeline/render_write.h"
+
+#include "formats/atomic_file.h"
+#include "raytrace/crop.h"
+#include "raytrace/lines/stroke.h"
+#include "raytrace/scale_bar.h"
+
+#include <fmt/format.h>
+
+namespace slim {
+namespace {
+
+/// Whether every pixel of an AOV's picture hides what is behind it.
+bool has_background(const RenderJob& job, const std::string& aov) {
+    return (aov == "environment" && job.config.environment_behind) ||
+           parse_background(job.config.background, false).alpha >= 1;
+}
+
+void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at, Picture& picture) {
+    if (aov == "environment" && job.config.environment_behind)
+        return composite_over_environment(*job.shadings.environment,
+                                          pixel_view(job.camera, job.size.width, job.size.height), at.x, at.y,
+                                          picture);
+    const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
+    composite_over(parse_background(job.config.background, on_white), picture, at.y, job.size.height);
+}
+
+/// Legend, key and scale bar; false where one does not fit.
+bool burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas) {
+    bool fits = true;
+    if (look.legend && job.config.legend) fits &= burn_legend(*look.legend, canvas, look.place);
+    if (look.key && job.config.legend) fits &= burn_key(*look.key, canvas, look.place);
+    if (job.config.scale_bar)
+        fits &= burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+    return fits;
+}
+
+/// The band of a drawn AOV as it is shown.
+Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
+                         const PicturePart& part, bool& all_fits) {
+    const AovLook& look = job.looks.at(aov);
+    Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
+                                    job.tree.header().bounds, job.size),
+                           part.inside());
+    put_background(job, aov, part.wanted, picture);
+    draw_lines(frames.plain.lines, picture);
+    const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
+    all_fits &= burn_words(job, look, canvas);
+    return picture;
+}
+
+/// The parts of a frame that a data file holds, without the margin.
+RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& inside) {
+    RenderedFrame out;
+    out.size = frame.size;
+    out.buffer = crop(frame.buffer, inside);
+    out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
+    out.lines = frame.lines;
+    return out;
+}
+
+void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
+                PictureFiles& files) {
+    // Colour may be averaged, data never: they come from the frame at the picture's own size.
+    std::vector<ColorPlane> colors;
+    const AovLook none;
+    for (const std::string& aov : job.aovs)
+        if (is_color(aov))
+            colors.push_back({aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
+                                                 job.tree.header().bounds, job.size),
+                                        part.inside())});
+    const RenderedFrame data = without_margin(frames.plain, part.inside());
+    std::vector<std::vector<float>> planes;
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes), metadata);
+}
+
+}  // namespace
+
+bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
+                PictureFiles& files) {
+    bool all_fits = true;
+    for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
+        const std::string& aov = job.plan.drawn[k];
+        ImageMetadata own = metadata;
+        if (const auto& legend = job.looks.at(aov).legend)
+            own["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+        files.add_png(k, finished_picture(job, aov, frames, part, all_fits), has_background(job, aov), own);
+    }
+    if (!job.plan.exr.empty()) write_data(job, frames, part, metadata, files);
+    return all_fits;
+}
+
+std::vector<std::filesystem::path> write_legends(const RenderJob& job) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& aov : job.plan.drawn) {
+        const AovLook& look = job.looks.at(aov);
+        if (!job.config.legend || !look.on_white()) continue;
+        files.push_back(job.plan.legend(aov));
+        write_file_atomically(files.back().string(), look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
+    }
+    return files;
+}
+
+}  // namespace slim
