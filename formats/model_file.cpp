@@ -2,6 +2,7 @@
 
 #include "formats/message.h"
 #include "formats/model_check.h"
+#include "slim/base/check.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
@@ -60,31 +61,53 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
     return file.offset(fault.chunk) + fault.entry * size;
 }
 
+void write_arrays(const std::string& path, const SurfelTree& tree, const std::string& provenance_json,
+                  std::span<const PackedColor> colors) {
+    const HeaderRecord header = pack(tree.header());
+    const bool two_rims = std::any_of(tree.nodes().begin(), tree.nodes().end(),
+                                      [](const TreeNode& n) { return n.rims().second != 0; });
+    const RecordIndex& index = tree.record_index();
+    ChunkWriter writer(path, two_rims               ? kModelKind
+                             : !index.empty()        ? kMixedModelKind
+                             : !tree.sharp().empty() ? kSharpModelKind
+                                                     : kSmoothModelKind);
+    writer.add("header", std::span<const HeaderRecord>(&header, 1));
+    writer.add("provenance", std::span<const char>(provenance_json));
+    writer.add("pages", tree.page_origins());
+    writer.add("nodes", tree.nodes());
+    writer.add("records", tree.records());
+    if (!index.empty()) {
+        writer.add("page_start", index.page_start);
+        writer.add("in_page", index.in_page);
+    }
+    if (!tree.sharp().empty()) {
+        writer.add("sharp", tree.sharp());
+        writer.add("sheets", tree.sheets());
+    }
+    if (!colors.empty()) writer.add("colors", colors);
+    writer.commit();
+}
+
 }  // namespace
 
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json) {
-    const HeaderRecord header = pack(data.header);
-    const bool two_rims = std::any_of(data.nodes.begin(), data.nodes.end(),
-                                      [](const TreeNode& n) { return n.rims().second != 0; });
-    ChunkWriter writer(path, two_rims               ? kModelKind
-                             : !data.in_page.empty() ? kMixedModelKind
-                             : !data.sharp.empty()   ? kSharpModelKind
-                                                     : kSmoothModelKind);
-    writer.add("header", std::span<const HeaderRecord>(&header, 1));
-    writer.add("provenance", std::span<const char>(provenance_json));
-    writer.add("pages", std::span<const Vec3d>(data.page_origins));
-    writer.add("nodes", std::span<const TreeNode>(data.nodes));
-    writer.add("records", std::span<const float>(data.records));
-    if (!data.in_page.empty()) {
-        writer.add("page_start", std::span<const std::uint64_t>(data.page_start));
-        writer.add("in_page", std::span<const std::uint16_t>(data.in_page));
-    }
-    if (!data.sharp.empty()) {
-        writer.add("sharp", std::span<const SharpEntry>(data.sharp));
-        writer.add("sheets", std::span<const float>(data.sheets));
-    }
-    writer.commit();
+    write_arrays(path, data.view(), provenance_json, {});
+}
+
+void write_model_colors(const std::string& path, std::span<const PackedColor> colors) {
+    const ModelFile model = ModelFile::open(path);
+    SLIM_CHECK(colors.size(), ==, model.tree().n_nodes());
+    write_arrays(path, model.tree(), model.provenance_json(), colors);
+}
+
+std::span<const PackedColor> ModelFile::colors() const {
+    if (!file_.has("colors")) return {};
+    const auto colors = file_.array<PackedColor>("colors");
+    if (colors.size() != tree().n_nodes())
+        throw FormatError(message(file_.path(), ": byte ", file_.offset("colors"), ": ", colors.size(), " colours for ",
+                                  tree().n_nodes(), " nodes"));
+    return colors;
 }
 
 void ModelFile::read_small_chunks() {
@@ -103,6 +126,7 @@ ModelFile ModelFile::open(const std::string& path) {
     model.file_.verify_all();
     model.read_small_chunks();
     if (const ModelFault fault = check_model(model.tree()); !fault.chunk.empty()) model.fail(fault);
+    model.colors();
     return model;
 }
 

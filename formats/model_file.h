@@ -1,6 +1,7 @@
 #pragma once
 
 #include "formats/chunk_file.h"
+#include "slim/model/surfel_color.h"
 #include "slim/model/surfel_tree.h"
 
 #include <cstdint>
@@ -13,6 +14,9 @@ namespace slim {
 /// Equal data give equal bytes. Throws as AtomicFile.
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json);
+
+/// Writes a model again with a colour for each of its nodes, all else as it is. Throws as ModelFile::open and AtomicFile.
+void write_model_colors(const std::string& path, std::span<const PackedColor> colors);
 
 /// model.slim mapped into memory.
 class ModelFile {
@@ -37,6 +41,8 @@ public:
     /// Views into the mapped file; valid as long as this object.
     SurfelTree tree() const;
     const ModelHeader& header() const { return header_; }
+    /// A colour a node; empty if the model has none. No page of it is read before it is looked at.
+    std::span<const PackedColor> colors() const;
     const std::string& provenance_json() const { return provenance_; }
     std::uint64_t file_size() const { return file_.file_size(); }
     const std::string& path() const { return file_.path(); }

@@ -114,6 +114,28 @@ void PlyReader::find_columns() {
                                       vertex_->name, " has no scalar property ", positions[axis]));
     }
     columns_.scan = scalar("scan");
+    const char* const colors[] = {"red", "green", "blue"};
+    const char* const others[] = {"diffuse_red", "diffuse_green", "diffuse_blue"};
+    for (std::size_t c = 0; c < 3; ++c) {
+        columns_.color[c] = scalar(colors[c]);
+        if (columns_.color[c] < 0) columns_.color[c] = scalar(others[c]);
+    }
+}
+
+bool PlyReader::ask_for_color() {
+    const auto& c = columns_.color;
+    return info_.reads_color = c[0] >= 0 && c[1] >= 0 && c[2] >= 0;
+}
+
+float PlyReader::color_scale(std::size_t channel) const {
+    switch (vertex_->properties[static_cast<std::size_t>(columns_.color[channel])].type) {
+        case PlyType::i8: return 1.0f / 127;
+        case PlyType::u8: return 1.0f / 255;
+        case PlyType::i16: return 1.0f / 32767;
+        case PlyType::u16: return 1.0f / 65535;
+        case PlyType::f32: case PlyType::f64: return 1;
+        default: return 1.0f / 255;  // ints hold bytes as others write them
+    }
 }
 
 void PlyReader::describe() {
@@ -174,6 +196,10 @@ void PlyReader::read_rows(PointChunk& out, std::size_t n) {
         const auto& m = columns_.normal;
         if (info_.has_normals) out.normal.push_back(to_float(Vec3d{at(m[0]), at(m[1]), at(m[2])}));
         if (info_.has_scan) out.scan.push_back(scan_id(at(columns_.scan), n_read_ + i));
+        const auto& c = columns_.color;
+        if (info_.reads_color)
+            out.color.push_back({static_cast<float>(at(c[0])) * color_scale(0), static_cast<float>(at(c[1])) * color_scale(1),
+                                 static_cast<float>(at(c[2])) * color_scale(2)});
     }
 }
 
@@ -217,6 +243,12 @@ void PlyReader::decode_records(const char* rows, std::size_t first, std::size_t 
         Vec3f* normal = out.normal.data() + first;
         column(columns_.normal[axis],
                [&](std::size_t i, auto value) { normal[i][axis] = static_cast<float>(value); });
+    }
+    for (std::size_t c = 0; info_.reads_color && c < 3; ++c) {
+        Vec3f* color = out.color.data() + first;
+        column(columns_.color[c], [&, scale = color_scale(c)](std::size_t i, auto value) {
+            color[i][c] = static_cast<float>(value) * scale;
+        });
     }
     if (!info_.has_scan) return;
     column(columns_.scan, [&](std::size_t i, auto value) {

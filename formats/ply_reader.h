@@ -21,6 +21,8 @@ public:
     bool read(PointChunk& out, std::size_t max_points) override;
     /// Whether its faces name their corners, so that normals can be made of them.
     bool has_corner_lists() const;
+    /// Colours are read from now on; false if there are none.
+    bool ask_for_color();
     std::uint64_t bytes_read() const override { return in_.file_bytes_read(); }
 
 private:
@@ -29,6 +31,7 @@ private:
         int position[3] = {-1, -1, -1};
         int normal[3] = {-1, -1, -1};
         int scan = -1;
+        int color[3] = {-1, -1, -1};
     };
     /// One number of a fixed binary row.
     struct Field {
@@ -44,6 +47,8 @@ private:
     void decode_records(const char* rows, std::size_t first, std::size_t n, PointChunk& out) const;
     Field field(int property) const;
     std::uint16_t scan_id(double value, std::uint64_t point) const;
+    /// What a channel is multiplied by to lie in 0 to 1.
+    float color_scale(std::size_t channel) const;
 
     ByteReader in_;
     PlyHeader header_;

@@ -22,6 +22,7 @@ struct CloudInfo {
     std::optional<std::uint64_t> n_points;  ///< as declared; nothing if the file does not say
     bool has_normals = false;               ///< read or made from faces
     bool has_scan = false;
+    bool reads_color = false;  ///< opened by open_colored_cloud
     bool has_faces = false;
     bool normals_from_faces = false;
     /// a closed mesh wound inwards: its normals were turned
@@ -38,12 +39,14 @@ struct PointChunk {
     std::vector<Vec3d> position;      ///< world frame; may hold NaN and infinities as the file does
     std::vector<Vec3f> normal;        ///< as in the file, not normalised; empty if it has none
     std::vector<std::uint16_t> scan;  ///< empty if the file has none
+    std::vector<Vec3f> color;         ///< as displayed (sRGB), 0 to 1; empty unless it is read
 
     std::size_t size() const { return position.size(); }
     void resize(std::size_t n, const CloudInfo& info) {
         position.resize(n);
         normal.resize(info.has_normals ? n : 0);
         scan.resize(info.has_scan ? n : 0);
+        color.resize(info.reads_color ? n : 0);
     }
 };
 
@@ -69,5 +72,9 @@ protected:
 /// read
 /// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex
 std::unique_ptr<PointSource> open_cloud(const std::string& path);
+
+/// The same for a second pass over a PLY's points with their colours (red green blue, or diffuse_red ...: integers over
+/// their type's largest value, floats as they are); normals only of the file itself. Null if it has no colour.
+std::unique_ptr<PointSource> open_colored_cloud(const std::string& path);
 
 }  // namespace slim

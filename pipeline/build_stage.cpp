@@ -1,6 +1,7 @@
 #include "pipeline/build_stage.h"
 
 #include "formats/atomic_file.h"
+#include "pipeline/build_color.h"
 #include "pipeline/build_summary.h"
 #include "pipeline/fit_stage.h"
 #include "pipeline/folder_lock.h"
@@ -146,6 +147,10 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     tree.output = config.output;
     tree.memory = config.memory;
     nlohmann::json result = run_next("tree", tree, run_tree);
+    if (config.color) {
+        result["color"] = add_colors(config.output, config.inputs, context);
+        result["bytes"] = fs::file_size(config.output);
+    }
     take_recorded_costs(work, stages);
     result.erase("up_to_date");
     result.erase("recorded");

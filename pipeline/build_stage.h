@@ -22,6 +22,7 @@ struct BuildConfig : FitOptions {
     bool strict = false;
     std::string work;
     std::uint64_t seed = 0;
+    bool color = false;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -41,6 +42,7 @@ struct BuildConfig : FitOptions {
         field.path("work", work,
                    "folder for intermediate files, kept; default: <output>.work, removed at the end");
         field("seed", seed, "chooses among equally good centres");
+        field("color", color, "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: 18 bytes a surfel");
     }
 };
 

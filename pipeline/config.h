@@ -110,6 +110,11 @@ public:
     void input(std::string key, T& member, std::string help) {
         require(add(std::move(key), &member, std::move(help), FieldRole::input));
     }
+    /// The same, which may be left out.
+    template <class T>
+    void optional_input(std::string key, T& member, std::string help) {
+        add(std::move(key), &member, std::move(help), FieldRole::input);
+    }
     /// --key: which part of the work this call does; not part of the hash, as all parts together
     /// make the same.
     void part(std::string key, bool& member, std::string help) {

@@ -132,6 +132,12 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
     return text + "</table>\n";
 }
 
+/// Of a film's numbered pictures ("spin.mean_0017") all but the first.
+bool is_later_frame(const std::string& stem, const StepOutcome& outcome) {
+    if (!outcome.result.contains("film_commands") || stem.size() < 5) return false;
+    return !stem.ends_with("_0001");
+}
+
 std::string pictures_of(const Job& job, const StepOutcome& outcome) {
     std::string text = "<h2>" + escaped(outcome.step.name) + "</h2>\n<div class=\"views\">\n";
     if (!outcome.result.contains("files")) return "";
@@ -141,14 +147,17 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
         if (path.string().ends_with(".lines.svg"))
             text += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
                                 url_of(relative.string()), escaped(path.filename().string()));
-        if (path.extension() != ".png") continue;
+        if (path.extension() != ".png" || is_later_frame(path.stem().string(), outcome)) continue;
         const std::string caption = path.stem().string();
         text += fmt::format(
             "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>"
             "<figcaption>{1}</figcaption></figure>\n",
             url_of(relative.string()), escaped(caption));
     }
-    return text + "</div>\n";
+    text += "</div>\n";
+    for (const json& command : outcome.result.value("film_commands", json::array()))
+        text += "<p class=\"note\">as a film: <code>" + escaped(command.get<std::string>()) + "</code></p>\n";
+    return text;
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 
 #include "pipeline/build_stage.h"
 #include "pipeline/fit_stage.h"
+#include "pipeline/job_views.h"
 #include "pipeline/manifest.h"
 #include "pipeline/measure_stage.h"
 #include "pipeline/normals_stage.h"
 #include "pipeline/render_config.h"
-#include "pipeline/render_view.h"
 #include "pipeline/scan_stage.h"
 #include "pipeline/slice_stage.h"
 #include "pipeline/toml_file.h"
@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 namespace slim {
@@ -275,7 +276,7 @@ private:
         check_view(table, render);
         if (view.aovs.empty()) view.aovs = output_.aovs;
         check_aovs(view.aovs, table);
-        std::vector<std::string> options = defaults_for(view.aovs, defaults);
+        std::vector<std::string> options = options_for(view.aovs, defaults);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         if (!names_.insert(view.name).second)
@@ -289,25 +290,17 @@ private:
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
         step.output = job_.folder / (view.name + aov + ".png");
         add_output(step);
-        step.products = pictures_of(view);
-        const bool lines = !render.lines.empty() ||
-                           std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
-        if (lines) step.products.push_back(job_.folder / (view.name + ".lines.svg"));
-        lines_ = lines_ || lines;
+        step.products = view_pictures(job_.folder, view.name, view.aovs, render);
+        lines_ = lines_ || !render.lines.empty() ||
+                 std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
         job_.steps.push_back(std::move(step));
     }
 
-    std::vector<fs::path> pictures_of(const ViewTable& view) const {
-        std::vector<fs::path> files;
-        for (const std::string& aov : view.aovs)
-            if (aov != "all") files.push_back(job_.folder / (view.name + "." + aov + ".png"));
-        return files;
-    }
-
-    /// What slim-render would refuse of these keys after the whole build is refused here, with its
-    /// line.
     void check_view(const TomlTable& table, RenderConfig& config) const {
-        const auto checked = [&](const char* key, auto&& check) {
+        const FieldList fields = fields_of(config);
+        for (const TomlValue& value : table.values)
+            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
+        check_view_keys(config, [&](const char* key, const std::function<void()>& check) {
             for (const TomlValue& value : table.values) {
                 if (value.key != key) continue;
                 try {
@@ -317,26 +310,7 @@ private:
                     throw ConfigError(fmt::format("{}: {}", place(file_, at), error.what()));
                 }
             }
-        };
-        const FieldList fields = fields_of(config);
-        for (const TomlValue& value : table.values)
-            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
-        checked("size", [&] { parse_size(config.size); });
-        checked("background", [&] { parse_background(config.background, false); });
-        // Any box will do: only cameras that are given by numbers can be wrong.
-        ModelHeader model;
-        model.bounds = {{-1, -1, -1}, {1, 1, 1}};
-        checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
-    }
-
-    /// [render] may name a truth for those views that show it; slim-render refuses it elsewhere.
-    static std::vector<std::string> defaults_for(const std::vector<std::string>& aovs,
-                                                 std::vector<std::string> defaults) {
-        if (std::find(aovs.begin(), aovs.end(), "truth_distance") == aovs.end())
-            std::erase_if(defaults, [](const std::string& option) {
-                return option.starts_with("--truth-shape=") || option.starts_with("--offset=");
-            });
-        return defaults;
+        });
     }
 
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
@@ -355,8 +329,10 @@ private:
     void note_left_out() {
         RenderConfig render;
         const FieldList fields = fields_of(render);
-        const bool curvature = asks({"mean", "gauss", "k1", "k2", "all"});
-        if (!curvature) job_.left_out.push_back("curvature: no AOV asks for it");
+        if (!asks({"mean", "gauss", "k1", "k2", "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "all"}) && !lines_)
+            job_.left_out.push_back("curvature: no AOV asks for it (no second derivatives)");
+        if (!asks({"e1", "e2", "dk1_dt2", "dk2_dt1", "all"}) && !lines_)
+            job_.left_out.push_back("third derivatives: no AOV asks for them");
         if (!lines_) job_.left_out.push_back("feature lines: no view asks for them");
         std::vector<std::string> rest;
         if (const Field* aov = fields.find("aov"); !aovs_.contains("all"))

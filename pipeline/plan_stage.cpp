@@ -9,8 +9,8 @@ namespace slim {
 namespace {
 
 std::string text_of(const PlanConfig& config) {
-    if (config.explain) return explanation_of(read_job(config.job, config.settings));
-    const Job job = read_job(std::filesystem::absolute(config.job), config.settings);
+    if (config.explain) return explanation_of(read_job(job_file(config.source), job_settings(config.source)));
+    const Job job = read_job(std::filesystem::absolute(job_file(config.source)), job_settings(config.source));
     if (config.format == "make") return makefile_of(job, program_folder());
     return slice_rules_of(job, read_plan(job.stages.work), program_folder());
 }
@@ -18,7 +18,7 @@ std::string text_of(const PlanConfig& config) {
 }  // namespace
 
 nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
-    const Job job = read_job(config.job, config.settings);
+    const Job job = read_job(job_file(config.source), job_settings(config.source));
     context.text = text_of(config);
     nlohmann::json steps = nlohmann::json::array();
     for (const JobStep& step : job.steps)

@@ -1,25 +1,23 @@
 #pragma once
 
+#include "pipeline/job_source.h"
 #include "pipeline/stage.h"
 
 #include <nlohmann/json.hpp>
 
 #include <string>
-#include <vector>
 
 namespace slim {
 
-/// `slim plan JOB`.
+/// `slim plan JOB [CLOUD...]`.
 struct PlanConfig {
-    std::string job;
-    std::vector<std::string> settings;  ///< --set TABLE.KEY=VALUE
+    JobSource source;
     std::string format = "make";
     bool explain = false;
 
     template <class V>
     void visit(V&& field) {
-        field.input("job", job, "job file (TOML)");
-        field.settings(settings);
+        source.visit(field);
         field.choice("format", format,
                      "make: a Makefile; slices: its rules for the slices, once the clouds are sliced (make "
                      "calls this itself)",

@@ -25,6 +25,7 @@ const std::map<std::string, Channels>& channel_table() {
         {"shaded", kNormalChannel},      {"environment", kNormalChannel},
         {"matcap", kNormalChannel},      {"reflection", kNormalChannel},
         {"hillshade", kNormalChannel | kPositionChannel},
+        {"color", kNormalChannel | kPositionChannel | kSurfelIdChannel},
         {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
         {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
         {"e1", kThirdOrderChannel},      {"e2", kThirdOrderChannel},
@@ -155,7 +156,7 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
         if (aov != "all") add(aov);
         else
             for (const char* each :
-                 {"shaded", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2", "dir1",
+                 {"shaded", "color", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2", "dir1",
                   "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id", "error", "level",
                   "coverage"})
                 add(each);
@@ -171,7 +172,13 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     return aovs;
 }
 
-void keep_possible_aovs(const RenderConfig& config, int degree, std::vector<std::string>& aovs) {
+void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors, std::vector<std::string>& aovs) {
+    if (!has_colors) {
+        if (std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
+            throw ConfigError(config.model + ": aov color: the model has no colours: build it with --color, from a PLY "
+                              "with red, green and blue");
+        std::erase(aovs, "color");
+    }
     if (degree >= 3) return;
     for (const std::string& aov : config.aov)
         if (aov != "all" && is_third_order(aov))
@@ -228,7 +235,12 @@ Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLo
     if (aov == "shaded") return frame.shaded;
     if (aov == "lines") return Picture(part.width, part.height);
     if (is_shading(aov))
-        return painted([&](const RowRange& r) { return paint_shading(aov, shadings, frame, r); });
+        return painted([&](const RowRange& r) {
+            Picture band = paint_shading(aov, shadings, frame, r);
+            if (aov == "color" && config.light_maps)
+                light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, r.begin);
+            return band;
+        });
     if (is_direction(aov))
         return painted([&](const RowRange& r) { return paint_directions(b, aov == "dir2", r); });
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });

@@ -18,9 +18,9 @@ namespace slim {
 /// ConfigError for truth_distance without a --truth-shape, or a shape without it.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
 
-/// Takes out what this model cannot give: derivatives of curvature unless it is cubic. ConfigError, naming the
-/// remedy, if one was asked for by name.
-void keep_possible_aovs(const RenderConfig& config, int degree, std::vector<std::string>& aovs);
+/// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour unless it has any.
+/// ConfigError, naming the remedy, if one was asked for by name.
+void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors, std::vector<std::string>& aovs);
 
 /// What the renderer must deliver for these AOVs, and no more.
 Channels channels_of(const std::vector<std::string>& aovs, bool light_maps);

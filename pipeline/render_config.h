@@ -38,7 +38,7 @@ struct RenderConfig {
     bool environment_behind = false;
     std::vector<double> sun{315, 45};
     std::string contours = "auto";
-    bool scale_bar = false;
+    bool scale_bar = false, same_scale = false;
     std::string crop, tile;
     int turntable = 0, frames = 0, frame = 0;
     std::string path;
@@ -66,7 +66,7 @@ struct RenderConfig {
               "enlarges about the picture's middle: 2 shows half of what the camera shows", 0.001,
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
-                     {"shaded", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2",
+                     {"shaded", "color", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2",
                       "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id",
                       "error", "level", "coverage", "truth_distance", "lines", "all"});
         field.choice("lines", lines,
@@ -88,7 +88,7 @@ struct RenderConfig {
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
         field("legend", legend,
               "legend bar in the maps (named cameras leave room) and beside them as SVG");
-        field("light_maps", light_maps, "light the curvature maps (colours are then not exact)");
+        field("light_maps", light_maps, "light the curvature maps and the scan's colours (which are then not exact)");
         field("background", background,
               "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom");
         field.choice("format", format, "auto: by the output's extension, PNG in a folder",
@@ -107,6 +107,7 @@ struct RenderConfig {
         field("contours", contours,
               "contour lines of --aov hillshade: auto, none, or their spacing in model units (every fifth is heavier)");
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
+        field("same_scale", same_scale, "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the whole has there");
         field("turntable", turntable, "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);

@@ -2,6 +2,7 @@
 
 #include "formats/image_io.h"
 #include "pipeline/render_aov.h"
+#include "pipeline/render_colors.h"
 #include "raytrace/stripes.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -77,7 +78,8 @@ Picture paint_environment(const Environment& light, const RenderedFrame& frame, 
 }  // namespace
 
 bool is_shading(const std::string& aov) {
-    return aov == "environment" || aov == "matcap" || aov == "reflection" || aov == "hillshade";
+    return aov == "environment" || aov == "matcap" || aov == "reflection" || aov == "hillshade" ||
+           aov == "color";
 }
 
 bool is_color(const std::string& aov) { return aov == "shaded" || is_shading(aov); }
@@ -131,6 +133,7 @@ void choose_contours(const RenderConfig& config, const GBuffer& reference, Relie
 
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs, const RenderedFrame& frame,
                       const RowRange& rows) {
+    if (aov == "color") return paint_colors(*inputs.colors, frame, rows);
     if (aov == "environment") return paint_environment(*inputs.environment, frame, rows);
     if (aov == "matcap")
         return paint_rows(frame, rows, [&](const Vec3f& n, const Vec3f& e) { return inputs.matcap->color(n, e); });

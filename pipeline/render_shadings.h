@@ -6,6 +6,7 @@
 #include "raytrace/matcap.h"
 #include "raytrace/picture.h"
 #include "raytrace/shade.h"
+#include "slim/color/color_blend.h"
 #include "slim/model/surfel_tree.h"
 
 #include <optional>
@@ -16,7 +17,8 @@ namespace slim {
 
 struct RenderedFrame;
 
-/// AOVs that are pictures of light, not of numbers, besides "shaded": environment, matcap, reflection, hillshade.
+/// AOVs that are pictures of light, not of numbers, besides "shaded": environment, matcap, reflection, hillshade,
+/// color (the scan's own).
 bool is_shading(const std::string& aov);
 /// These and "shaded".
 bool is_color(const std::string& aov);
@@ -25,6 +27,7 @@ bool is_color(const std::string& aov);
 struct ShadingInputs {
     std::optional<Environment> environment;
     std::optional<Matcap> matcap;
+    std::optional<ColorBlend> colors;
     Relief relief;
 };
 

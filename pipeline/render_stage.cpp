@@ -151,7 +151,7 @@ void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow
 /// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part reads the pages
 /// that it shows; where that is half of the file or more, all of it is checked as elsewhere.
 std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job) {
-    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1) {
+    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1 && !job.wants("color")) {
         std::vector<std::uint32_t> visited;
         visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
         const PictureSize reference = reference_size(job.size);
@@ -389,12 +389,13 @@ Json run_render(const RenderConfig& config, StageContext& context) {
 
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    keep_possible_aovs(config, tree.header().degree, aovs);
+    keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
     const OutputPlan plan = plan_outputs(config, aovs);
     const double room = legend_room(config, plan.drawn, size);
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     RenderJob job{config, tree, aovs, plan, size, frame_camera(config, tree.header(), size, room, 0), lines,
                   wanted_window(config, size, !lines.empty()), load_shadings(config, aovs, tree.header()), frames};
+    if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
     const std::uint64_t bytes_read = check_what_is_drawn(model, job);

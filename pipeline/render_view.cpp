@@ -92,12 +92,15 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
     if (is_camera_name(config.camera)) {
-        camera = named_camera(config.camera, model.bounds, aspect,
-                              {.up = up_axis(config),
-                               .orthographic = orthographic,
-                               .fov_y_deg = config.fov,
-                               .turns = config.turntable,
-                               .free_right = config.ortho_width > 0 ? 0 : free_right});
+        const Framing framing{.up = up_axis(config),
+                              .orthographic = orthographic,
+                              .fov_y_deg = config.fov,
+                              .turns = config.turntable,
+                              .free_right = config.ortho_width > 0 ? 0 : free_right};
+        camera = named_camera(config.camera, model.bounds, aspect, framing);
+        if (config.same_scale)
+            for (const char* side : {"front", "right", "top"})  // the others are as wide as these
+                camera.width = std::max(camera.width, named_camera(side, model.bounds, aspect, framing).width);
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)

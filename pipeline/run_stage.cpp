@@ -79,6 +79,9 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
         text += fmt::format("{:<16} {:>8.2f} s  {:>9}{}\n", outcome.step.name, outcome.seconds,
                             memory_size_text(static_cast<std::uint64_t>(outcome.peak_memory_bytes)),
                             outcome.up_to_date ? "  up to date (as recorded)" : "");
+    for (const StepOutcome& outcome : outcomes)
+        for (const json& command : outcome.result.value("film_commands", json::array()))
+            text += "as a film: " + command.get<std::string>() + "\n";
     return text + written.string() + "\n";
 }
 
@@ -106,11 +109,12 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
 }  // namespace
 
 json run_job(const RunConfig& config, StageContext& context) {
-    const Job job = read_job(config.job, config.settings);
+    const std::vector<std::string> settings = job_settings(config);
+    const Job job = read_job(job_file(config), settings);
     fs::create_directories(job.folder);
     Stamp stamp(context, page_target(job));
-    stamp.input(config.job);
-    for (const std::string& setting : config.settings) stamp.depends("--set " + setting);
+    stamp.input(job.file);
+    for (const std::string& setting : settings) stamp.depends("--set " + setting);
     std::vector<StepOutcome> outcomes;
     for (const JobStep& step : job.steps) outcomes.push_back(run_step(step, context));
     warn_of_old_pictures(job, context.reporter);

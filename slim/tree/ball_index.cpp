@@ -54,6 +54,7 @@ BallIndex::BallIndex(const SurfelTree& tree) {
     std::vector<Bbox> boxes;
     for (const auto& [key, node] : order) {
         leaves_.push_back(tree.surfel(node));
+        nodes_.push_back(static_cast<std::uint32_t>(node));
         const Surfel& s = leaves_.back();
         balls_.push_back({s.center, s.support_radius * s.support_radius});
         boxes.push_back(box_of(s));

@@ -103,6 +103,11 @@ TEST_F(RenderFiles, WrongExtensionsAreRefused) {
     EXPECT_THROW(run(c), IoError);
 }
 
+bool is_light(const std::string& channel) {
+    return (channel.size() == 1 && channel != "Z") || channel.ends_with(".R") || channel.ends_with(".G") ||
+           channel.ends_with(".B");
+}
+
 TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
     RenderConfig c = config("x.exr");
     c.aov = {"all"};
@@ -113,9 +118,12 @@ TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
     EXPECT_EQ(names, (std::vector<std::string>{
                          "A", "B", "G", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R", "Z",
                          "curvature.gauss", "curvature.k1", "curvature.k2", "curvature.mean",
-                         "fit.coverage", "fit.error", "fit.level", "surfel.id"}));
+                         "dir1.X", "dir1.Y", "dir1.Z", "dir2.X", "dir2.Y", "dir2.Z", "environment.B",
+                         "environment.G", "environment.R", "fit.coverage", "fit.error", "fit.level", "hillshade.B",
+                         "hillshade.G", "hillshade.R", "matcap.B", "matcap.G", "matcap.R", "reflection.B",
+                         "reflection.G", "reflection.R", "surfel.id"}));
     for (const auto& [name, channel] : image.channels)
-        EXPECT_EQ(channel.type, name.size() == 1 && name != "Z" ? ChannelType::half_float
+        EXPECT_EQ(channel.type, is_light(name)                  ? ChannelType::half_float
                                 : name == "surfel.id"           ? ChannelType::uint32
                                                                 : ChannelType::float32)
             << name;

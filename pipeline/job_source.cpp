@@ -1,0 +1,71 @@
+#include "pipeline/job_source.h"
+
+#include "pipeline/child_process.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where ready styles lie: in the source tree that the program was built in, or installed.
+std::vector<fs::path> style_folders() {
+    const fs::path here = program_folder();
+    return {here / "../../configs/styles", here / "../share/slim/styles"};
+}
+
+std::vector<std::string> style_names() {
+    std::vector<std::string> names;
+    for (const fs::path& folder : style_folders()) {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder, error))
+            if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// A TOML string.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    return out + '"';
+}
+
+std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+}  // namespace
+
+fs::path job_file(const JobSource& source) {
+    const fs::path named = source.job;
+    if (fs::exists(named) || named.has_extension() || named.has_parent_path()) return named;
+    for (const fs::path& folder : style_folders())
+        if (const fs::path file = folder / (source.job + ".toml"); fs::exists(file))
+            return fs::weakly_canonical(file);
+    throw ConfigError(fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
+                                  fmt::join(style_names(), ", ")));
+}
+
+std::vector<std::string> job_settings(const JobSource& source) {
+    std::vector<std::string> settings;
+    if (!source.clouds.empty()) {
+        std::vector<std::string> files;
+        for (const std::string& cloud : source.clouds) files.push_back(quoted(absolute(cloud)));
+        settings.push_back(fmt::format("input.files=[{}]", fmt::join(files, ", ")));
+    }
+    std::string folder = source.output;
+    if (folder.empty() && !source.clouds.empty())
+        folder = fs::path(source.clouds[0]).stem().string() + "_" + fs::path(source.job).stem().string();
+    if (!folder.empty()) settings.push_back("output.dir=" + quoted(absolute(folder)));
+    settings.insert(settings.end(), source.settings.begin(), source.settings.end());
+    return settings;
+}
+
+}  // namespace slim

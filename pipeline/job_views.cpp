@@ -1,0 +1,63 @@
+#include "pipeline/job_views.h"
+
+#include "pipeline/render_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace slim {
+namespace {
+
+/// Options and the AOV that takes them.
+constexpr std::pair<const char*, const char*> kOwners[] = {
+    {"--truth-shape=", "truth_distance"}, {"--offset=", "truth_distance"},
+    {"--environment=", "environment"},    {"--environment-turn=", "environment"},
+    {"--environment-behind", "environment"},
+    {"--matcap=", "matcap"},              {"--sun=", "hillshade"},
+    {"--contours=", "hillshade"},
+};
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder, const std::string& name,
+                                                 const std::vector<std::string>& aovs, const RenderConfig& config) {
+    const bool lines = !config.lines.empty() || contains(aovs, "lines");
+    const bool film = config.turntable > 0 || !config.path.empty();
+    const int n = film ? n_frames(config) : 1;
+    std::vector<std::filesystem::path> files;
+    for (int k = 1; k <= n; ++k) {
+        if (config.frame > 0 && k != config.frame) continue;
+        const std::string number = film ? fmt::format("_{:04}", k) : "";
+        for (const std::string& aov : aovs)
+            if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
+        if (lines) files.push_back(folder / (name + number + ".lines.svg"));
+    }
+    return files;
+}
+
+std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options) {
+    for (const auto& [option, aov] : kOwners)
+        if (!contains(aovs, aov) && !contains(aovs, "all"))
+            std::erase_if(options, [&](const std::string& text) { return text.starts_with(option); });
+    return options;
+}
+
+void check_view_keys(const RenderConfig& config,
+                     const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
+    checked("size", [&] { parse_size(config.size); });
+    checked("background", [&] { parse_background(config.background, false); });
+    // Any box will do: only cameras that are given by numbers can be wrong.
+    ModelHeader model;
+    model.bounds = {{-1, -1, -1}, {1, 1, 1}};
+    checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
+    for (const char* key : {"turntable", "path", "frames", "frame"})
+        checked(key, [&] { frame_camera(config, model, {100, 100}, 0, n_frames(config) - 1); });
+}
+
+}  // namespace slim

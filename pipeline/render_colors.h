@@ -1,0 +1,14 @@
+#pragma once
+
+#include "raytrace/picture.h"
+#include "raytrace/shade.h"
+#include "slim/color/color_blend.h"
+
+namespace slim {
+
+struct RenderedFrame;
+
+/// Some rows of a frame (positions, normals, surfel ids) in the scan's own colours, over transparent.
+Picture paint_colors(const ColorBlend& colors, const RenderedFrame& frame, const RowRange& rows);
+
+}  // namespace slim

@@ -1,0 +1,355 @@
+#include "pipeline/render_aov.h"
+#include "pipeline/render_directions.h"
+#include "pipeline/render_parts.h"
+#include "slim/base/error.h"
+#include "tests/pipeline/render_test_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace slim {
+namespace {
+
+class RenderOutputs : public test::RenderTest {
+protected:
+    /// A torus about z, R = 1, r = 0.35.
+    void write_torus(int degree) { write_model(file("m.slim"), test::torus_model(1, 0.35, 60, 24, degree), "{}"); }
+
+    /// A model whose front is smaller than its top.
+    void write_flat() {
+        auto model = test::sphere_model(1, 600);
+        model.header.bounds.lo.z = -3, model.header.bounds.hi.z = 3;
+        write_model(file("m.slim"), model, "{}");
+    }
+
+    ExrImage data_of(RenderConfig c) {
+        c.output = file("data.exr");
+        run(c, true);
+        return read_exr(c.output);
+    }
+
+    std::string error_of(const RenderConfig& c) {
+        try {
+            run(c);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    }
+};
+
+TEST_F(RenderOutputs, PrincipalDirectionsOfATorusRunAlongTubeAndRing) {
+    write_torus(2);
+    RenderConfig c = config("x.exr");
+    c.aov = {"dir1", "dir2", "position", "normal"}, c.camera = "0,0,4,0,0,0,0,1,0";
+    const ExrImage image = data_of(c);
+    const auto at = [&](const char* layer, std::size_t i) {
+        return Vec3d{image.channels.at(std::string(layer) + ".X").floats[i],
+                     image.channels.at(std::string(layer) + ".Y").floats[i],
+                     image.channels.at(std::string(layer) + ".Z").floats[i]};
+    };
+    int n = 0;
+    for (std::size_t i = 0; i < 80 * 60; ++i) {
+        const Vec3d p = at("P", i), t1 = at("dir1", i), t2 = at("dir2", i);
+        if (length(p) == 0 || at("N", i).z < 0.4) continue;
+        const Vec3d ring = normalized(Vec3d{-p.y, p.x, 0});
+        EXPECT_NEAR(length(t1), 1, 1e-5);
+        EXPECT_LT(std::abs(dot(t1, ring)), 0.06);  // k1 = 1/r is across the ring
+        EXPECT_GT(std::abs(dot(t2, ring)), 0.99);
+        ++n;
+    }
+    EXPECT_GT(n, 500);
+}
+
+TEST_F(RenderOutputs, Row43UmbilicAndFlatPixelsHaveNoDirection) {
+    GBuffer b;
+    b.reset(3, 1, kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel);
+    b.k1 = {2.0f, 2.0f, 1e-4f}, b.k2 = {1.99f, 1.0f, -1e-4f};
+    b.hit = {1, 1, 1}, b.direction[0] = {1, 1, 1}, b.normal[2] = {1, 1, 1};
+    drop_undefined_directions(1, b);
+    EXPECT_EQ(b.direction[0], (std::vector<float>{0, 1, 0}));
+    EXPECT_EQ(second_directions(b)[1], (std::vector<float>{0, 1, 0}));
+    const Picture picture = paint_directions(b, false, {0, 1});
+    EXPECT_EQ(picture.pixel(0, 0)[0], picture.pixel(0, 0)[2]);  // grey
+    EXPECT_GT(picture.pixel(1, 0)[0], 0.99f);                   // |x| is red
+    EXPECT_EQ(picture.pixel(2, 0)[0], picture.pixel(0, 0)[0]);
+}
+
+// NUMERICS 6, row 12: on a torus e1 = e2 = 0 and dk2/dt1 = -R sin b / (r (R + r cos b)^2).
+TEST_F(RenderOutputs, DerivativesOfCurvatureOfATorusAreThoseOfTheTorus) {
+    write_model(file("m.slim"), test::torus_model(1, 0.35, 120, 48, 3), "{}");
+    RenderConfig c = config("x.exr");
+    c.aov = {"dk2_dt1", "e1", "e2", "position", "normal"}, c.camera = "0,0,4,0,0,0,0,1,0";
+    const ExrImage image = data_of(c);
+    double sum = 0, sum_exact = 0, sum_e2 = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < 80 * 60; ++i) {
+        const double x = image.channels.at("P.X").floats[i], y = image.channels.at("P.Y").floats[i];
+        const double z = image.channels.at("P.Z").floats[i], ring = std::hypot(x, y);
+        if (ring == 0 || image.channels.at("N.Z").floats[i] < 0.5f) continue;
+        const double b = std::atan2(z, ring - 1);
+        const double exact = std::abs(std::sin(b) / (0.35 * ring * ring));
+        sum += std::abs(std::abs(static_cast<double>(image.channels.at("extremality.dk2_dt1").floats[i])) - exact);
+        sum_e2 += std::abs(static_cast<double>(image.channels.at("extremality.e2").floats[i]));
+        sum_exact += exact, ++n;
+    }
+    EXPECT_GT(n, 400);
+    EXPECT_LT(sum / sum_exact, 0.2);
+    EXPECT_LT(sum_e2 / sum_exact, 0.1);
+}
+
+TEST_F(RenderOutputs, DerivativesOfCurvatureWantACubicModelAndSayHowToGetOne) {
+    RenderConfig c = config("x.png");
+    c.aov = {"shaded", "e1"};
+    EXPECT_NE(error_of(c).find("--degree 3"), std::string::npos) << error_of(c);
+    c.aov = {"all"};
+    const auto result = run(c);  // without them
+    for (const auto& each : result["files"]) EXPECT_EQ(each.get<std::string>().find(".e1."), std::string::npos);
+    write_torus(3);
+    c.aov = {"e1", "dk1_dt2"}, c.size = "500x400";
+    run(c, true);
+    EXPECT_NE(bytes("x.e1.legend.svg").find("|e1| = |dk1/dt1|"), std::string::npos);
+    EXPECT_NE(bytes("x.e1.legend.svg").find("sign goes with t1"), std::string::npos);
+    EXPECT_NE(bytes("x.e1.legend.svg").find("1/model unit\u00b2"), std::string::npos);
+}
+
+TEST_F(RenderOutputs, TheFirstPictureOfLightIsUnprefixed) {
+    RenderConfig c = config("x.exr");
+    c.aov = {"matcap", "shaded"};
+    const ExrImage image = data_of(c);
+    EXPECT_TRUE(image.channels.contains("R"));
+    EXPECT_TRUE(image.channels.contains("shaded.R"));
+    EXPECT_FALSE(image.channels.contains("matcap.R"));
+}
+
+TEST_F(RenderOutputs, AnEnvironmentOfOneColourLightsAllWithIt) {
+    const std::vector<float> red(32, 2.0f), none(32, 0.0f);
+    const ExrChannel channels[] = {{"R", ChannelType::float32, red, {}}, {"G", ChannelType::float32, none, {}},
+                                   {"B", ChannelType::float32, none, {}}};
+    write_exr(file("red.exr"), 8, 4, channels);
+    RenderConfig c = config("x.exr");
+    c.aov = {"environment"}, c.environment = file("red.exr");
+    const ExrImage image = data_of(c);
+    const std::size_t middle = 30 * 80 + 40;
+    EXPECT_GT(image.channels.at("R").floats[middle], 0.5f);
+    EXPECT_EQ(image.channels.at("G").floats[middle], 0.0f);
+    // Behind the model, if asked.
+    c.output = file("x.png"), c.environment_behind = true;
+    const PngImage behind = draw(c);
+    EXPECT_GT(behind.rgba[0], 200);
+    EXPECT_EQ(behind.rgba[1], 0);
+}
+
+TEST_F(RenderOutputs, MatcapsAreReadFromPictures) {
+    std::vector<std::uint8_t> rgba;
+    for (int i = 0; i < 16 * 16; ++i) rgba.insert(rgba.end(), {10, 200, 30, 255});
+    write_png_srgb8(file("ball.png"), 16, 16, rgba);
+    RenderConfig c = config("x.png");
+    c.aov = {"matcap"}, c.matcap = file("ball.png");
+    const PngImage image = draw(c);
+    const std::uint8_t* middle = &image.rgba[4 * (30 * 80 + 40)];
+    EXPECT_NEAR(middle[0], 10, 1);
+    EXPECT_NEAR(middle[1], 200, 1);
+    EXPECT_NEAR(middle[2], 30, 1);
+}
+
+TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
+    std::ofstream(file("words.png")) << "no picture";
+    const std::pair<const char*, std::function<void(RenderConfig&)>> cases[] = {
+        {"aov environment", [&](RenderConfig& c) { c.environment = file("words.png"); }},
+        {"aov environment", [](RenderConfig& c) { c.environment_turn = 3; }},
+        {"aov environment", [](RenderConfig& c) { c.environment_behind = true; }},
+        {"aov matcap", [&](RenderConfig& c) { c.matcap = file("words.png"); }},
+        {"aov hillshade", [](RenderConfig& c) { c.sun = {10, 10}; }},
+        {"aov hillshade", [](RenderConfig& c) { c.contours = "3"; }},
+        {"contours: expected", [](RenderConfig& c) { c.contours = "-3", c.aov = {"hillshade"}; }},
+        {"sun: expected", [](RenderConfig& c) { c.sun = {1, 91}, c.aov = {"hillshade"}; }},
+        {"words.png", [&](RenderConfig& c) { c.matcap = file("words.png"), c.aov = {"matcap"}; }},
+        {"nowhere.png", [&](RenderConfig& c) { c.matcap = file("nowhere.png"), c.aov = {"matcap"}; }},
+        {"--ortho", [](RenderConfig& c) { c.scale_bar = true; }},
+        {"crop: expected", [](RenderConfig& c) { c.crop = "1,2,3"; }},
+        {"inside the picture of 80x60", [](RenderConfig& c) { c.crop = "70,0,11,10"; }},
+        {"tile: expected", [](RenderConfig& c) { c.tile = "3/2"; }},
+        {"give one", [](RenderConfig& c) { c.tile = "1/2", c.crop = "0,0,1,1"; }},
+        {"whole pictures", [](RenderConfig& c) { c.tile = "1/2", c.lines = {"contour"}; }},
+        {"frames", [](RenderConfig& c) { c.path = "front; back"; }},
+        {"frames is for a path", [](RenderConfig& c) { c.frames = 3; }},
+        {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},
+        {"expected 1 to 3", [](RenderConfig& c) { c.turntable = 3, c.frame = 4; }},
+        {"camera: expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
+        {"zoom", [](RenderConfig& c) { c.path = "front zoom x", c.frames = 4; }},
+    };
+    for (const auto& [words, change] : cases) {
+        RenderConfig c = config("x.png");
+        change(c);
+        EXPECT_NE(error_of(c).find(words), std::string::npos) << words << ": " << error_of(c);
+    }
+}
+
+// Whatever an option is called: a picture that ignores it fails here.
+TEST_F(RenderOutputs, EveryOptionChangesThePicture) {
+    struct Case {
+        const char* what;
+        std::function<void(RenderConfig&)> before, change;
+    };
+    const auto light = [](RenderConfig& c) { c.aov = {"environment"}; };
+    const auto relief = [](RenderConfig& c) { c.aov = {"hillshade"}, c.size = "400x300"; };
+    const Case cases[] = {
+        {"environment_turn", light, [](RenderConfig& c) { c.environment_turn = 90; }},
+        {"environment_behind", light, [](RenderConfig& c) { c.environment_behind = true; }},
+        {"up of light", light, [](RenderConfig& c) { c.up = "-y"; }},
+        {"sun", relief, [](RenderConfig& c) { c.sun = {135, 30}; }},
+        {"contours", relief, [](RenderConfig& c) { c.contours = "none"; }},
+        {"contours", relief, [](RenderConfig& c) { c.contours = "0.4"; }},
+        {"same_scale", [&](RenderConfig& c) { c.ortho = true, c.camera = "front", write_flat(); },
+         [](RenderConfig& c) { c.same_scale = true; }},
+        {"scale_bar", [](RenderConfig& c) { c.ortho = true, c.size = "400x300"; },
+         [](RenderConfig& c) { c.scale_bar = true; }},
+    };
+    for (const Case& each : cases) {
+        RenderConfig c = config("before.png");
+        each.before(c);
+        const auto before = draw(c).rgba;
+        c.output = file("after.png");
+        each.change(c);
+        EXPECT_NE(before, draw(c).rgba) << each.what;
+    }
+}
+
+PngImage part_of(const PngImage& whole, int x0, int y0, int width, int height) {
+    PngImage out{width, height, 4, {}, {}};
+    for (int y = y0; y < y0 + height; ++y) {
+        const auto* row = &whole.rgba[4 * static_cast<std::size_t>(y * whole.width + x0)];
+        out.rgba.insert(out.rgba.end(), row, row + 4 * width);
+    }
+    return out;
+}
+
+TEST_F(RenderOutputs, ACropIsTheWholesBytesInEveryAov) {
+    write_torus(3);
+    for (const int supersample : {1, 2}) {
+        RenderConfig c = config("whole.png");
+        c.aov = {"all"}, c.size = "390x310", c.supersample = supersample, c.ortho = true, c.scale_bar = true;
+        run(c);
+        c.output = file("part.png"), c.crop = "61,83,171,202";
+        run(c);
+        std::size_t n = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with("whole.") || entry.path().extension() != ".png") continue;
+            const PngImage part = read_png(file("part" + name.substr(5)));
+            EXPECT_EQ(part.rgba, part_of(read_png(entry.path()), 61, 83, 171, 202).rgba) << name << supersample;
+            ++n;
+        }
+        EXPECT_EQ(n, 22u);
+    }
+}
+
+TEST_F(RenderOutputs, TilesMakeTheWhole) {
+    RenderConfig c = config("whole.png");
+    c.aov = {"mean"}, c.size = "300x271";
+    const PngImage whole = draw(c);
+    std::vector<std::uint8_t> rows;
+    for (int i = 1; i <= 4; ++i) {
+        c.tile = std::to_string(i) + "/4", c.output = file("tile" + std::to_string(i) + ".png");
+        const auto tile = draw(c).rgba;
+        rows.insert(rows.end(), tile.begin(), tile.end());
+    }
+    EXPECT_EQ(rows, whole.rgba);
+}
+
+TEST_F(RenderOutputs, ACropsDataLieWhereTheyBelong) {
+    RenderConfig c = config("x.exr");
+    c.aov = {"depth", "shaded"}, c.crop = "30,20,11,7";
+    const ExrImage part = data_of(c);
+    c.crop = "";
+    const ExrImage whole = data_of(c);
+    ASSERT_EQ(part.width, 11);
+    for (const char* channel : {"Z", "R", "A"})
+        for (int y = 0; y < 7; ++y)
+            for (int x = 0; x < 11; ++x)
+                ASSERT_EQ(part.channels.at(channel).floats[static_cast<std::size_t>(y * 11 + x)],
+                          whole.channels.at(channel).floats[static_cast<std::size_t>((20 + y) * 80 + 30 + x)]);
+}
+
+TEST_F(RenderOutputs, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
+    const PictureSize size{16384, 16384};
+    const auto parts = picture_parts(size, {0, 0, 16384, 16384}, 50, false);
+    int next = 0;
+    for (const PicturePart& part : parts) {
+        EXPECT_EQ(part.wanted.y, next);
+        EXPECT_LE(50ull * static_cast<unsigned>(part.wanted.width * part.wanted.height), 384ull << 20);
+        EXPECT_EQ(part.drawn.y % 32 + part.drawn.x % 32, 0);
+        EXPECT_LE(part.drawn.y, std::max(0, part.wanted.y - 82));
+        EXPECT_GE(part.drawn.y + part.drawn.height, std::min(16384, part.wanted.y + part.wanted.height + 82));
+        next += part.wanted.height;
+    }
+    EXPECT_EQ(next, 16384);
+    EXPECT_GT(parts.size(), 10u);
+    EXPECT_EQ(picture_parts(size, {0, 0, 16384, 16384}, 50, true).size(), 1u);
+}
+
+TEST_F(RenderOutputs, AViewOfAPartReadsThatPartOfTheModel) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 20000), "{}");
+    RenderConfig c = config("x.png");
+    const auto whole = run(c);
+    EXPECT_EQ(whole["model_bytes_read"], whole["model_bytes"]);
+    c.zoom = 30, c.lod = 0;
+    const auto part = run(c);
+    EXPECT_LT(part["nodes_visited"].get<double>(), 0.2 * part["nodes"].get<double>());
+    EXPECT_LT(part["model_bytes_read"].get<double>(), 0.4 * part["model_bytes"].get<double>());
+    EXPECT_GE(part["model_bytes_read"].get<double>(), 24 * part["nodes_visited"].get<double>());
+}
+
+TEST_F(RenderOutputs, ATurntableIsNumberedAndKeepsItsRange) {
+    write_torus(2);
+    RenderConfig c = config("film.png");
+    c.aov = {"shaded", "mean"}, c.turntable = 4, c.size = "300x240";
+    const auto result = run(c);
+    EXPECT_EQ(result["frames"], 4);
+    EXPECT_EQ(result["film_commands"].size(), 2u);
+    EXPECT_NE(result["film_commands"][1].get<std::string>().find("film.mean_%04d.png"), std::string::npos);
+    for (const char* name : {"film.shaded_0001.png", "film.mean_0004.png", "film.mean.legend.svg"})
+        EXPECT_TRUE(exists(name)) << name;
+    const auto range = [&](int k) {
+        return read_png(file("film.mean_000" + std::to_string(k) + ".png")).metadata.at("slim:range.mean");
+    };
+    EXPECT_EQ(range(1), range(3));
+    EXPECT_NE(bytes("film.shaded_0001.png"), bytes("film.shaded_0002.png"));
+    // One picture of an array job is that of the film.
+    const std::string second = bytes("film.shaded_0002.png");
+    const std::string camera = read_png(file("film.shaded_0002.png")).metadata.at("slim:camera");
+    c.frame = 2, c.output = file("one.png");
+    run(c);
+    EXPECT_EQ(read_png(file("one.shaded_0002.png")).metadata.at("slim:camera"), camera);
+    EXPECT_EQ(read_png(file("one.shaded_0002.png")).rgba, read_png(file("film.shaded_0002.png")).rgba);
+    EXPECT_FALSE(exists("one.shaded_0001.png"));
+}
+
+TEST_F(RenderOutputs, APathGoesFromItsFirstKeyframeToItsLast) {
+    RenderConfig c = config("path.png");
+    c.path = "front; right zoom 2", c.frames = 3;
+    run(c);
+    RenderConfig still = config("still.png");
+    EXPECT_EQ(read_png(file("path_0001.png")).rgba, draw(still).rgba);
+    still.camera = "right", still.zoom = 2;
+    const auto last = draw(still).rgba, along = read_png(file("path_0003.png")).rgba;
+    std::size_t n_far = 0;
+    for (std::size_t i = 0; i < last.size(); ++i) n_far += std::abs(last[i] - along[i]) > 8;
+    EXPECT_LT(n_far, 40u);
+}
+
+TEST_F(RenderOutputs, OrthographicPicturesSayTheSizeOfAPixel) {
+    RenderConfig c = config("x.png");
+    c.ortho_width = 8;
+    EXPECT_DOUBLE_EQ(run(c)["pixel_size"].get<double>(), 0.1);
+    c.ortho_width = 0;
+    EXPECT_FALSE(run(c, true).contains("pixel_size"));
+}
+
+}  // namespace
+}  // namespace slim

@@ -1,0 +1,194 @@
+// NUMERICS section 6, rows 36 to 43: views that strain projection.
+#include "raytrace/brute/brute_renderer.h"
+#include "raytrace/lines/extract.h"
+#include "raytrace/project/forward_renderer.h"
+#include "slim/base/error.h"
+#include "slim/blend/roots.h"
+#include "tests/raytrace/support/analytic_models.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace slim {
+namespace {
+
+constexpr Channels kWanted = kDepthChannel | kPositionChannel | kNormalChannel;
+
+RenderRequest request_at(const Vec3d& eye, const Vec3d& target, double fov_deg, int width, int height) {
+    RenderRequest request;
+    request.camera.eye = eye, request.camera.target = target;
+    request.camera.up = {0.1, 1, 0.05};
+    request.camera.fov_y_deg = fov_deg;
+    request.width = width, request.height = height;
+    request.wanted = kWanted;
+    request.lod_px = 0;
+    return request;
+}
+
+struct Difference {
+    std::size_t covered = 0, hits = 0;  ///< pixels that both cover, that one covers alone
+    double depth = 0;                   ///< largest, over the depth
+};
+
+/// The forward renderer against the one in doubles without tiles, levels or lanes.
+Difference against_brute(const SurfelTreeData& model, const RenderRequest& request) {
+    GBuffer fast, slow;
+    render_forward(model.view(), request, fast);
+    render_brute(model.view(), request, slow);
+    Difference d;
+    for (std::size_t i = 0; i < fast.n_pixels(); ++i) {
+        d.hits += fast.hit[i] != slow.hit[i];
+        if (!fast.hit[i] || !slow.hit[i]) continue;
+        ++d.covered;
+        d.depth = std::max(d.depth, static_cast<double>(std::abs(fast.depth[i] - slow.depth[i]) / slow.depth[i]));
+    }
+    return d;
+}
+
+// Near a double root every method is limited to the square root of the rounding: 3e-4 in floats.
+TEST(ExtremeViews, Row36TangentRaysHitOrMissWithinSqrtOfRounding) {
+    constexpr float kReach = 4e-4f;
+    for (int i = -100; i <= 100; ++i) {
+        // The paraboloid w = -t^2 / 2 along a level ray at height h: tangent at h = 0.
+        const float h = static_cast<float>(i) * 1e-9f;
+        const auto roots = quadratic_roots<float>(h, 0, 0.5f, -1, 1);
+        const double exact = h <= 0 ? std::sqrt(-2.0 * static_cast<double>(h)) : 0;
+        if (roots.n == 0) {
+            EXPECT_GT(h, 0) << i;
+            continue;
+        }
+        for (int k = 0; k < roots.n; ++k)
+            EXPECT_NEAR(std::abs(static_cast<double>(roots.t[static_cast<std::size_t>(k)])), exact, kReach) << i;
+    }
+    // In the picture: a ray farther than that from the rim of the cap is decided as the exact one.
+    const auto model = test::sphere_model(1, 3000);
+    const RenderRequest request = request_at({0, 0, 6}, {}, 20, 400, 400);
+    const Difference d = against_brute(model, request);
+    EXPECT_GT(d.covered, 10000u);
+    EXPECT_LE(d.hits, 2u);
+}
+
+TEST(ExtremeViews, Row37AnEyeInsideABallAndBallsAcrossTheNearPlane) {
+    const auto model = test::sphere_model(1, 400);
+    // Inside a ball, within it of the surface; and grazing along the surface.
+    for (const Vec3d eye : {Vec3d{0, 0, 1.02}, Vec3d{0, 0, 0.97}, Vec3d{0, 0.05, 1.005}})
+        for (const Vec3d target : {Vec3d{0, 0, 0}, Vec3d{1, 0, 1}, Vec3d{0, 0.3, 2}}) {
+            RenderRequest request = request_at(eye, target, 90, 120, 90);
+            for (const double near_plane : {0.0, 0.05}) {
+                request.camera.near_plane = near_plane;
+                const Difference d = against_brute(model, request);
+                EXPECT_LE(d.hits, 2u) << eye.z << ' ' << target.x << ' ' << near_plane;
+                EXPECT_LT(d.depth, 1e-3) << eye.z << ' ' << target.x << ' ' << near_plane;
+            }
+        }
+}
+
+TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
+    const auto model = test::sphere_model(1, 1000);
+    const double far = 1e6 * model.header.diagonal;
+    const double fov = 2 * std::atan(1.1 / far) * 180 / std::numbers::pi;
+    const RenderRequest request = request_at(Vec3d{0.3, 0.4, std::sqrt(0.75)} * far, {}, fov, 160, 160);
+    const Difference d = against_brute(model, request);
+    EXPECT_GT(d.covered, 15000u);
+    EXPECT_LE(d.hits, 2u);
+    EXPECT_LT(d.depth * far, 0.5);  // depth itself is a float: 24 bits of it
+}
+
+TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
+    const auto model = test::sphere_model(1, 600);
+    for (const double fov : {0.001, 1.0, 120.0, 175.0, 179.0}) {
+        const double distance = fov < 90 ? std::max(3.0, 1.2 / std::tan(fov * std::numbers::pi / 360)) : 1.3;
+        const Difference d = against_brute(model, request_at({0, 0, distance}, {}, fov, 120, 120));
+        EXPECT_GT(d.covered, 0u) << fov;
+        EXPECT_LE(d.hits, 2u) << fov;
+    }
+    RenderRequest parallel = request_at({0, 0, 3}, {}, 35, 120, 120);
+    parallel.camera.orthographic = true;
+    parallel.camera.width = 2.5;
+    const Difference d = against_brute(model, parallel);
+    EXPECT_GT(d.covered, 5000u);
+    EXPECT_LE(d.hits, 2u);
+}
+
+TEST(ExtremeViews, Row40TinyAndHugePicturesAreCropsOfLargerOnes) {
+    const auto model = test::sphere_model(1, 600);
+    for (const auto [width, height] : {std::pair{1, 1}, std::pair{1, 97}, std::pair{131, 1}}) {
+        const Difference d = against_brute(model, request_at({0, 0, 4}, {}, 30, width, height));
+        EXPECT_EQ(d.covered, static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > 1 ? d.covered : 1u);
+        EXPECT_EQ(d.hits, 0u) << width << 'x' << height;
+    }
+    // Of 16,384 x 16,384 pixels only a window is ever held; two that overlap agree byte for byte.
+    RenderRequest request = request_at({0, 0, 4}, {}, 30, 16384, 16384);
+    GBuffer wide, narrow;
+    request.window = {9000, 7000, 400, 120};
+    render_forward(model.view(), request, wide);
+    EXPECT_EQ(wide.n_pixels(), 400u * 120u);
+    request.window = {9131, 7040, 77, 50};
+    const RenderStats stats = render_forward(model.view(), request, narrow);
+    EXPECT_EQ(stats.covered_pixels, 77u * 50u);
+    for (int y = 0; y < 50; ++y)
+        for (int x = 0; x < 77; ++x) {
+            const std::size_t i = narrow.index(x, y), j = wide.index(131 + x, 40 + y);
+            ASSERT_EQ(narrow.depth[i], wide.depth[j]) << x << ' ' << y;
+            ASSERT_EQ(narrow.normal[0][i], wide.normal[0][j]) << x << ' ' << y;
+        }
+}
+
+TEST(ExtremeViews, Row41EyeAtTheTargetOrUpAlongTheViewIsRefused) {
+    const auto model = test::sphere_model(1, 200);
+    GBuffer out;
+    RenderRequest request = request_at({1, 2, 3}, {1, 2, 3}, 30, 10, 10);
+    EXPECT_THROW(render_forward(model.view(), request, out), ConfigError);
+    request.camera.target = {1, 2, 0};
+    request.camera.up = {0, 0, -4};
+    EXPECT_THROW(render_forward(model.view(), request, out), ConfigError);
+}
+
+/// Whether all pixels within `reach` are on the same side of the silhouette as (x, y).
+bool is_far_from_silhouette(const GBuffer& b, int x, int y, int reach) {
+    for (int v = std::max(0, y - reach); v <= std::min(b.height - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(b.width - 1, x + reach); ++u)
+            if (b.hit[b.index(u, v)] != b.hit[b.index(x, y)]) return false;
+    return true;
+}
+
+TEST(ExtremeViews, Row42LevelOfDetailMovesTheSilhouetteByTwoPixelsAtMost) {
+    const auto model = test::two_level_sphere(1, 1500, 12000);
+    RenderRequest request = request_at({0, 0, 30}, {}, 20, 160, 160);
+    GBuffer full, coarse;
+    const auto all = render_forward(model.view(), request, full);
+    request.lod_px = 4;
+    const auto cut = render_forward(model.view(), request, coarse);
+    ASSERT_LT(cut.surfels_drawn, all.surfels_drawn / 2);
+    int n_moved = 0;
+    for (int y = 0; y < 160; ++y)
+        for (int x = 0; x < 160; ++x) {
+            if (full.hit[full.index(x, y)] == coarse.hit[coarse.index(x, y)]) continue;
+            ++n_moved;
+            EXPECT_FALSE(is_far_from_silhouette(full, x, y, 2)) << x << ' ' << y;
+        }
+    EXPECT_LT(n_moved, 40);
+}
+
+TEST(ExtremeViews, Row43UmbilicAndFlatSurfacesHaveNoCrestLines) {
+    const auto sphere = test::sphere_model(1, 1500, 3);
+    std::vector<Surfel> discs;
+    for (int i = 0; i < 100; ++i)
+        discs.push_back({{0.2 * (i % 10) - 0.9, 0.2 * (i / 10) - 0.9, 0}, 0.35, frame_from_normal(Vec3d{0, 0, 1}), {}, 3});
+    const auto plane = test::flat_tree(discs, 3);
+    const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge};
+    for (const SurfelTreeData* model : {&sphere, &plane}) {
+        RenderRequest request = request_at({0, 0, 5}, {}, 30, 200, 200);
+        request.wanted = kAllChannels;
+        GBuffer out;
+        ASSERT_GT(render_forward(model->view(), request, out).covered_pixels, 5000u);
+        const PixelView view = pixel_view(request.camera, 200, 200);
+        EXPECT_TRUE(extract_lines({out, view, model->header.diagonal, 3}, kinds).empty());
+    }
+}
+
+}  // namespace
+}  // namespace slim
