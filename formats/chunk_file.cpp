@@ -165,11 +165,13 @@ ChunkFile::~ChunkFile() = default;
 ChunkFile::ChunkFile(ChunkFile&&) noexcept = default;
 ChunkFile& ChunkFile::operator=(ChunkFile&&) noexcept = default;
 
-ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind) {
+ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind, bool by_pages) {
     auto state = std::make_unique<State>();
     state->path = path;
     state->what = kind.what;
     state->map();
+    // Without it the system reads up to megabytes around each page.
+    if (by_pages) ::madvise(const_cast<unsigned char*>(state->data), state->size, MADV_RANDOM);
     state->read_header(kind);
     state->read_table();
     state->check_gaps();
@@ -233,8 +235,8 @@ std::string ChunkFile::identity() const {
     return text;
 }
 
-void ChunkFile::expect_random_access(bool expected) const {
-    ::madvise(const_cast<unsigned char*>(state_->data), state_->size, expected ? MADV_RANDOM : MADV_NORMAL);
+void ChunkFile::read_whole() const {
+    ::madvise(const_cast<unsigned char*>(state_->data), state_->size, MADV_NORMAL);
 }
 
 void ChunkFile::verify_all() const {

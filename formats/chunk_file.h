@@ -58,7 +58,8 @@ private:
 /// IoError if the file cannot be opened.
 class ChunkFile {
 public:
-    static ChunkFile open(const std::string& path, const ChunkFileKind& kind);
+    /// by_pages: the system reads the pages that are touched and none around them, until read_whole().
+    static ChunkFile open(const std::string& path, const ChunkFileKind& kind, bool by_pages = false);
     ~ChunkFile();
     ChunkFile(ChunkFile&&) noexcept;
     ChunkFile& operator=(ChunkFile&&) noexcept;
@@ -73,8 +74,8 @@ public:
     /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks, so that files of
     /// different contents differ in it, and no chunk is read for it.
     std::string identity() const;
-    /// Tells the system to read the pages that are touched and none around them, or to go back from that.
-    void expect_random_access(bool expected) const;
+    /// Tells the system that all of it will be read.
+    void read_whole() const;
     /// Reads a whole chunk against its checksum.
     void verify(std::string_view name) const;
     void verify_all() const;

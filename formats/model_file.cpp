@@ -131,8 +131,7 @@ ModelFile ModelFile::open(const std::string& path) {
 }
 
 ModelFile ModelFile::open_by_pages(const std::string& path) {
-    ModelFile model(ChunkFile::open(path, kModelKind));
-    model.file_.expect_random_access(true);
+    ModelFile model(ChunkFile::open(path, kModelKind, true));
     for (const char* chunk : {"header", "provenance", "pages", "page_start", "in_page"})
         if (model.file_.has(chunk)) model.file_.verify(chunk);
     model.read_small_chunks();
@@ -141,7 +140,7 @@ ModelFile ModelFile::open_by_pages(const std::string& path) {
 }
 
 void ModelFile::check() const {
-    file_.expect_random_access(false);
+    file_.read_whole();
     file_.verify_all();
     if (const ModelFault fault = check_model(tree()); !fault.chunk.empty()) fail(fault);
 }

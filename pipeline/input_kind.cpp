@@ -7,17 +7,24 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// Without reading on: of a large model no more may be wanted than a few pages.
 bool begins_with(const std::string& path, const std::string& magic) {
     std::string head(magic.size(), '\0');
-    std::ifstream in(path, std::ios::binary);
-    return in.read(head.data(), static_cast<std::streamsize>(head.size())) && head == magic;
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    ::posix_fadvise(file, 0, 0, POSIX_FADV_RANDOM);
+    const bool whole = ::pread(file, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size());
+    ::close(file);
+    return whole && head == magic;
 }
 
 bool has_a_point(const std::string& path) {

@@ -118,20 +118,23 @@ void Environment::normalize() {
 }
 
 void Environment::sum_lobes() {
-    // Texels by blocks: their light is added up, and seen where the block's middle is.
-    const int columns = std::min(map_.width, kSumWidth), rows = std::min(map_.height, kSumHeight);
+    // Texels by blocks: their light is added up, and seen where the block's middle is. Those of small maps are split.
+    const int split_x = (kSumWidth + map_.width - 1) / map_.width;
+    const int split_y = (kSumHeight + map_.height - 1) / map_.height;
+    const int width = map_.width * split_x, height = map_.height * split_y;
+    const int columns = std::min(width, kSumWidth), rows = std::min(height, kSumHeight);
     std::vector<Lamp> lamps(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x)
             lamps[static_cast<std::size_t>(y * columns + x)].toward = direction_of(x, y, columns, rows);
-    for (int y = 0; y < map_.height; ++y) {
-        const float weight = solid_angle(y, map_.width, map_.height);
-        for (int x = 0; x < map_.width; ++x) {
-            const auto row = static_cast<std::size_t>(static_cast<std::int64_t>(y) * rows / map_.height);
-            const auto column = static_cast<std::size_t>(static_cast<std::int64_t>(x) * columns / map_.width);
+    for (int y = 0; y < height; ++y) {
+        const float weight = solid_angle(y, width, height);
+        for (int x = 0; x < width; ++x) {
+            const auto row = static_cast<std::size_t>(static_cast<std::int64_t>(y) * rows / height);
+            const auto column = static_cast<std::size_t>(static_cast<std::int64_t>(x) * columns / width);
             Lamp& l = lamps[row * static_cast<std::size_t>(columns) + column];
-            l.flux += map_.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(map_.width) +
-                                  static_cast<std::size_t>(x)] * weight;
+            l.flux += map_.texels[static_cast<std::size_t>(y / split_y) * static_cast<std::size_t>(map_.width) +
+                                  static_cast<std::size_t>(x / split_x)] * weight;
             l.weight += weight;
         }
     }

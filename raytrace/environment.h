@@ -12,8 +12,8 @@ namespace slim {
 /// its axes, its right along +x.
 ///
 /// Light that a diffuse surface sends back and light within a glossy lobe are summed once over the whole picture,
-/// for 64 x 32 directions, and interpolated: within 0.2 % of the sum itself (tests), where nine spherical
-/// harmonics (Ramamoorthi and Hanrahan 2001) are off by several % near a small lamp and negative behind it.
+/// for 64 x 32 directions, and interpolated: within 0.5 % of the brightest of the sums themselves (tests), of
+/// any map: nine spherical harmonics (Ramamoorthi and Hanrahan 2001) ring about small bright lamps.
 class Environment {
 public:
     /// rgb: 3 width height values, rows from the top. `axes`: right, up and back of the picture in the world, unit;

@@ -1,5 +1,6 @@
 #include "formats/point_source.h"
 #include "pipeline/build_stage.h"
+#include "raytrace/picture.h"
 #include "slim/base/error.h"
 #include "tests/pipeline/render_test_support.h"
 

@@ -61,14 +61,14 @@ TEST(Environment, DiffuseLightIsTheSumOverTheMap) {
         worst = std::max(worst, std::abs(static_cast<double>(light.diffuse(to_float(n)).x) - exact));
     }
     const double most = scale * irradiance(rgb, 512, 256, normalized(lamp));
-    EXPECT_LT(worst / most, 2e-3);
+    EXPECT_LT(worst / most, 5e-3);  // bilinear between directions 5.6 degrees apart
 }
 
 TEST(Environment, AConstantMapLightsAllAlikeWithItsMean) {
     const Environment light(8, 4, std::vector<float>(96, 3.0f), kAxes, 0);
     for (const Vec3f d : {Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, Vec3f{1, 0, 0}, Vec3f{0.6f, 0, 0.8f}}) {
         EXPECT_NEAR(light.radiance(d).y, 0.5f, 1e-4);
-        EXPECT_NEAR(light.diffuse(d).y, 0.5f, 2e-3);
+        EXPECT_NEAR(light.diffuse(d).y, 0.5f, 1e-3);
         EXPECT_NEAR(light.glossy(d).y, 0.5f, 1e-4);
     }
 }

@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""Every ready style on a scan it does not know, without editing: pictures, legends and a page in a folder of their own; and
+what `slim run` and `slim plan` make of clouds on the command line."""
+from harness import SOURCE, Harness
+
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-run", "slim-plan")
+run, check = harness.run, harness.check
+
+# Style: some of what it must leave in scan_<style>/.
+STYLES = {
+    "plate": ["front.shaded.png", "bottom.shaded.png"],
+    "curvature": ["front.mean.png", "iso.dir1.png", "back.k2.legend.svg", "measure.json"],
+    "linework": ["front.lines.svg", "front_crest.lines.png", "reflection.reflection.png"],
+    "terrain": ["map.hillshade.png", "air.hillshade.png", "curvature.mean.png"],
+    "comparison": ["front.environment.png", "front.matcap.png", "front_lines.lines.svg", "measure.json"],
+    "film": ["turn.shaded_0001.png", "turn.mean_0072.png"],
+}
+
+
+def every_style():
+    check({path.stem for path in (SOURCE / "configs/styles").glob("*.toml")} == set(STYLES), "styles that no test knows")
+    for style, files in STYLES.items():
+        result = run("slim", "run", style, "scan.ply", "--set", "render.size=200x160", seconds=200)
+        check(result.code == 0, f"{style}: exit {result.code}: {result.err}")
+        for name in [*files, "index.html", "model.slim"]:
+            check((harness.folder / f"scan_{style}" / name).exists(), f"{style} leaves no {name}")
+        if style == "film":
+            check("ffmpeg -framerate 24 -i " in result.out and "turn.mean_%04d.png" in result.out, result.out)
+            page = (harness.folder / "scan_film/index.html").read_text()
+            check("turn.mean_0001.png" in page and "turn.mean_0002.png" not in page, "the page shows every picture of the film")
+        again = run("slim", "run", style, "scan.ply", "--set", "render.size=200x160", "--json").json()
+        redone = [step["name"] for step in again["steps"] if not step["up_to_date"]]
+        check(not redone, f"{style}: nothing changed, yet {redone} ran again")
+
+
+def folders_and_names():
+    result = run("slim", "run", "plate", "scan.ply", "-o", "else where", "--set", "render.size=64x64", "--set", "fit.degree=1")
+    check(result.code == 0 and (harness.folder / "else where/top.shaded.png").exists(), result.err)
+    wrong = run("slim", "run", "plates", "scan.ply")
+    check(wrong.code == 2 and "plate" in wrong.err, wrong.err)
+    explained = run("slim", "plan", "plate", "scan.ply", "--explain")
+    check("scan_plate/model.slim" in explained.out and "third derivatives" in explained.out, explained.out)
+    make = run("slim", "plan", "plate", "scan.ply", "--format", "make")
+    check(make.code == 0 and "scan_plate" in make.out, make.err)
+
+
+result = run("slim", "scan", "bumpy", "--points", "6000", "-o", "scan.ply")
+check(result.code == 0, result.err)
+every_style()
+folders_and_names()
+harness.end()
