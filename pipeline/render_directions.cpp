@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kPixelGrain = 1 << 12;
 constexpr float kUmbilic = 0.01f;
-constexpr double kFlat = 0.01;
+constexpr double kFlat = 0.2;  // a radius of five diagonals: noise turns what is flatter any way
 constexpr float kUndefinedGrey = 0.62f;
 /// (k1 - k2) / (|k1| + |k2|) from which on a direction has its full colour.
 constexpr float kClear = 0.1f;

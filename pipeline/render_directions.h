@@ -11,7 +11,7 @@
 namespace slim {
 
 /// Zeroes the principal directions of a frame (which holds k1 and k2) where there are none: umbilics, (k1 - k2) / 2 <
-/// 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.01 / diagonal (NUMERICS 5.2).
+/// 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 / diagonal (NUMERICS 5.2).
 void drop_undefined_directions(double diagonal, GBuffer& frame);
 
 /// Planes of t2 = N x t1, zero where t1 is; the frame holds both.

@@ -1,0 +1,166 @@
+#include "pipeline/render_frames.h"
+
+#include "pipeline/render_bands.h"
+#include "pipeline/render_directions.h"
+#include "raytrace/brute/brute_renderer.h"
+#include "raytrace/project/forward_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace slim {
+namespace {
+
+/// The longer side of the frame that ranges are taken from.
+constexpr int kReferenceSide = 1000;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t n = values.size();
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+/// A frame drawn again keeps the memory of its picture.
+void shade_frame(int factor, RenderedFrame& frame) {
+    const GBuffer& b = frame.buffer;
+    const NormalPlanes normals{b.normal[0], b.normal[1], b.normal[2]};
+    const auto rows_into = [&](const RowRange& rows, Picture& out) {
+        shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
+    };
+    if (factor == 1) return rows_into({0, b.height}, frame.shaded);
+    const PictureSize size{b.width / factor, b.height / factor};
+    frame.shaded = paint_in_bands({b.width, b.height}, size, [&](const RowRange& rows) {
+        Picture band;
+        rows_into(rows, band);
+        return band;
+    });
+}
+
+/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what derives from it.
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window, double lod,
+                        Channels wanted, RenderedFrame& frame) {
+    frame.size = size, frame.window = window;
+    frame.pixels = pixel_view(job.camera, size.width, size.height);
+    frame.view = shade_view(job.camera, size, window.x, window.y);
+    const RenderRequest request{job.camera, size.width, size.height, wanted, lod, window, job.config.loose};
+    const RenderStats stats = job.config.mode == "brute"
+                                  ? render_brute(job.tree, request, frame.buffer)
+                                  : render_forward(job.tree, request, frame.buffer);
+    if (frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+        drop_undefined_directions(job.tree.header().diagonal, frame.buffer);
+    return stats;
+}
+
+/// Projection, shading and lines: what a frame time means.
+RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
+                       const PicturePart& part, RenderedFrame& frame) {
+    // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
+    const RenderStats stats =
+        draw_buffer(job, {job.size.width * factor, job.size.height * factor}, times(part.drawn, factor),
+                    job.config.lod * factor, wanted, frame);
+    if (with_shading) shade_frame(factor, frame);
+    // Lines are found at the picture's own size: their strokes are smooth as they are.
+    if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
+    return stats;
+}
+
+/// Renders the frame of a factor as often as the job says; returns the median time.
+double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const PicturePart& part,
+                       StageContext& context, RenderedFrame& frame, RenderStats& stats) {
+    std::vector<double> times;
+    const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
+    for (std::uint64_t k = 0; k < repeats; ++k) {
+        context.reporter.progress("frames", k, repeats);
+        const auto start = std::chrono::steady_clock::now();
+        stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame);
+        times.push_back(milliseconds_since(start));
+    }
+    return median(times);
+}
+
+std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
+    std::uint64_t n = 0;
+    for (int y = w.y; y < w.y + w.height; ++y)
+        n += static_cast<std::uint64_t>(std::count(&b.hit[b.index(w.x, y)], &b.hit[b.index(w.x, y)] + w.width, 1));
+    return n;
+}
+
+}  // namespace
+
+/// What the plain frame is for: data files take all, pictures only what is never averaged.
+std::vector<std::string> plain_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs = job.aovs;
+    if (job.config.supersample > 1 && job.plan.exr.empty()) std::erase_if(aovs, is_filterable);
+    return aovs;
+}
+
+/// What the fine frame is for: pictures, and the colour in a data file.
+std::vector<std::string> fine_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    if (job.config.supersample == 1) return aovs;
+    for (const std::string& aov : job.aovs) {
+        const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
+                           job.plan.drawn.end();
+        if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
+    }
+    return aovs;
+}
+
+Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {
+    const auto plain = plain_aovs(job), fine = fine_aovs(job);
+    const bool lit = job.config.light_maps;
+    const Channels plain_channels = channels_of(plain, lit) | job.for_lines();
+    Frames frames;
+    frames.has_fine = !fine.empty();
+    if (frames.has_fine) {
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit), part,
+                                           context, frames.fine, frames.stats);
+        if (!plain.empty() || !job.lines.empty())
+            draw_frame(job, 1, plain_channels, false, part, frames.plain);
+    } else {
+        frames.median_ms =
+            draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames.stats);
+    }
+    frames.covered = frames.has_fine
+                         ? count_hits(frames.fine.buffer, times(part.inside(), job.config.supersample))
+                         : count_hits(frames.plain.buffer, part.inside());
+    if (job.wants("truth_distance"))
+        frames.plain.truth_distance =
+            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
+    return frames;
+}
+
+PictureSize reference_size(const PictureSize& size) {
+    const int longer = std::max(size.width, size.height);
+    if (longer <= kReferenceSide) return size;
+    const auto scaled = [&](int side) {
+        return std::max(1, static_cast<int>(std::int64_t{side} * kReferenceSide / longer));
+    };
+    return {scaled(size.width), scaled(size.height)};
+}
+
+void choose_looks(RenderJob& job) {
+    RenderedFrame reference;
+    std::vector<std::string> aovs;
+    for (const std::string& aov : job.plan.drawn)
+        if (needs_reference(job.config, aov)) aovs.push_back(aov);
+    if (job.wants("hillshade") && aovs.empty() && job.config.contours == "auto") aovs.push_back("hillshade");
+    if (!aovs.empty()) {
+        const PictureSize size = reference_size(job.size);
+        const double scale = static_cast<double>(size.width) / job.size.width;
+        draw_buffer(job, size, {0, 0, size.width, size.height}, job.config.lod * scale,
+                    channels_of(aovs, false), reference);
+        if (job.wants("truth_distance"))
+            reference.truth_distance = truth_distances(job.config, job.tree.header().origin, reference.buffer);
+        if (job.wants("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
+    }
+    for (const std::string& aov : job.plan.drawn)
+        job.looks[aov] = look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
+}
+
+}  // namespace slim

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "pipeline/render_job.h"
+#include "pipeline/stage.h"
+
+namespace slim {
+
+/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000 pixels on the longer
+/// side.
+PictureSize reference_size(const PictureSize& size);
+
+/// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
+void choose_looks(RenderJob& job);
+
+/// Draws the frames of a part, as often as the job says, and what derives from them.
+Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context);
+
+}  // namespace slim
