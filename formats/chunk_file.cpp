@@ -227,7 +227,8 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
 
 std::string ChunkFile::identity() const {
     std::vector<unsigned char> bytes(state_->data, state_->data + sizeof(ChunkFileHeader));
-    bytes.insert(bytes.end(), state_->data + state_->header.table_offset, state_->data + state_->size);
+    bytes.insert(bytes.end(), state_->data + state_->header.table_offset,
+                 state_->data + state_->size);
     const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
     char text[33];
     std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),

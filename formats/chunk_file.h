@@ -58,8 +58,10 @@ private:
 /// IoError if the file cannot be opened.
 class ChunkFile {
 public:
-    /// by_pages: the system reads the pages that are touched and none around them, until read_whole().
-    static ChunkFile open(const std::string& path, const ChunkFileKind& kind, bool by_pages = false);
+    /// by_pages: the system reads the pages that are touched and none around them, until
+    /// read_whole().
+    static ChunkFile open(const std::string& path, const ChunkFileKind& kind,
+                          bool by_pages = false);
     ~ChunkFile();
     ChunkFile(ChunkFile&&) noexcept;
     ChunkFile& operator=(ChunkFile&&) noexcept;
@@ -71,8 +73,8 @@ public:
     bool has(std::string_view name) const;
     /// Byte offset of a chunk in the file, for messages.
     std::uint64_t offset(std::string_view name) const;
-    /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks, so that files of
-    /// different contents differ in it, and no chunk is read for it.
+    /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks,
+    /// so that files of different contents differ in it, and no chunk is read for it.
     std::string identity() const;
     /// Tells the system that all of it will be read.
     void read_whole() const;

@@ -42,7 +42,8 @@ OIIO::ImageSpec png_spec(int width, int height, int n_channels, const ImageMetad
     return spec;
 }
 
-/// OpenImageIO's stream over our atomic file. The PNG library is C: what fails is thrown once it has returned.
+/// OpenImageIO's stream over our atomic file. The PNG library is C: what fails is thrown once it
+/// has returned.
 class AtomicProxy : public OIIO::Filesystem::IOProxy {
 public:
     explicit AtomicProxy(AtomicFile& file) : IOProxy("", Write), file_(file) {}
@@ -110,11 +111,13 @@ struct PngWriter::State {
     explicit State(const std::string& its_path) : path(its_path), file(its_path), proxy(file) {}
     void check(bool ok) {
         proxy.rethrow();
-        if (!ok) throw IoError(path + ": cannot encode PNG: " + output->geterror(), ExitCode::resource);
+        if (!ok)
+            throw IoError(path + ": cannot encode PNG: " + output->geterror(), ExitCode::resource);
     }
 };
 
-PngWriter::PngWriter(const std::string& path, int width, int height, bool opaque, const ImageMetadata& metadata)
+PngWriter::PngWriter(const std::string& path, int width, int height, bool opaque,
+                     const ImageMetadata& metadata)
     : state_(std::make_unique<State>(path)) {
     State& s = *state_;
     s.width = width, s.opaque = opaque;
@@ -130,7 +133,8 @@ void PngWriter::add_rows(std::span<const std::uint8_t> rgba) {
     State& s = *state_;
     SLIM_CHECK(rgba.size() % (4 * static_cast<std::size_t>(s.width)), ==, 0u);
     const int n = static_cast<int>(rgba.size() / 4 / static_cast<std::size_t>(s.width));
-    const std::vector<std::uint8_t> rgb = s.opaque ? without_alpha(rgba) : std::vector<std::uint8_t>();
+    const std::vector<std::uint8_t> rgb =
+        s.opaque ? without_alpha(rgba) : std::vector<std::uint8_t>();
     s.check(s.output->write_scanlines(s.next_row, s.next_row + n, 0, OIIO::TypeDesc::UINT8,
                                       s.opaque ? rgb.data() : rgba.data()));
     s.next_row += n;
@@ -154,16 +158,19 @@ LightImage read_light_image(const std::string& path) {
     if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
     if (!input)
-        throw FormatError(path + ": expected a picture (EXR, HDR, PNG, JPEG, TIFF): " + OIIO::geterror());
+        throw FormatError(path +
+                          ": expected a picture (EXR, HDR, PNG, JPEG, TIFF): " + OIIO::geterror());
     const OIIO::ImageSpec& spec = input->spec();
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.image_pixels() > kMostPixels)
-        throw FormatError(path + ": expected at most 268 million pixels, found " + std::to_string(spec.width) + "x" +
-                          std::to_string(spec.height));
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
+        spec.image_pixels() > kMostPixels)
+        throw FormatError(path + ": expected at most 268 million pixels, found " +
+                          std::to_string(spec.width) + "x" + std::to_string(spec.height));
     std::vector<float> pixels(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
         throw FormatError(path + ": damaged picture: " + input->geterror());
     return {spec.width, spec.height,
-            light_of(pixels, static_cast<std::size_t>(spec.nchannels), !spec.format.is_floating_point())};
+            light_of(pixels, static_cast<std::size_t>(spec.nchannels),
+                     !spec.format.is_floating_point())};
 }
 
 PngImage read_png(const std::string& path) {

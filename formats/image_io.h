@@ -43,10 +43,12 @@ struct ExrChannel {
 void write_png_srgb8(const std::string& path, int width, int height,
                      std::span<const std::uint8_t> rgba, const ImageMetadata& metadata = {});
 
-/// The same row by row from the top, for pictures larger than memory: RGBA in, written as RGB if `opaque`.
+/// The same row by row from the top, for pictures larger than memory: RGBA in, written as RGB if
+/// `opaque`.
 class PngWriter {
 public:
-    PngWriter(const std::string& path, int width, int height, bool opaque, const ImageMetadata& metadata = {});
+    PngWriter(const std::string& path, int width, int height, bool opaque,
+              const ImageMetadata& metadata = {});
     ~PngWriter();
     PngWriter(PngWriter&&) noexcept;
     /// rgba: 4 width n values
@@ -77,7 +79,8 @@ class ExrWriter {
 public:
     /// channels: names and types; their planes are not looked at
     ExrWriter(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-              const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {}, const ImagePlace& place = {});
+              const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {},
+              const ImagePlace& place = {});
     ~ExrWriter();
     ExrWriter(ExrWriter&&) noexcept;
     /// The same channels with their planes of the next n_rows rows.
@@ -94,10 +97,11 @@ struct LightImage {
     int width = 0, height = 0;
     std::vector<float> rgb;
 };
-/// Reads any format that OpenImageIO knows (EXR, HDR, PNG, JPEG, TIFF, ...): integers through the sRGB curve, floats
-/// as they are; alpha is ignored, grey is widened, negative and not finite values become 0.
-/// throws IoError if there is no such file, FormatError naming it if it is no picture, is damaged, or has more than
-/// 268 million pixels
+/// Reads any format that OpenImageIO knows (EXR, HDR, PNG, JPEG, TIFF, ...): integers through the
+/// sRGB curve, floats as they are; alpha is ignored, grey is widened, negative and not finite
+/// values become 0.
+/// throws IoError if there is no such file, FormatError naming it if it is no picture, is damaged,
+/// or has more than 268 million pixels
 LightImage read_light_image(const std::string& path);
 
 /// A PNG as read back: always RGBA (alpha 255 if the file has none), straight alpha.

@@ -57,9 +57,12 @@ std::string exr_name(const std::string& name) {
                                         : name;
 }
 
-Imf::Header make_header(const Imath::Box2i& data, const ImagePlace& place, std::span<const ExrChannel> channels,
-                        const ImageMetadata& metadata, const ImageMatrices& matrices) {
-    const Imath::V2i last = place.whole_width > 0 ? Imath::V2i(place.whole_width - 1, place.whole_height - 1) : data.max;
+Imf::Header make_header(const Imath::Box2i& data, const ImagePlace& place,
+                        std::span<const ExrChannel> channels, const ImageMetadata& metadata,
+                        const ImageMatrices& matrices) {
+    const Imath::V2i last = place.whole_width > 0
+                                ? Imath::V2i(place.whole_width - 1, place.whole_height - 1)
+                                : data.max;
     Imf::Header header(Imath::Box2i({0, 0}, last), data);
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709 with D65
@@ -75,8 +78,8 @@ Imf::Header make_header(const Imath::Box2i& data, const ImagePlace& place, std::
     return header;
 }
 
-/// A slice of contiguous rows of T for the data window; the library only reads through the pointer when it writes
-/// a file.
+/// A slice of contiguous rows of T for the data window; the library only reads through the pointer
+/// when it writes a file.
 template <class T>
 Imf::Slice plane(Imf::PixelType type, const T* values, const Imath::Box2i& data) {
     const auto width = static_cast<std::size_t>(data.max.x - data.min.x + 1);
@@ -175,14 +178,16 @@ struct ExrWriter::State {
     }
 };
 
-ExrWriter::ExrWriter(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-                     const ImageMetadata& metadata, const ImageMatrices& matrices, const ImagePlace& place)
+ExrWriter::ExrWriter(const std::string& path, int width, int height,
+                     std::span<const ExrChannel> channels, const ImageMetadata& metadata,
+                     const ImageMatrices& matrices, const ImagePlace& place)
     : state_(std::make_unique<State>(path)) {
     State& s = *state_;
     s.width = width, s.place = place;
     s.guarded([&] {
         const Imath::Box2i data({place.x, place.y}, {place.x + width - 1, place.y + height - 1});
-        s.output = std::make_unique<Imf::OutputFile>(s.stream, make_header(data, place, channels, metadata, matrices));
+        s.output = std::make_unique<Imf::OutputFile>(
+            s.stream, make_header(data, place, channels, metadata, matrices));
     });
 }
 
@@ -208,7 +213,8 @@ void ExrWriter::commit() {
 }
 
 void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
-               const ImageMetadata& metadata, const ImageMatrices& matrices, const ImagePlace& place) {
+               const ImageMetadata& metadata, const ImageMatrices& matrices,
+               const ImagePlace& place) {
     ExrWriter writer(path, width, height, channels, metadata, matrices, place);
     writer.add_rows(height, channels);
     writer.commit();

@@ -101,7 +101,8 @@ ModelFault check_node(const SurfelTree& tree, std::size_t i, std::vector<bool>& 
     if (node.n_children == 0) return {};
     const std::uint64_t end = std::uint64_t{node.first_child} + node.n_children;
     for (std::size_t child = node.first_child; child < end; ++child) {
-        if (has_parent[child]) return {"nodes", i, message("child ", child, " has another parent too")};
+        if (has_parent[child])
+            return {"nodes", i, message("child ", child, " has another parent too")};
         has_parent[child] = true;
     }
     return {};
@@ -157,11 +158,14 @@ ModelFault check_all_sharp(const SurfelTree& tree) {
 ModelFault check_sizes(const SurfelTree& tree) {
     if (ModelFault f = check_header(tree); !f.chunk.empty()) return f;
     const RecordIndex& index = tree.record_index();
-    if (!index.empty() && (index.in_page.size() != tree.n_nodes() || index.page_start.size() != tree.page_origins().size()))
-        return {"in_page", 0, message(index.in_page.size(), " records for ", tree.n_nodes(), " nodes")};
+    if (!index.empty() && (index.in_page.size() != tree.n_nodes() ||
+                           index.page_start.size() != tree.page_origins().size()))
+        return {"in_page", 0,
+                message(index.in_page.size(), " records for ", tree.n_nodes(), " nodes")};
     const auto shortest = static_cast<std::uint64_t>(floats_per_surfel(0));
     for (std::size_t i = 0; i < index.in_page.size(); ++i)
-        if (index.page_start[i / kSurfelsPerPage] + index.in_page[i] + shortest > tree.records().size())
+        if (index.page_start[i / kSurfelsPerPage] + index.in_page[i] + shortest >
+            tree.records().size())
             return {"in_page", i, "record lies outside the records"};
     return check_pages(tree);
 }

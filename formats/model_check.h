@@ -21,11 +21,13 @@ struct ModelFault {
 /// cost O(nodes), reads every record
 ModelFault check_model(const SurfelTree& tree);
 
-/// Of check_model what needs neither nodes nor records: header, sizes, and that every record lies inside the records.
+/// Of check_model what needs neither nodes nor records: header, sizes, and that every record lies
+/// inside the records.
 /// cost O(pages), with records of unequal size O(nodes)
 ModelFault check_sizes(const SurfelTree& tree);
 
-/// Of check_model what one node and its record say of themselves, for a tree that check_sizes found sound.
+/// Of check_model what one node and its record say of themselves, for a tree that check_sizes found
+/// sound.
 ModelFault check_alone(const SurfelTree& tree, std::size_t node);
 
 }  // namespace slim

@@ -61,13 +61,13 @@ std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const Model
     return file.offset(fault.chunk) + fault.entry * size;
 }
 
-void write_arrays(const std::string& path, const SurfelTree& tree, const std::string& provenance_json,
-                  std::span<const PackedColor> colors) {
+void write_arrays(const std::string& path, const SurfelTree& tree,
+                  const std::string& provenance_json, std::span<const PackedColor> colors) {
     const HeaderRecord header = pack(tree.header());
     const bool two_rims = std::any_of(tree.nodes().begin(), tree.nodes().end(),
                                       [](const TreeNode& n) { return n.rims().second != 0; });
     const RecordIndex& index = tree.record_index();
-    ChunkWriter writer(path, two_rims               ? kModelKind
+    ChunkWriter writer(path, two_rims                ? kModelKind
                              : !index.empty()        ? kMixedModelKind
                              : !tree.sharp().empty() ? kSharpModelKind
                                                      : kSmoothModelKind);
@@ -105,8 +105,8 @@ std::span<const PackedColor> ModelFile::colors() const {
     if (!file_.has("colors")) return {};
     const auto colors = file_.array<PackedColor>("colors");
     if (colors.size() != tree().n_nodes())
-        throw FormatError(message(file_.path(), ": byte ", file_.offset("colors"), ": ", colors.size(), " colours for ",
-                                  tree().n_nodes(), " nodes"));
+        throw FormatError(message(file_.path(), ": byte ", file_.offset("colors"), ": ",
+                                  colors.size(), " colours for ", tree().n_nodes(), " nodes"));
     return colors;
 }
 
@@ -117,8 +117,8 @@ void ModelFile::read_small_chunks() {
 }
 
 void ModelFile::fail(const ModelFault& fault) const {
-    throw FormatError(message(file_.path(), ": byte ", byte_of(file_, tree(), fault), ": chunk ", fault.chunk,
-                              ", node ", fault.entry, ": ", fault.reason));
+    throw FormatError(message(file_.path(), ": byte ", byte_of(file_, tree(), fault), ": chunk ",
+                              fault.chunk, ", node ", fault.entry, ": ", fault.reason));
 }
 
 ModelFile ModelFile::open(const std::string& path) {
@@ -155,7 +155,8 @@ std::uint64_t ModelFile::bytes_of_pages(std::span<const std::uint32_t> nodes) co
     constexpr std::uint64_t kPage = 4096;
     std::vector<bool> touched((file_.file_size() + kPage - 1) / kPage);
     const auto touch = [&](std::uint64_t offset, std::uint64_t n) {
-        for (std::uint64_t page = offset / kPage; n > 0 && page <= (offset + n - 1) / kPage; ++page) touched[page] = true;
+        for (std::uint64_t page = offset / kPage; n > 0 && page <= (offset + n - 1) / kPage; ++page)
+            touched[page] = true;
     };
     const SurfelTree all = tree();
     touch(0, sizeof(HeaderRecord));

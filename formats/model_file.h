@@ -15,7 +15,8 @@ namespace slim {
 void write_model(const std::string& path, const SurfelTreeData& data,
                  const std::string& provenance_json);
 
-/// Writes a model again with a colour for each of its nodes, all else as it is. Throws as ModelFile::open and AtomicFile.
+/// Writes a model again with a colour for each of its nodes, all else as it is. Throws as
+/// ModelFile::open and AtomicFile.
 void write_model_colors(const std::string& path, std::span<const PackedColor> colors);
 
 /// model.slim mapped into memory.
@@ -25,15 +26,17 @@ public:
     /// throws FormatError naming the file, the chunk and byte, the node and the reason; IoError
     static ModelFile open(const std::string& path);
 
-    /// Checks and reads only header, table, page origins, provenance and the index of records: for views of a part.
-    /// Before nodes and records are used either check() them all, or those of a list.
+    /// Checks and reads only header, table, page origins, provenance and the index of records: for
+    /// views of a part. Before nodes and records are used either check() them all, or those of a
+    /// list.
     static ModelFile open_by_pages(const std::string& path);
     /// The rest of what open() checks.
     void check() const;
     /// Checks nodes and records of a list as open() would, but for checksums and parents.
     /// throws FormatError
     void check(std::span<const std::uint32_t> nodes) const;
-    /// Bytes of the file's pages (4 KiB) that hold these nodes and their records, or what open_by_pages reads.
+    /// Bytes of the file's pages (4 KiB) that hold these nodes and their records, or what
+    /// open_by_pages reads.
     std::uint64_t bytes_of_pages(std::span<const std::uint32_t> nodes) const;
     /// See ChunkFile.
     std::string identity() const { return file_.identity(); }

@@ -129,12 +129,19 @@ bool PlyReader::ask_for_color() {
 
 float PlyReader::color_scale(std::size_t channel) const {
     switch (vertex_->properties[static_cast<std::size_t>(columns_.color[channel])].type) {
-        case PlyType::i8: return 1.0f / 127;
-        case PlyType::u8: return 1.0f / 255;
-        case PlyType::i16: return 1.0f / 32767;
-        case PlyType::u16: return 1.0f / 65535;
-        case PlyType::f32: case PlyType::f64: return 1;
-        default: return 1.0f / 255;  // ints hold bytes as others write them
+        case PlyType::i8:
+            return 1.0f / 127;
+        case PlyType::u8:
+            return 1.0f / 255;
+        case PlyType::i16:
+            return 1.0f / 32767;
+        case PlyType::u16:
+            return 1.0f / 65535;
+        case PlyType::f32:
+        case PlyType::f64:
+            return 1;
+        default:
+            return 1.0f / 255;  // ints hold bytes as others write them
     }
 }
 
@@ -198,7 +205,8 @@ void PlyReader::read_rows(PointChunk& out, std::size_t n) {
         if (info_.has_scan) out.scan.push_back(scan_id(at(columns_.scan), n_read_ + i));
         const auto& c = columns_.color;
         if (info_.reads_color)
-            out.color.push_back({static_cast<float>(at(c[0])) * color_scale(0), static_cast<float>(at(c[1])) * color_scale(1),
+            out.color.push_back({static_cast<float>(at(c[0])) * color_scale(0),
+                                 static_cast<float>(at(c[1])) * color_scale(1),
                                  static_cast<float>(at(c[2])) * color_scale(2)});
     }
 }

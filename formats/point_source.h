@@ -73,8 +73,9 @@ protected:
 /// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex
 std::unique_ptr<PointSource> open_cloud(const std::string& path);
 
-/// The same for a second pass over a PLY's points with their colours (red green blue, or diffuse_red ...: integers over
-/// their type's largest value, floats as they are); normals only of the file itself. Null if it has no colour.
+/// The same for a second pass over a PLY's points with their colours (red green blue, or
+/// diffuse_red ...: integers over their type's largest value, floats as they are); normals only of
+/// the file itself. Null if it has no colour.
 std::unique_ptr<PointSource> open_colored_cloud(const std::string& path);
 
 }  // namespace slim

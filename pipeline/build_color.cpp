@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kPiece = 1 << 16;
 
 /// Adds a cloud's points to the fit; false if it has no colours.
-bool add_cloud(const std::string& path, const Vec3d& origin, StageContext& context, ColorFit& fit, std::uint64_t& n) {
+bool add_cloud(const std::string& path, const Vec3d& origin, StageContext& context, ColorFit& fit,
+               std::uint64_t& n) {
     const auto source = open_colored_cloud(path);
     if (!source) return false;
     PointChunk chunk;
@@ -26,7 +27,9 @@ bool add_cloud(const std::string& path, const Vec3d& origin, StageContext& conte
             if (!chunk.normal.empty()) chunk.normal[kept] = chunk.normal[i];
             ++kept;
         }
-        const auto first = [&](const auto& values) { return std::span(values).first(std::min(kept, values.size())); };
+        const auto first = [&](const auto& values) {
+            return std::span(values).first(std::min(kept, values.size()));
+        };
         fit.add(first(chunk.position), first(chunk.normal), first(chunk.color));
         n += kept;
     }
@@ -35,7 +38,8 @@ bool add_cloud(const std::string& path, const Vec3d& origin, StageContext& conte
 
 }  // namespace
 
-nlohmann::json add_colors(const std::string& path, const std::vector<std::string>& clouds, StageContext& context) {
+nlohmann::json add_colors(const std::string& path, const std::vector<std::string>& clouds,
+                          StageContext& context) {
     std::uint64_t n = 0, lost = 0;
     std::vector<PackedColor> packed;
     {
@@ -46,12 +50,14 @@ nlohmann::json add_colors(const std::string& path, const std::vector<std::string
         for (const std::string& cloud : clouds) {
             const bool has = add_cloud(cloud, tree.header().origin, context, fit, n);
             if (!has && clouds.size() > 1)
-                context.reporter.warn(cloud + ": has no colours (a PLY with red, green and blue): left out of them");
+                context.reporter.warn(
+                    cloud + ": has no colours (a PLY with red, green and blue): left out of them");
             any |= has;
         }
         if (!any)
-            throw DataError((clouds.empty() ? path : clouds[0]) +
-                            ": --color: expected a PLY with properties red, green and blue, found none");
+            throw DataError(
+                (clouds.empty() ? path : clouds[0]) +
+                ": --color: expected a PLY with properties red, green and blue, found none");
         for (const SurfelColor& color : fit.finish()) packed.push_back(pack(color));
         lost = fit.n_lost();
     }

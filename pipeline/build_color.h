@@ -9,12 +9,13 @@
 
 namespace slim {
 
-/// Fits the colours of the clouds to the leaves of their model and writes it again with them: one pass over the clouds,
-/// 65,536 points at a time.
+/// Fits the colours of the clouds to the leaves of their model and writes it again with them: one
+/// pass over the clouds, 65,536 points at a time.
 ///
 /// returns  colored_points, and lost ones in no leaf's ball
-/// throws   DataError if no cloud has colours; what reading and writing throw. Clouds without are passed over with a
-///          warning
-nlohmann::json add_colors(const std::string& model, const std::vector<std::string>& clouds, StageContext& context);
+/// throws   DataError if no cloud has colours; what reading and writing throw. Clouds without are
+///          passed over with a warning
+nlohmann::json add_colors(const std::string& model, const std::vector<std::string>& clouds,
+                          StageContext& context);
 
 }  // namespace slim

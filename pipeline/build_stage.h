@@ -42,7 +42,9 @@ struct BuildConfig : FitOptions {
         field.path("work", work,
                    "folder for intermediate files, kept; default: <output>.work, removed at the end");
         field("seed", seed, "chooses among equally good centres");
-        field("color", color, "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: 18 bytes a surfel");
+        field("color", color,
+              "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: "
+              "18 bytes a surfel");
     }
 };
 

@@ -156,7 +156,8 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
     }
     text += "</div>\n";
     for (const json& command : outcome.result.value("film_commands", json::array()))
-        text += "<p class=\"note\">as a film: <code>" + escaped(command.get<std::string>()) + "</code></p>\n";
+        text += "<p class=\"note\">as a film: <code>" + escaped(command.get<std::string>()) +
+                "</code></p>\n";
     return text;
 }
 

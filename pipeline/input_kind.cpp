@@ -22,7 +22,8 @@ bool begins_with(const std::string& path, const std::string& magic) {
     const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (file < 0) return false;
     ::posix_fadvise(file, 0, 0, POSIX_FADV_RANDOM);
-    const bool whole = ::pread(file, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size());
+    const bool whole =
+        ::pread(file, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size());
     ::close(file);
     return whole && head == magic;
 }

@@ -329,7 +329,9 @@ private:
     void note_left_out() {
         RenderConfig render;
         const FieldList fields = fields_of(render);
-        if (!asks({"mean", "gauss", "k1", "k2", "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "all"}) && !lines_)
+        if (!asks({"mean", "gauss", "k1", "k2", "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1",
+                   "all"}) &&
+            !lines_)
             job_.left_out.push_back("curvature: no AOV asks for it (no second derivatives)");
         if (!asks({"e1", "e2", "dk1_dt2", "dk2_dt1", "all"}) && !lines_)
             job_.left_out.push_back("third derivatives: no AOV asks for them");

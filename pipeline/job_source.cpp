@@ -39,7 +39,9 @@ std::string quoted(const std::string& text) {
     return out + '"';
 }
 
-std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+std::string absolute(const std::string& path) {
+    return fs::absolute(path).lexically_normal().string();
+}
 
 }  // namespace
 
@@ -49,8 +51,9 @@ fs::path job_file(const JobSource& source) {
     for (const fs::path& folder : style_folders())
         if (const fs::path file = folder / (source.job + ".toml"); fs::exists(file))
             return fs::weakly_canonical(file);
-    throw ConfigError(fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
-                                  fmt::join(style_names(), ", ")));
+    throw ConfigError(
+        fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
+                    fmt::join(style_names(), ", ")));
 }
 
 std::vector<std::string> job_settings(const JobSource& source) {
@@ -62,7 +65,8 @@ std::vector<std::string> job_settings(const JobSource& source) {
     }
     std::string folder = source.output;
     if (folder.empty() && !source.clouds.empty())
-        folder = fs::path(source.clouds[0]).stem().string() + "_" + fs::path(source.job).stem().string();
+        folder =
+            fs::path(source.clouds[0]).stem().string() + "_" + fs::path(source.job).stem().string();
     if (!folder.empty()) settings.push_back("output.dir=" + quoted(absolute(folder)));
     settings.insert(settings.end(), source.settings.begin(), source.settings.end());
     return settings;

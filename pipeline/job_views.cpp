@@ -12,10 +12,13 @@ namespace {
 
 /// Options and the AOV that takes them.
 constexpr std::pair<const char*, const char*> kOwners[] = {
-    {"--truth-shape=", "truth_distance"}, {"--offset=", "truth_distance"},
-    {"--environment=", "environment"},    {"--environment-turn=", "environment"},
+    {"--truth-shape=", "truth_distance"},
+    {"--offset=", "truth_distance"},
+    {"--environment=", "environment"},
+    {"--environment-turn=", "environment"},
     {"--environment-behind", "environment"},
-    {"--matcap=", "matcap"},              {"--sun=", "hillshade"},
+    {"--matcap=", "matcap"},
+    {"--sun=", "hillshade"},
     {"--contours=", "hillshade"},
 };
 
@@ -25,8 +28,10 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
 
 }  // namespace
 
-std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder, const std::string& name,
-                                                 const std::vector<std::string>& aovs, const RenderConfig& config) {
+std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
+                                                 const std::string& name,
+                                                 const std::vector<std::string>& aovs,
+                                                 const RenderConfig& config) {
     const bool lines = !config.lines.empty() || contains(aovs, "lines");
     const bool film = config.turntable > 0 || !config.path.empty();
     const int n = film ? n_frames(config) : 1;
@@ -41,15 +46,18 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
     return files;
 }
 
-std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options) {
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options) {
     for (const auto& [option, aov] : kOwners)
         if (!contains(aovs, aov) && !contains(aovs, "all"))
-            std::erase_if(options, [&](const std::string& text) { return text.starts_with(option); });
+            std::erase_if(options,
+                          [&](const std::string& text) { return text.starts_with(option); });
     return options;
 }
 
-void check_view_keys(const RenderConfig& config,
-                     const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
+void check_view_keys(
+    const RenderConfig& config,
+    const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
     checked("size", [&] { parse_size(config.size); });
     checked("background", [&] { parse_background(config.background, false); });
     // Any box will do: only cameras that are given by numbers can be wrong.

@@ -9,18 +9,22 @@
 
 namespace slim {
 
-/// The pictures that a view leaves in a folder: <name>.<aov>.png, of a turntable or path <name>.<aov>_0001.png and so
-/// on; with lines <name>.lines.svg (<name>_0001.lines.svg).
-std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder, const std::string& name,
-                                                 const std::vector<std::string>& aovs, const RenderConfig& config);
+/// The pictures that a view leaves in a folder: <name>.<aov>.png, of a turntable or path
+/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg).
+std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
+                                                 const std::string& name,
+                                                 const std::vector<std::string>& aovs,
+                                                 const RenderConfig& config);
 
-/// [render] may say what only some AOVs take (a truth, an environment, contours): slim-render refuses it elsewhere, so
-/// these options are left out of views that show none of them.
-std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options);
+/// [render] may say what only some AOVs take (a truth, an environment, contours): slim-render
+/// refuses it elsewhere, so these options are left out of views that show none of them.
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options);
 
-/// What slim-render would refuse after the whole build: calls checked(key, check) for each key whose value can be
-/// wrong in itself, check throwing ConfigError.
-void check_view_keys(const RenderConfig& config,
-                     const std::function<void(const char* key, const std::function<void()>& check)>& checked);
+/// What slim-render would refuse after the whole build: calls checked(key, check) for each key
+/// whose value can be wrong in itself, check throwing ConfigError.
+void check_view_keys(
+    const RenderConfig& config,
+    const std::function<void(const char* key, const std::function<void()>& check)>& checked);
 
 }  // namespace slim

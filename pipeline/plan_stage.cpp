@@ -9,8 +9,10 @@ namespace slim {
 namespace {
 
 std::string text_of(const PlanConfig& config) {
-    if (config.explain) return explanation_of(read_job(job_file(config.source), job_settings(config.source)));
-    const Job job = read_job(std::filesystem::absolute(job_file(config.source)), job_settings(config.source));
+    if (config.explain)
+        return explanation_of(read_job(job_file(config.source), job_settings(config.source)));
+    const Job job =
+        read_job(std::filesystem::absolute(job_file(config.source)), job_settings(config.source));
     if (config.format == "make") return makefile_of(job, program_folder());
     return slice_rules_of(job, read_plan(job.stages.work), program_folder());
 }

@@ -22,20 +22,29 @@ constexpr float kMapLightFloor = 0.5f;
 
 const std::map<std::string, Channels>& channel_table() {
     static const std::map<std::string, Channels> table{
-        {"shaded", kNormalChannel},      {"environment", kNormalChannel},
-        {"matcap", kNormalChannel},      {"reflection", kNormalChannel},
+        {"shaded", kNormalChannel},
+        {"environment", kNormalChannel},
+        {"matcap", kNormalChannel},
+        {"reflection", kNormalChannel},
         {"hillshade", kNormalChannel | kPositionChannel},
         {"color", kNormalChannel | kPositionChannel | kSurfelIdChannel},
         {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
         {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
-        {"e1", kThirdOrderChannel},      {"e2", kThirdOrderChannel},
-        {"dk1_dt2", kThirdOrderChannel}, {"dk2_dt1", kThirdOrderChannel},
+        {"e1", kThirdOrderChannel},
+        {"e2", kThirdOrderChannel},
+        {"dk1_dt2", kThirdOrderChannel},
+        {"dk2_dt1", kThirdOrderChannel},
         {"mean", kMeanChannel},
-        {"gauss", kGaussChannel},        {"k1", kK1Channel},
-        {"k2", kK2Channel},              {"normal", kNormalChannel},
-        {"depth", kDepthChannel},        {"position", kPositionChannel},
-        {"id", kSurfelIdChannel},        {"error", kFitErrorChannel},
-        {"level", kLevelChannel},        {"coverage", kCoverageChannel},
+        {"gauss", kGaussChannel},
+        {"k1", kK1Channel},
+        {"k2", kK2Channel},
+        {"normal", kNormalChannel},
+        {"depth", kDepthChannel},
+        {"position", kPositionChannel},
+        {"id", kSurfelIdChannel},
+        {"error", kFitErrorChannel},
+        {"level", kLevelChannel},
+        {"coverage", kCoverageChannel},
         {"truth_distance", kPositionChannel},
         {"lines", 0},  // what they need depends on their kinds: line_channels
     };
@@ -50,7 +59,9 @@ bool is_curvature(const std::string& aov) {
     return (channel_table().at(aov) & kCurvatureChannel) != 0 && !is_direction(aov);
 }
 
-bool is_third_order(const std::string& aov) { return channel_table().at(aov) == kThirdOrderChannel; }
+bool is_third_order(const std::string& aov) {
+    return channel_table().at(aov) == kThirdOrderChannel;
+}
 
 std::span<const float> plane_of(const std::string& aov, const RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
@@ -156,9 +167,10 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
         if (aov != "all") add(aov);
         else
             for (const char* each :
-                 {"shaded", "color", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2", "dir1",
-                  "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id", "error", "level",
-                  "coverage"})
+                 {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
+                  "mean",     "gauss", "k1",          "k2",      "dir1",       "dir2",
+                  "e1",       "e2",    "dk1_dt2",     "dk2_dt1", "normal",     "depth",
+                  "position", "id",    "error",       "level",   "coverage"})
                 add(each);
     }
     if (aovs.empty()) throw ConfigError("aov: expected at least one");
@@ -172,19 +184,22 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     return aovs;
 }
 
-void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors, std::vector<std::string>& aovs) {
+void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
+                        std::vector<std::string>& aovs) {
     if (!has_colors) {
         if (std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
-            throw ConfigError(config.model + ": aov color: the model has no colours: build it with --color, from a PLY "
-                              "with red, green and blue");
+            throw ConfigError(
+                config.model +
+                ": aov color: the model has no colours: build it with --color, from a PLY "
+                "with red, green and blue");
         std::erase(aovs, "color");
     }
     if (degree >= 3) return;
     for (const std::string& aov : config.aov)
         if (aov != "all" && is_third_order(aov))
             throw ConfigError(config.model + ": aov " + aov +
-                              " needs third derivatives, which a model of degree " + std::to_string(degree) +
-                              " does not have: build it with --degree 3");
+                              " needs third derivatives, which a model of degree " +
+                              std::to_string(degree) + " does not have: build it with --degree 3");
     std::erase_if(aovs, is_third_order);
 }
 
@@ -221,12 +236,14 @@ MapValues map_values(const std::string& aov, const RenderedFrame& frame) {
     MapValues out{plane_of(aov, frame), {}};
     if (!is_third_order(aov)) return out;
     out.magnitudes.resize(out.plane.size());
-    std::transform(out.plane.begin(), out.plane.end(), out.magnitudes.begin(), [](float v) { return std::abs(v); });
+    std::transform(out.plane.begin(), out.plane.end(), out.magnitudes.begin(),
+                   [](float v) { return std::abs(v); });
     return out;
 }
 
-Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look, const ShadingInputs& shadings,
-                 const RenderedFrame& frame, const Bbox& bounds, const PictureSize& size) {
+Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look,
+                 const ShadingInputs& shadings, const RenderedFrame& frame, const Bbox& bounds,
+                 const PictureSize& size) {
     const GBuffer& b = frame.buffer;
     const PictureSize part = part_size(frame, size);
     const auto painted = [&](const auto& paint_rows) {

@@ -18,9 +18,10 @@ namespace slim {
 /// ConfigError for truth_distance without a --truth-shape, or a shape without it.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
 
-/// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour unless it has any.
-/// ConfigError, naming the remedy, if one was asked for by name.
-void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors, std::vector<std::string>& aovs);
+/// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour
+/// unless it has any. ConfigError, naming the remedy, if one was asked for by name.
+void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
+                        std::vector<std::string>& aovs);
 
 /// What the renderer must deliver for these AOVs, and no more.
 Channels channels_of(const std::vector<std::string>& aovs, bool light_maps);
@@ -30,10 +31,10 @@ bool is_filterable(const std::string& aov);
 
 /// One rendered frame, or the part of one that its buffer holds, and what derives from it.
 struct RenderedFrame {
-    PictureSize size;     ///< of the whole
-    PixelWindow window;   ///< the buffer's part of it
-    PixelView pixels;     ///< of the whole
-    ShadeView view;       ///< of the part
+    PictureSize size;    ///< of the whole
+    PixelWindow window;  ///< the buffer's part of it
+    PixelView pixels;    ///< of the whole
+    ShadeView view;      ///< of the part
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for
@@ -46,19 +47,24 @@ struct RenderedFrame {
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& buffer);
 
-/// What an AOV paints as a map: a plane of the frame, or the magnitudes of one whose sign is arbitrary.
+/// What an AOV paints as a map: a plane of the frame, or the magnitudes of one whose sign is
+/// arbitrary.
 struct MapValues {
     std::span<const float> plane;
     std::vector<float> magnitudes;
-    std::span<const float> span() const { return magnitudes.empty() ? plane : std::span<const float>(magnitudes); }
+    std::span<const float> span() const {
+        return magnitudes.empty() ? plane : std::span<const float>(magnitudes);
+    }
 };
 MapValues map_values(const std::string& aov, const RenderedFrame& frame);
 
 struct AovLook;
 struct ShadingInputs;
 
-/// Draws an AOV of a frame's part, over transparent; a frame larger than `size`, the whole picture's, is averaged.
-Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look, const ShadingInputs& shadings,
-                 const RenderedFrame& frame, const Bbox& bounds, const PictureSize& size);
+/// Draws an AOV of a frame's part, over transparent; a frame larger than `size`, the whole
+/// picture's, is averaged.
+Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLook& look,
+                 const ShadingInputs& shadings, const RenderedFrame& frame, const Bbox& bounds,
+                 const PictureSize& size);
 
 }  // namespace slim

@@ -18,7 +18,8 @@ Picture paint_colors(const ColorBlend& colors, const RenderedFrame& frame, const
             const Vec3d n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
             const Vec3f c = colors.at(p, n, b.surfel_id[i], found);
             float* pixel = &out.rgba[4 * k];
-            for (std::size_t channel = 0; channel < 3; ++channel) pixel[channel] = linear_from_srgb(c[channel]);
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                pixel[channel] = linear_from_srgb(c[channel]);
             pixel[3] = 1;
         }
     });

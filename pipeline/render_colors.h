@@ -8,7 +8,8 @@ namespace slim {
 
 struct RenderedFrame;
 
-/// Some rows of a frame (positions, normals, surfel ids) in the scan's own colours, over transparent.
+/// Some rows of a frame (positions, normals, surfel ids) in the scan's own colours, over
+/// transparent.
 Picture paint_colors(const ColorBlend& colors, const RenderedFrame& frame, const RowRange& rows);
 
 }  // namespace slim

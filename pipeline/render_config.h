@@ -66,9 +66,11 @@ struct RenderConfig {
               "enlarges about the picture's middle: 2 shows half of what the camera shows", 0.001,
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
-                     {"shaded", "color", "environment", "matcap", "reflection", "hillshade", "mean", "gauss", "k1", "k2",
-                      "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1", "normal", "depth", "position", "id",
-                      "error", "level", "coverage", "truth_distance", "lines", "all"});
+                     {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
+                      "mean",     "gauss", "k1",          "k2",      "dir1",       "dir2",
+                      "e1",       "e2",    "dk1_dt2",     "dk2_dt1", "normal",     "depth",
+                      "position", "id",    "error",       "level",   "coverage",   "truth_distance",
+                      "lines",    "all"});
         field.choice("lines", lines,
                      "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
                      "x.lines.svg; crest needs a model of --degree 3",
@@ -88,7 +90,8 @@ struct RenderConfig {
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
         field("legend", legend,
               "legend bar in the maps (named cameras leave room) and beside them as SVG");
-        field("light_maps", light_maps, "light the curvature maps and the scan's colours (which are then not exact)");
+        field("light_maps", light_maps,
+              "light the curvature maps and the scan's colours (which are then not exact)");
         field("background", background,
               "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom");
         field.choice("format", format, "auto: by the output's extension, PNG in a folder",
@@ -97,24 +100,36 @@ struct RenderConfig {
         field("truth_shape", truth_shape, "analytic shape that truth_distance measures against");
         field("offset", offset, "where that shape's origin lies in the world: x,y,z");
         field.path("environment", environment,
-                   "lat-long picture of the light for --aov environment: EXR, HDR, PNG, ... (default: a built-in "
+                   "lat-long picture of the light for --aov environment: EXR, HDR, PNG, ... "
+                   "(default: a built-in "
                    "studio)");
-        field("environment_turn", environment_turn, "turns it about the up axis, degrees", -360, 360);
+        field("environment_turn", environment_turn, "turns it about the up axis, degrees", -360,
+              360);
         field("environment_behind", environment_behind, "shows it behind the model");
-        field.path("matcap", matcap,
-                   "picture of a ball for --aov matcap: PNG, JPEG, EXR, ... (default: a built-in one)");
-        field("sun", sun, "of --aov hillshade: azimuth clockwise from north (+y, with --up z), altitude; degrees");
+        field.path(
+            "matcap", matcap,
+            "picture of a ball for --aov matcap: PNG, JPEG, EXR, ... (default: a built-in one)");
+        field("sun", sun,
+              "of --aov hillshade: azimuth clockwise from north (+y, with --up z), altitude; "
+              "degrees");
         field("contours", contours,
-              "contour lines of --aov hillshade: auto, none, or their spacing in model units (every fifth is heavier)");
+              "contour lines of --aov hillshade: auto, none, or their spacing in model units "
+              "(every fifth is heavier)");
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
-        field("same_scale", same_scale, "orthographic named cameras: one scale for all six sides, at which each fits");
+        field("same_scale", same_scale,
+              "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
-              "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the whole has there");
-        field("turntable", turntable, "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
+              "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
+              "whole has there");
+        field("turntable", turntable,
+              "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
-              "camera path for --frames: keyframes between ';', each as --camera, 'zoom Z' after it if wanted");
-        field("frames", frames, "pictures along --path, from its first keyframe to its last", 0, 9999);
-        field("frame", frame, "draws only this picture of a turntable or path, from 1 (0: all)", 0, 9999);
+              "camera path for --frames: keyframes between ';', each as --camera, 'zoom Z' after "
+              "it if wanted");
+        field("frames", frames, "pictures along --path, from its first keyframe to its last", 0,
+              9999);
+        field("frame", frame, "draws only this picture of a turntable or path, from 1 (0: all)", 0,
+              9999);
         field("tile", tile, "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
     }
 };

@@ -10,15 +10,16 @@
 
 namespace slim {
 
-/// Zeroes the principal directions of a frame (which holds k1 and k2) where there are none: umbilics, (k1 - k2) / 2 <
-/// 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 / diagonal (NUMERICS 5.2).
+/// Zeroes the principal directions of a frame (which holds k1 and k2) where there are none:
+/// umbilics, (k1 - k2) / 2 < 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 /
+/// diagonal (NUMERICS 5.2).
 void drop_undefined_directions(double diagonal, GBuffer& frame);
 
 /// Planes of t2 = N x t1, zero where t1 is; the frame holds both.
 std::array<std::vector<float>, 3> second_directions(const GBuffer& frame);
 
-/// |x|, |y|, |z| as red, green, blue, as a direction has no sign (Pajevic and Pierpaoli 1999); grey where k1 and k2
-/// are nearly equal.
+/// |x|, |y|, |z| as red, green, blue, as a direction has no sign (Pajevic and Pierpaoli 1999); grey
+/// where k1 and k2 are nearly equal.
 Picture paint_directions(const GBuffer& frame, bool second, const RowRange& rows);
 
 /// What those colours mean.

@@ -52,7 +52,8 @@ std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame
     if (aov == "dk1_dt2") return {{"extremality.dk1_dt2", &b.third[1]}};
     if (aov == "dk2_dt1") return {{"extremality.dk2_dt1", &b.third[2]}};
     if (aov == "dir1")
-        return {{"dir1.X", &b.direction[0]}, {"dir1.Y", &b.direction[1]}, {"dir1.Z", &b.direction[2]}};
+        return {
+            {"dir1.X", &b.direction[0]}, {"dir1.Y", &b.direction[1]}, {"dir1.Z", &b.direction[2]}};
     if (aov == "normal")
         return {{"N.X", &b.normal[0]}, {"N.Y", &b.normal[1]}, {"N.Z", &b.normal[2]}};
     if (aov == "position")
@@ -66,8 +67,8 @@ std::vector<NamedPlane> float_planes(const std::string& aov, const RenderedFrame
 }
 
 /// The colour planes of an interleaved picture: R G B A, or R G B of a layer.
-void add_color(const Picture& picture, const std::string& layer, std::vector<std::vector<float>>& planes,
-               std::vector<ExrChannel>& out) {
+void add_color(const Picture& picture, const std::string& layer,
+               std::vector<std::vector<float>>& planes, std::vector<ExrChannel>& out) {
     const char* const names[] = {"R", "G", "B", "A"};
     for (std::size_t c = 0; c < (layer.empty() ? 4u : 3u); ++c) {
         std::vector<float> plane(picture.n_pixels());
@@ -136,18 +137,19 @@ fs::path OutputPlan::legend(const std::string& aov) const {
 
 fs::path OutputPlan::lines_svg() const {
     const bool has_aov = drawn.size() == 1 && stem.extension() == "." + drawn[0];
-    return fs::path((has_aov ? fs::path(stem).replace_extension() : stem).string() + ".lines.svg");
+    const fs::path base = has_aov ? fs::path(stem).replace_extension() : stem;
+    return fs::path(base.string() + number + ".lines.svg");
 }
 
 OutputPlan OutputPlan::numbered(int k) const {
-    const auto with_number = [&](const fs::path& file) {
-        fs::path out = file;
-        return out.replace_extension().string() + fmt::format("_{:04}", k) + file.extension().string();
-    };
     OutputPlan out = *this;
+    out.number = fmt::format("_{:04}", k);
+    const auto with_number = [&](fs::path file) {
+        const std::string extension = file.extension().string();
+        return file.replace_extension().string() + out.number + extension;
+    };
     for (fs::path& png : out.pngs) png = with_number(png);
     if (!exr.empty()) out.exr = with_number(exr);
-    out.stem += fmt::format("_{:04}", k);
     return out;
 }
 
@@ -157,9 +159,10 @@ std::vector<std::string> film_commands(const OutputPlan& plan) {
         fs::path stem = png;
         stem.replace_extension();
         // Encoders want even sides.
-        commands.push_back(fmt::format("ffmpeg -framerate 24 -i '{0}_%04d{1}' -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
-                                       "-c:v libx264 -pix_fmt yuv420p '{0}.mp4'",
-                                       stem.string(), png.extension().string()));
+        commands.push_back(
+            fmt::format("ffmpeg -framerate 24 -i '{0}_%04d{1}' -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
+                        "-c:v libx264 -pix_fmt yuv420p '{0}.mp4'",
+                        stem.string(), png.extension().string()));
     }
     return commands;
 }
@@ -228,7 +231,8 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:units", config.unit.empty() ? "model units" : config.unit},
         {"slim:seed", std::to_string(model.seed)},
         {"slim:curvature", "positive where convex, normals outwards, 1/length"},
-        {"slim:directions", "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
+        {"slim:directions",
+         "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
     return metadata;

@@ -28,6 +28,7 @@ struct OutputPlan {
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
     std::vector<std::string> drawn;           ///< those AOVs
     std::filesystem::path stem;               ///< without extension: legends
+    std::string number = {};                  ///< "_0001" of a film's picture
     std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
     std::filesystem::path lines_svg() const;
@@ -51,8 +52,9 @@ struct ColorPlane {
 };
 
 /// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
-/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. The first picture of light
-/// is R G B A without a layer. `planes` keeps what had to be rearranged and must outlive the result.
+/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. The first
+/// picture of light is R G B A without a layer. `planes` keeps what had to be rearranged and must
+/// outlive the result.
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      const RenderedFrame& frame, std::span<const ColorPlane> colors,
                                      std::span<const LineKind> lines,

@@ -41,13 +41,15 @@ void shade_frame(int factor, RenderedFrame& frame) {
     });
 }
 
-/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what derives from it.
-RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window, double lod,
-                        Channels wanted, RenderedFrame& frame) {
+/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what
+/// derives from it.
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                        double lod, Channels wanted, RenderedFrame& frame) {
     frame.size = size, frame.window = window;
     frame.pixels = pixel_view(job.camera, size.width, size.height);
     frame.view = shade_view(job.camera, size, window.x, window.y);
-    const RenderRequest request{job.camera, size.width, size.height, wanted, lod, window, job.config.loose};
+    const RenderRequest request{job.camera, size.width, size.height,     wanted,
+                                lod,        window,     job.config.loose};
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
@@ -61,8 +63,8 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
                        const PicturePart& part, RenderedFrame& frame) {
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
     const RenderStats stats =
-        draw_buffer(job, {job.size.width * factor, job.size.height * factor}, times(part.drawn, factor),
-                    job.config.lod * factor, wanted, frame);
+        draw_buffer(job, {job.size.width * factor, job.size.height * factor},
+                    times(part.drawn, factor), job.config.lod * factor, wanted, frame);
     if (with_shading) shade_frame(factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
@@ -86,7 +88,8 @@ double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const 
 std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
     std::uint64_t n = 0;
     for (int y = w.y; y < w.y + w.height; ++y)
-        n += static_cast<std::uint64_t>(std::count(&b.hit[b.index(w.x, y)], &b.hit[b.index(w.x, y)] + w.width, 1));
+        n += static_cast<std::uint64_t>(
+            std::count(&b.hit[b.index(w.x, y)], &b.hit[b.index(w.x, y)] + w.width, 1));
     return n;
 }
 
@@ -104,8 +107,8 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
     std::vector<std::string> aovs;
     if (job.config.supersample == 1) return aovs;
     for (const std::string& aov : job.aovs) {
-        const bool drawn = std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) !=
-                           job.plan.drawn.end();
+        const bool drawn =
+            std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) != job.plan.drawn.end();
         if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
     }
     return aovs;
@@ -118,17 +121,17 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
     Frames frames;
     frames.has_fine = !fine.empty();
     if (frames.has_fine) {
-        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit), part,
-                                           context, frames.fine, frames.stats);
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, channels_of(fine, lit),
+                                           part, context, frames.fine, frames.stats);
         if (!plain.empty() || !job.lines.empty())
             draw_frame(job, 1, plain_channels, false, part, frames.plain);
     } else {
         frames.median_ms =
             draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames.stats);
     }
-    frames.covered = frames.has_fine
-                         ? count_hits(frames.fine.buffer, times(part.inside(), job.config.supersample))
-                         : count_hits(frames.plain.buffer, part.inside());
+    frames.covered = frames.has_fine ? count_hits(frames.fine.buffer,
+                                                  times(part.inside(), job.config.supersample))
+                                     : count_hits(frames.plain.buffer, part.inside());
     if (job.wants("truth_distance"))
         frames.plain.truth_distance =
             truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
@@ -149,18 +152,22 @@ void choose_looks(RenderJob& job) {
     std::vector<std::string> aovs;
     for (const std::string& aov : job.plan.drawn)
         if (needs_reference(job.config, aov)) aovs.push_back(aov);
-    if (job.wants("hillshade") && aovs.empty() && job.config.contours == "auto") aovs.push_back("hillshade");
+    if (job.wants("hillshade") && aovs.empty() && job.config.contours == "auto")
+        aovs.push_back("hillshade");
     if (!aovs.empty()) {
         const PictureSize size = reference_size(job.size);
         const double scale = static_cast<double>(size.width) / job.size.width;
         draw_buffer(job, size, {0, 0, size.width, size.height}, job.config.lod * scale,
                     channels_of(aovs, false), reference);
         if (job.wants("truth_distance"))
-            reference.truth_distance = truth_distances(job.config, job.tree.header().origin, reference.buffer);
-        if (job.wants("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
+            reference.truth_distance =
+                truth_distances(job.config, job.tree.header().origin, reference.buffer);
+        if (job.wants("hillshade"))
+            choose_contours(job.config, reference.buffer, job.shadings.relief);
     }
     for (const std::string& aov : job.plan.drawn)
-        job.looks[aov] = look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
+        job.looks[aov] =
+            look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
 }
 
 }  // namespace slim

@@ -5,8 +5,8 @@
 
 namespace slim {
 
-/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000 pixels on the longer
-/// side.
+/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
+/// pixels on the longer side.
 PictureSize reference_size(const PictureSize& size);
 
 /// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.

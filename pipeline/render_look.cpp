@@ -30,7 +30,9 @@ Key contour_key(const RenderConfig& config, const Relief& relief) {
     const std::string unit = config.unit.empty() ? "units" : config.unit;
     return {"contour lines",
             {{fmt::format("every {:g} {}", relief.spacing, unit), false, {}},
-             {fmt::format("heavy every {:g} {}", relief.spacing * relief.index_every, unit), false, {}}}};
+             {fmt::format("heavy every {:g} {}", relief.spacing * relief.index_every, unit),
+              false,
+              {}}}};
 }
 
 /// The reference's hits, as an object over transparent.
@@ -52,18 +54,21 @@ std::optional<Legend> expected_legend(const RenderConfig& config, const std::str
 
 }  // namespace
 
-AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference, double diagonal,
-                const Relief& relief) {
+AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
+                double diagonal, const Relief& relief) {
     const GBuffer& b = reference.buffer;
     AovLook look;
     if (aov == "level") look = look_of_levels(b);
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
-        look.legend = make_legend(config, aov, map_range(config, aov, values.span(), b.hit, diagonal), values.span(), b.hit);
+        look.legend =
+            make_legend(config, aov, map_range(config, aov, values.span(), b.hit, diagonal),
+                        values.span(), b.hit);
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
     if (aov == "hillshade" && relief.spacing > 0) look.key = contour_key(config, relief);
-    if (look.legend && config.legend) look.place = best_legend_place(*look.legend, silhouette_of(b));
+    if (look.legend && config.legend)
+        look.place = best_legend_place(*look.legend, silhouette_of(b));
     if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b));
     return look;
 }

@@ -24,8 +24,8 @@ struct AovLook {
     bool on_white() const { return legend.has_value() || key.has_value(); }
 };
 
-/// Range, legend and its place by a reference frame: the view at no more than 1000 pixels on its longer side, so that
-/// all parts of a picture and all frames of a film agree.
+/// Range, legend and its place by a reference frame: the view at no more than 1000 pixels on its
+/// longer side, so that all parts of a picture and all frames of a film agree.
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
                 double diagonal, const Relief& relief);
 

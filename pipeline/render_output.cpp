@@ -11,7 +11,8 @@ bool is_opaque(const Picture8& picture) {
 
 }  // namespace
 
-void PictureFiles::add_png(std::size_t k, const Picture& band, bool opaque, const ImageMetadata& metadata) {
+void PictureFiles::add_png(std::size_t k, const Picture& band, bool opaque,
+                           const ImageMetadata& metadata) {
     const Picture8 encoded = encode_srgb8(band);
     if (!pngs_[k])
         pngs_[k].emplace(plan_.pngs[k].string(), window_.width, window_.height,
@@ -19,12 +20,14 @@ void PictureFiles::add_png(std::size_t k, const Picture& band, bool opaque, cons
     pngs_[k]->add_rows(encoded.rgba);
 }
 
-void PictureFiles::add_exr(int n_rows, std::span<const ExrChannel> channels, const ImageMetadata& metadata) {
+void PictureFiles::add_exr(int n_rows, std::span<const ExrChannel> channels,
+                           const ImageMetadata& metadata) {
     if (!exr_) {
         const bool is_part = window_.width != whole_.width || window_.height != whole_.height;
         const ImagePlace place =
             is_part ? ImagePlace{window_.x, window_.y, whole_.width, whole_.height} : ImagePlace{};
-        exr_.emplace(plan_.exr.string(), window_.width, window_.height, channels, metadata, matrices_, place);
+        exr_.emplace(plan_.exr.string(), window_.width, window_.height, channels, metadata,
+                     matrices_, place);
     }
     exr_->add_rows(n_rows, channels);
 }

@@ -31,8 +31,8 @@ std::optional<double> fixed_spacing(const RenderConfig& config) {
     const char* const end = config.contours.data() + config.contours.size();
     const auto [rest, error] = std::from_chars(config.contours.data(), end, value);
     if (error == std::errc() && rest == end && value > 0 && std::isfinite(value)) return value;
-    throw ConfigError("contours: expected auto, none or a spacing > 0 in model units, found \"" + config.contours +
-                      "\"");
+    throw ConfigError("contours: expected auto, none or a spacing > 0 in model units, found \"" +
+                      config.contours + "\"");
 }
 
 std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
@@ -46,32 +46,35 @@ Relief relief_of(const RenderConfig& config, const ModelHeader& model) {
     return relief;
 }
 
-/// Calls color(normal, toward_eye) -> linear light at each hit of some rows; vectors in camera axes.
+/// Calls color(normal, toward_eye) -> linear light at each hit of some rows; vectors in camera
+/// axes.
 template <class Color>
 Picture paint_rows(const RenderedFrame& frame, const RowRange& rows, const Color& color) {
     const GBuffer& b = frame.buffer;
     Picture out(b.width, rows.end - rows.begin);
-    for_eye_rows(b.width, b.height, rows, frame.view, {b.normal[0], b.normal[1], b.normal[2]}, b.hit,
-                 [&](const EyeRow& row) {
-        for (int x = 0; x < b.width; ++x) {
-            const auto k = static_cast<std::size_t>(x);
-            if (!row.hit[k]) continue;
-            const Vec3f c = color(row.normal[k], row.toward_eye[k]);
-            float* p = out.pixel(x, row.y - rows.begin);
-            p[0] = c.x, p[1] = c.y, p[2] = c.z, p[3] = 1;
-        }
-    });
+    for_eye_rows(b.width, b.height, rows, frame.view, {b.normal[0], b.normal[1], b.normal[2]},
+                 b.hit, [&](const EyeRow& row) {
+                     for (int x = 0; x < b.width; ++x) {
+                         const auto k = static_cast<std::size_t>(x);
+                         if (!row.hit[k]) continue;
+                         const Vec3f c = color(row.normal[k], row.toward_eye[k]);
+                         float* p = out.pixel(x, row.y - rows.begin);
+                         p[0] = c.x, p[1] = c.y, p[2] = c.z, p[3] = 1;
+                     }
+                 });
     return out;
 }
 
-Picture paint_environment(const Environment& light, const RenderedFrame& frame, const RowRange& rows) {
+Picture paint_environment(const Environment& light, const RenderedFrame& frame,
+                          const RowRange& rows) {
     const ShadeView& v = frame.view;
     const Vec3f right = to_float(v.right), up = to_float(v.up), back = to_float(v.back);
     const auto in_world = [&](const Vec3f& d) { return right * d.x + up * d.y + back * d.z; };
     return paint_rows(frame, rows, [&](const Vec3f& n, const Vec3f& e) {
         const Vec3f diffuse = light.diffuse(in_world(n));
         const Vec3f glossy = light.glossy(in_world(n * (2 * dot(n, e)) - e));
-        return Vec3f{kClay.x * diffuse.x, kClay.y * diffuse.y, kClay.z * diffuse.z} + glossy * kGloss;
+        return Vec3f{kClay.x * diffuse.x, kClay.y * diffuse.y, kClay.z * diffuse.z} +
+               glossy * kGloss;
     });
 }
 
@@ -87,7 +90,8 @@ bool is_color(const std::string& aov) { return aov == "shaded" || is_shading(aov
 void check_shadings(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const auto needs = [&](bool given, const char* option, const char* aov) {
         if (given && !contains(aovs, aov))
-            throw ConfigError(fmt::format("{} is for the aov {}, which is not asked for", option, aov));
+            throw ConfigError(
+                fmt::format("{} is for the aov {}, which is not asked for", option, aov));
     };
     const RenderConfig usual;
     needs(!config.environment.empty(), "environment", "environment");
@@ -97,8 +101,10 @@ void check_shadings(const RenderConfig& config, const std::vector<std::string>& 
     needs(config.sun != usual.sun, "sun", "hillshade");
     needs(config.contours != usual.contours, "contours", "hillshade");
     fixed_spacing(config);
-    if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) || !std::isfinite(config.sun[0]))
-        throw ConfigError("sun: expected two angles in degrees, azimuth,altitude with an altitude from 0 to 90");
+    if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) ||
+        !std::isfinite(config.sun[0]))
+        throw ConfigError(
+            "sun: expected two angles in degrees, azimuth,altitude with an altitude from 0 to 90");
 }
 
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
@@ -110,7 +116,8 @@ ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::s
             inputs.environment = Environment::studio(axes, config.environment_turn);
         } else {
             LightImage image = read_light_image(config.environment);
-            inputs.environment.emplace(image.width, image.height, std::move(image.rgb), axes, config.environment_turn);
+            inputs.environment.emplace(image.width, image.height, std::move(image.rgb), axes,
+                                       config.environment_turn);
         }
     }
     if (contains(aovs, "matcap")) {
@@ -131,12 +138,14 @@ void choose_contours(const RenderConfig& config, const GBuffer& reference, Relie
     relief.spacing = contour_spacing(low, high);
 }
 
-Picture paint_shading(const std::string& aov, const ShadingInputs& inputs, const RenderedFrame& frame,
-                      const RowRange& rows) {
+Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
+                      const RenderedFrame& frame, const RowRange& rows) {
     if (aov == "color") return paint_colors(*inputs.colors, frame, rows);
     if (aov == "environment") return paint_environment(*inputs.environment, frame, rows);
     if (aov == "matcap")
-        return paint_rows(frame, rows, [&](const Vec3f& n, const Vec3f& e) { return inputs.matcap->color(n, e); });
+        return paint_rows(frame, rows, [&](const Vec3f& n, const Vec3f& e) {
+            return inputs.matcap->color(n, e);
+        });
     if (aov == "reflection")
         return paint_rows(frame, rows, [&](const Vec3f& n, const Vec3f& e) {
             const float grey = reflected_stripes(n, e);
@@ -146,18 +155,21 @@ Picture paint_shading(const std::string& aov, const ShadingInputs& inputs, const
     return paint_relief(frame.buffer, frame.pixels, frame.view, rows, inputs.relief, line_width);
 }
 
-void composite_over_environment(const Environment& environment, const PixelView& view, int x0, int y0,
-                                Picture& picture) {
-    parallel_blocks(static_cast<std::size_t>(picture.height), 8, [&](std::size_t begin, std::size_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
-            for (int x = 0; x < picture.width; ++x) {
-                float* p = picture.pixel(x, y);
-                const float through = 1 - p[3];
-                if (!(through > 0)) continue;
-                const Vec3f light = environment.radiance(to_float(view.ray_direction(x0 + x + 0.5, y0 + y + 0.5)));
-                p[0] += through * light.x, p[1] += through * light.y, p[2] += through * light.z, p[3] += through;
-            }
-    });
+void composite_over_environment(const Environment& environment, const PixelView& view, int x0,
+                                int y0, Picture& picture) {
+    parallel_blocks(static_cast<std::size_t>(picture.height), 8,
+                    [&](std::size_t begin, std::size_t end) {
+                        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+                            for (int x = 0; x < picture.width; ++x) {
+                                float* p = picture.pixel(x, y);
+                                const float through = 1 - p[3];
+                                if (!(through > 0)) continue;
+                                const Vec3f light = environment.radiance(
+                                    to_float(view.ray_direction(x0 + x + 0.5, y0 + y + 0.5)));
+                                p[0] += through * light.x, p[1] += through * light.y,
+                                    p[2] += through * light.z, p[3] += through;
+                            }
+                    });
 }
 
 }  // namespace slim

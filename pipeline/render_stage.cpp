@@ -23,18 +23,20 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 /// Nodes that a view of that size visits.
-void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow& window, double lod,
-                std::vector<std::uint32_t>& visited) {
+void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                double lod, std::vector<std::uint32_t>& visited) {
     CutCounts counts;
     counts.visited = &visited;
     lod_cut(job.tree, pixel_view(job.camera, size.width, size.height), whole_tiles(window),
             {lod, job.config.loose}, counts);
 }
 
-/// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part reads the pages
-/// that it shows; where that is half of the file or more, all of it is checked as elsewhere.
+/// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part
+/// reads the pages that it shows; where that is half of the file or more, all of it is checked as
+/// elsewhere.
 std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job) {
-    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1 && !job.wants("color")) {
+    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1 &&
+        !job.wants("color")) {
         std::vector<std::uint32_t> visited;
         visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
         const PictureSize reference = reference_size(job.size);
@@ -84,7 +86,8 @@ void add(const RenderStats& part, RenderStats& sum) {
     sum.unblended_pixels += part.unblended_pixels;
 }
 
-/// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its bytes.
+/// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its
+/// bytes.
 std::uint64_t pixel_bytes(const RenderJob& job) {
     const auto planes = [&](const std::vector<std::string>& aovs) {
         GBuffer one;
@@ -94,7 +97,8 @@ std::uint64_t pixel_bytes(const RenderJob& job) {
         return bytes;
     };
     const auto factor = static_cast<std::uint64_t>(job.config.supersample);
-    return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) + factor * factor * planes(fine_aovs(job));
+    return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) +
+           factor * factor * planes(fine_aovs(job));
 }
 
 /// One picture of each AOV, of a film or the only one.
@@ -103,7 +107,8 @@ void draw_and_write(const RenderJob& job, const std::string& model_identity, Sta
     const ImageMetadata metadata =
         make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
     const auto parts = picture_parts(job.size, job.window, pixel_bytes(job), !job.lines.empty());
-    PictureFiles files(job.plan, job.size, job.window, parts.size() == 1, make_matrices(job.camera, job.size));
+    PictureFiles files(job.plan, job.size, job.window, parts.size() == 1,
+                       make_matrices(job.camera, job.size));
     for (std::size_t band = 0; band < parts.size(); ++band) {
         if (parts.size() > 1) context.reporter.progress("bands", band, parts.size());
         const Frames frames = draw_frames(job, parts[band], context);
@@ -112,12 +117,15 @@ void draw_and_write(const RenderJob& job, const std::string& model_identity, Sta
         outcome.frame_ms += frames.median_ms;
         outcome.factor = frames.has_fine ? job.config.supersample : 1;
         if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
-        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 && band == 0)
-            context.reporter.warn(job.plan.named.string() +
-                                  ": too small for its legend or scale bar; legends are beside it as SVG");
+        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 &&
+            band == 0)
+            context.reporter.warn(
+                job.plan.named.string() +
+                ": too small for its legend or scale bar; legends are beside it as SVG");
         if (job.lines.empty()) continue;
-        for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.size,
-                                            job.tree.header().origin, frames.plain.lines, job.lines))
+        for (const auto& file :
+             write_lines(job.config, job.plan.lines_svg(), job.size, job.tree.header().origin,
+                         frames.plain.lines, job.lines))
             outcome.files.push_back(file);
         outcome.lines = lines_json(frames.plain.lines, job.lines);
     }
@@ -128,7 +136,8 @@ void draw_and_write(const RenderJob& job, const std::string& model_identity, Sta
 }
 
 /// All pictures of the run; legends are those of the whole film.
-Outcome draw_film(RenderJob& job, double free_right, const std::string& model_identity, StageContext& context) {
+Outcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
+                  StageContext& context) {
     const OutputPlan plan = job.plan;
     const int wanted = job.config.frame;
     Outcome outcome;
@@ -160,20 +169,20 @@ Json make_result(const RenderJob& job, const Outcome& outcome) {
     for (const auto& file : outcome.files) files.push_back(file.string());
     const RenderStats& s = outcome.stats;
     Json result = {{"files", files},
-            {"width", job.window.width},
-            {"height", job.window.height},
-            {"rendered_pixels",
-             static_cast<std::int64_t>(job.window.width) * job.window.height * outcome.factor * outcome.factor},
-            {"covered_pixels", s.covered_pixels},
-            {"surfels_drawn", s.surfels_drawn},
-            {"loose_hidden", s.loose_hidden},
-            {"nodes", job.tree.n_nodes()},
-            {"nodes_visited", s.nodes_visited},
-            {"root_tests", s.root_tests},
-            {"distance_tests", s.distance_tests},
-            {"unblended_pixels", s.unblended_pixels},
-            {"frame_ms_median", outcome.frame_ms / outcome.frames},
-            {"ranges", ranges_json(job)}};
+                   {"width", job.window.width},
+                   {"height", job.window.height},
+                   {"rendered_pixels", static_cast<std::int64_t>(job.window.width) *
+                                           job.window.height * outcome.factor * outcome.factor},
+                   {"covered_pixels", s.covered_pixels},
+                   {"surfels_drawn", s.surfels_drawn},
+                   {"loose_hidden", s.loose_hidden},
+                   {"nodes", job.tree.n_nodes()},
+                   {"nodes_visited", s.nodes_visited},
+                   {"root_tests", s.root_tests},
+                   {"distance_tests", s.distance_tests},
+                   {"unblended_pixels", s.unblended_pixels},
+                   {"frame_ms_median", outcome.frame_ms / outcome.frames},
+                   {"ranges", ranges_json(job)}};
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
     if (job.n_frames > 1) {
         result["frames"] = outcome.frames;
@@ -190,7 +199,8 @@ void require_surfels(const RenderConfig& config, const SurfelTree& tree) {
 
 void require_scale(const RenderJob& job) {
     if (job.config.scale_bar && !job.camera.orthographic)
-        throw ConfigError("scale_bar: a perspective picture has no one scale: draw it with --ortho");
+        throw ConfigError(
+            "scale_bar: a perspective picture has no one scale: draw it with --ortho");
 }
 
 /// Curvature comes from the surfels' second derivatives, which planes do not have.
@@ -215,7 +225,8 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     parse_background(config.background, false);
     const int frames = n_frames(config);
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
-        throw ConfigError("lines_ply and lines_obj are for one picture, not for a turntable or path");
+        throw ConfigError(
+            "lines_ply and lines_obj are for one picture, not for a turntable or path");
     const fs::path named = plan_outputs(config, aovs).named;
 
     require_model(config.model);
@@ -237,8 +248,16 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const OutputPlan plan = plan_outputs(config, aovs);
     const double room = legend_room(config, plan.drawn, size);
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
-    RenderJob job{config, tree, aovs, plan, size, frame_camera(config, tree.header(), size, room, 0), lines,
-                  wanted_window(config, size, !lines.empty()), load_shadings(config, aovs, tree.header()), frames};
+    RenderJob job{config,
+                  tree,
+                  aovs,
+                  plan,
+                  size,
+                  frame_camera(config, tree.header(), size, room, 0),
+                  lines,
+                  wanted_window(config, size, !lines.empty()),
+                  load_shadings(config, aovs, tree.header()),
+                  frames};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
@@ -247,7 +266,8 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     choose_looks(job);
     const Outcome outcome = draw_film(job, room, model.identity(), context);
     if (frames > 1)
-        for (const std::string& command : film_commands(job.plan)) context.reporter.info("as a film: " + command);
+        for (const std::string& command : film_commands(job.plan))
+            context.reporter.info("as a film: " + command);
     Json result = make_result(job, outcome);
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = bytes_read;

@@ -9,11 +9,15 @@ namespace slim {
 
 /// Draws a model: pictures of what is asked (config.aov), each file whole or not at all.
 ///
-/// returns  files, width, height (of what is wanted of the picture), covered_pixels, surfels_drawn, nodes,
-///          nodes_visited, root_tests, distance_tests, unblended_pixels, frame_ms_median (projection and shading, no
-///          files; the median of config.repeat frames), ranges {aov: [lo, hi]} of the maps, model_bytes,
-///          model_bytes_read (pages of the file, see ModelFile), lines {kind: {polylines, length, length_px,
-///          strength}} if asked for; orthographic: pixel_size; of a turntable or path: frames, film_commands
+/// returns  files, width, height (of what is wanted of the picture), covered_pixels, surfels_drawn,
+///          nodes, nodes_visited, root_tests, distance_tests, unblended_pixels, frame_ms_median
+/// (projection and shading, no
+///          files; the median of config.repeat frames), ranges {aov: [lo, hi]} of the maps,
+/// model_bytes,
+///          model_bytes_read (pages of the file, see ModelFile), lines {kind: {polylines, length,
+/// length_px,
+///          strength}} if asked for; orthographic: pixel_size; of a turntable or path: frames,
+/// film_commands
 /// throws   ConfigError (exit 2), FormatError, IoError, DataError for a model without surfels (3),
 ///          NumericalError if not one pixel is hit (5), naming the camera and the model's bounds
 /// Up to date (see Stamp) means: nothing is drawn, unless a time is asked for (repeat > 1).

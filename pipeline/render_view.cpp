@@ -100,7 +100,8 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
         camera = named_camera(config.camera, model.bounds, aspect, framing);
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
-                camera.width = std::max(camera.width, named_camera(side, model.bounds, aspect, framing).width);
+                camera.width =
+                    std::max(camera.width, named_camera(side, model.bounds, aspect, framing).width);
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)
@@ -138,12 +139,13 @@ RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
     return key;
 }
 
-std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                            double free_right) {
+std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
+                            const PictureSize& size, double free_right) {
     std::vector<Camera> keys;
     for (std::size_t begin = 0; begin <= config.path.size();) {
         const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
-        keys.push_back(make_camera(keyframe_of(config, config.path.substr(begin, end - begin)), model, size, free_right));
+        keys.push_back(make_camera(keyframe_of(config, config.path.substr(begin, end - begin)),
+                                   model, size, free_right));
         begin = end + 1;
     }
     return keys;
@@ -174,7 +176,9 @@ Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const 
     }
     const Camera camera = make_camera(config, model, size, free_right);
     if (config.turntable == 0) return camera;
-    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty() ? model.bounds.center() : camera.target;
+    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty()
+                             ? model.bounds.center()
+                             : camera.target;
     return turned(camera, center, up_vector(up_axis(config)), 360.0 * frame / config.turntable);
 }
 
@@ -201,8 +205,16 @@ std::string describe(const Camera& camera, const Vec3d& origin) {
 ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x, int first_y) {
     const PixelView p = pixel_view(camera, size.width, size.height);
     const double px_per_unit = p.orthographic ? p.px_per_unit : p.focal_px;
-    return {p.right,           -p.down, -p.forward, size.width / (2 * px_per_unit),
-            size.height / (2 * px_per_unit), p.orthographic, first_x, first_y, size.width, size.height};
+    return {p.right,
+            -p.down,
+            -p.forward,
+            size.width / (2 * px_per_unit),
+            size.height / (2 * px_per_unit),
+            p.orthographic,
+            first_x,
+            first_y,
+            size.width,
+            size.height};
 }
 
 Background parse_background(const std::string& text, bool is_map) {

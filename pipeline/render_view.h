@@ -23,8 +23,8 @@ PictureSize parse_size(const std::string& text);
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 
-/// How many pictures: of --turntable or --frames, 1 without either. Throws ConfigError where they, --path and --frame
-/// do not fit together.
+/// How many pictures: of --turntable or --frames, 1 without either. Throws ConfigError where they,
+/// --path and --frame do not fit together.
 int n_frames(const RenderConfig& config);
 
 /// The camera of picture `frame` (from 0) of a turntable or path; of the one picture make_camera's.
@@ -40,8 +40,10 @@ std::string view_name(const RenderConfig& config);
 /// Camera in words and world coordinates, all digits: for errors and metadata.
 std::string describe(const Camera& camera, const Vec3d& origin);
 
-/// The camera as shading sees it, for planes that begin at (first_x, first_y) of a picture of that size.
-ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x = 0, int first_y = 0);
+/// The camera as shading sees it, for planes that begin at (first_x, first_y) of a picture of that
+/// size.
+ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x = 0,
+                     int first_y = 0);
 
 /// --background; "auto" is a grey gradient behind a rendered object (shaded, normal) and white
 /// behind a map. Throws ConfigError.

@@ -16,13 +16,15 @@ bool has_background(const RenderJob& job, const std::string& aov) {
            parse_background(job.config.background, false).alpha >= 1;
 }
 
-void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at, Picture& picture) {
+void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at,
+                    Picture& picture) {
     if (aov == "environment" && job.config.environment_behind)
         return composite_over_environment(*job.shadings.environment,
-                                          pixel_view(job.camera, job.size.width, job.size.height), at.x, at.y,
-                                          picture);
+                                          pixel_view(job.camera, job.size.width, job.size.height),
+                                          at.x, at.y, picture);
     const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
-    composite_over(parse_background(job.config.background, on_white), picture, at.y, job.size.height);
+    composite_over(parse_background(job.config.background, on_white), picture, at.y,
+                   job.size.height);
 }
 
 /// Legend, key and scale bar; false where one does not fit.
@@ -59,32 +61,36 @@ RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& insi
     return out;
 }
 
-void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
-                PictureFiles& files) {
+void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part,
+                const ImageMetadata& metadata, PictureFiles& files) {
     // Colour may be averaged, data never: they come from the frame at the picture's own size.
     std::vector<ColorPlane> colors;
     const AovLook none;
     for (const std::string& aov : job.aovs)
         if (is_color(aov))
-            colors.push_back({aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
-                                                 job.tree.header().bounds, job.size),
-                                        part.inside())});
+            colors.push_back(
+                {aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
+                                    job.tree.header().bounds, job.size),
+                           part.inside())});
     const RenderedFrame data = without_margin(frames.plain, part.inside());
     std::vector<std::vector<float>> planes;
-    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes), metadata);
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes),
+                  metadata);
 }
 
 }  // namespace
 
-bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
-                PictureFiles& files) {
+bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
+                const ImageMetadata& metadata, PictureFiles& files) {
     bool all_fits = true;
     for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
         const std::string& aov = job.plan.drawn[k];
         ImageMetadata own = metadata;
         if (const auto& legend = job.looks.at(aov).legend)
-            own["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
-        files.add_png(k, finished_picture(job, aov, frames, part, all_fits), has_background(job, aov), own);
+            own["slim:range." + aov] =
+                fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+        files.add_png(k, finished_picture(job, aov, frames, part, all_fits),
+                      has_background(job, aov), own);
     }
     if (!job.plan.exr.empty()) write_data(job, frames, part, metadata, files);
     return all_fits;
@@ -96,7 +102,8 @@ std::vector<std::filesystem::path> write_legends(const RenderJob& job) {
         const AovLook& look = job.looks.at(aov);
         if (!job.config.legend || !look.on_white()) continue;
         files.push_back(job.plan.legend(aov));
-        write_file_atomically(files.back().string(), look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
+        write_file_atomically(files.back().string(),
+                              look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
     }
     return files;
 }

@@ -8,10 +8,10 @@
 
 namespace slim {
 
-/// Finishes a band of every drawn AOV (background, lines, legend, scale bar) and adds it to its file, and the band's
-/// data to the data file. False if a legend or scale bar did not fit.
-bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part, const ImageMetadata& metadata,
-                PictureFiles& files);
+/// Finishes a band of every drawn AOV (background, lines, legend, scale bar) and adds it to its
+/// file, and the band's data to the data file. False if a legend or scale bar did not fit.
+bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
+                const ImageMetadata& metadata, PictureFiles& files);
 
 /// Legends and keys as SVG beside the pictures; returns their names.
 std::vector<std::filesystem::path> write_legends(const RenderJob& job);

@@ -31,7 +31,8 @@ enum class UpAxis { y, z, x, minus_y, minus_z, minus_x };
 /// The axis as a unit vector.
 Vec3d up_vector(UpAxis up);
 
-/// Right, up and back (towards the eye) of the front view: east, up and south of a world with that axis up.
+/// Right, up and back (towards the eye) of the front view: east, up and south of a world with that
+/// axis up.
 std::array<Vec3d, 3> upright_axes(UpAxis up);
 
 /// How named_camera frames a box.
@@ -40,7 +41,7 @@ struct Framing {
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
-    int turns = 0;              ///< so many positions of the box, turned about the up axis, stay in the picture
+    int turns = 0;  ///< so many positions of the box, turned about the up axis, stay in the picture
     double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
 };
 

@@ -11,7 +11,8 @@
 namespace slim {
 namespace {
 
-/// What is interpolated: target 3, log distance, log tan of half the angle, log width, quaternion 4 (w last).
+/// What is interpolated: target 3, log distance, log tan of half the angle, log width, quaternion 4
+/// (w last).
 using Pose = std::array<double, 10>;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -24,14 +25,22 @@ Vec3d rotated(const Vec3d& v, const Vec3d& unit_axis, double angle_rad) {
 /// Quaternion of the rotation with these columns, by its largest component (Shepperd 1978).
 std::array<double, 4> quaternion_of(const Vec3d& x, const Vec3d& y, const Vec3d& z) {
     const double trace = x.x + y.y + z.z;
-    const std::array<double, 4> squares{1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z, 1 - x.x - y.y + z.z, 1 + trace};
+    const std::array<double, 4> squares{1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
+                                        1 - x.x - y.y + z.z, 1 + trace};
     const auto largest = std::max_element(squares.begin(), squares.end()) - squares.begin();
     std::array<double, 4> q;
     switch (largest) {
-        case 0: q = {squares[0], x.y + y.x, z.x + x.z, y.z - z.y}; break;
-        case 1: q = {x.y + y.x, squares[1], y.z + z.y, z.x - x.z}; break;
-        case 2: q = {z.x + x.z, y.z + z.y, squares[2], x.y - y.x}; break;
-        default: q = {y.z - z.y, z.x - x.z, x.y - y.x, squares[3]};
+        case 0:
+            q = {squares[0], x.y + y.x, z.x + x.z, y.z - z.y};
+            break;
+        case 1:
+            q = {x.y + y.x, squares[1], y.z + z.y, z.x - x.z};
+            break;
+        case 2:
+            q = {z.x + x.z, y.z + z.y, squares[2], x.y - y.x};
+            break;
+        default:
+            q = {y.z - z.y, z.x - x.z, x.y - y.x, squares[3]};
     }
     const double scale = 0.5 / std::sqrt(squares[static_cast<std::size_t>(largest)]);
     for (double& c : q) c *= scale;
@@ -40,17 +49,27 @@ std::array<double, 4> quaternion_of(const Vec3d& x, const Vec3d& y, const Vec3d&
 
 /// The rotation's second and third column.
 Vec3d y_axis(const double* q) {
-    return {2 * (q[0] * q[1] - q[2] * q[3]), 1 - 2 * (q[0] * q[0] + q[2] * q[2]), 2 * (q[1] * q[2] + q[0] * q[3])};
+    return {2 * (q[0] * q[1] - q[2] * q[3]), 1 - 2 * (q[0] * q[0] + q[2] * q[2]),
+            2 * (q[1] * q[2] + q[0] * q[3])};
 }
 Vec3d z_axis(const double* q) {
-    return {2 * (q[0] * q[2] + q[1] * q[3]), 2 * (q[1] * q[2] - q[0] * q[3]), 1 - 2 * (q[0] * q[0] + q[1] * q[1])};
+    return {2 * (q[0] * q[2] + q[1] * q[3]), 2 * (q[1] * q[2] - q[0] * q[3]),
+            1 - 2 * (q[0] * q[0] + q[1] * q[1])};
 }
 
 Pose pose_of(const Camera& c) {
     const Vec3d back = normalized(c.eye - c.target), right = normalized(cross(c.up, back));
     const auto q = quaternion_of(right, cross(back, right), back);
-    return {c.target.x, c.target.y, c.target.z, std::log(length(c.eye - c.target)),
-            std::log(std::tan(radians(c.fov_y_deg) / 2)), std::log(c.width), q[0], q[1], q[2], q[3]};
+    return {c.target.x,
+            c.target.y,
+            c.target.z,
+            std::log(length(c.eye - c.target)),
+            std::log(std::tan(radians(c.fov_y_deg) / 2)),
+            std::log(c.width),
+            q[0],
+            q[1],
+            q[2],
+            q[3]};
 }
 
 Camera camera_of(const Pose& p, const Camera& like) {

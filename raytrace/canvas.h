@@ -4,8 +4,8 @@
 
 namespace slim {
 
-/// A part of a picture that is drawn on in the coordinates of the whole, so that a crop or a band gets the very
-/// bytes that the whole would have there.
+/// A part of a picture that is drawn on in the coordinates of the whole, so that a crop or a band
+/// gets the very bytes that the whole would have there.
 struct Canvas {
     Picture& part;
     int x0 = 0, y0 = 0;         ///< where the part begins in the whole

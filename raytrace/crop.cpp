@@ -17,13 +17,15 @@ void check_inside(const PixelWindow& w, int width, int height) {
 
 /// Entries of `size` values a pixel; an empty plane stays empty.
 template <class T>
-std::vector<T> part_of(const std::vector<T>& plane, int width, const PixelWindow& w, std::size_t size) {
+std::vector<T> part_of(const std::vector<T>& plane, int width, const PixelWindow& w,
+                       std::size_t size) {
     if (plane.empty()) return {};
     const std::size_t row = size * static_cast<std::size_t>(w.width);
     std::vector<T> out(row * static_cast<std::size_t>(w.height));
     for (int y = 0; y < w.height; ++y) {
-        const std::size_t from = size * (static_cast<std::size_t>(w.y + y) * static_cast<std::size_t>(width) +
-                                         static_cast<std::size_t>(w.x));
+        const std::size_t from =
+            size * (static_cast<std::size_t>(w.y + y) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(w.x));
         std::copy_n(&plane[from], row, &out[row * static_cast<std::size_t>(y)]);
     }
     return out;

@@ -8,7 +8,8 @@
 
 namespace slim {
 
-/// The window's part of what is given; the window lies inside (SLIM_CHECK). Of a whole picture it is that.
+/// The window's part of what is given; the window lies inside (SLIM_CHECK). Of a whole picture it
+/// is that.
 Picture crop(Picture picture, const PixelWindow& window);
 GBuffer crop(const GBuffer& buffer, const PixelWindow& window);
 std::vector<float> crop(const std::vector<float>& plane, int width, const PixelWindow& window);

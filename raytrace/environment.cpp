@@ -19,9 +19,11 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 /// The direction of a texel's centre, in the picture's axes.
 Vec3f direction_of(int x, int y, int width, int height) {
-    const float longitude = 2 * kPi * ((static_cast<float>(x) + 0.5f) / static_cast<float>(width) - 0.5f);
+    const float longitude =
+        2 * kPi * ((static_cast<float>(x) + 0.5f) / static_cast<float>(width) - 0.5f);
     const float polar = kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-    return {std::sin(polar) * std::sin(longitude), std::cos(polar), -std::sin(polar) * std::cos(longitude)};
+    return {std::sin(polar) * std::sin(longitude), std::cos(polar),
+            -std::sin(polar) * std::cos(longitude)};
 }
 
 /// Solid angle of the texels of a row.
@@ -53,7 +55,8 @@ Vec3f studio_light(const Vec3f& d) {
     const float up = 0.5f + 0.5f * d.y;
     const Vec3f floor{0.16f, 0.14f, 0.12f}, sky{0.42f, 0.45f, 0.50f};
     const float t = std::clamp(4 * up - 1.5f, 0.0f, 1.0f);  // a soft horizon
-    return floor * (1 - t) + sky * t + Vec3f{9.0f, 8.6f, 8.0f} * lamp(d, {-0.65f, 0.75f, 0.6f}, 0.34f) +
+    return floor * (1 - t) + sky * t +
+           Vec3f{9.0f, 8.6f, 8.0f} * lamp(d, {-0.65f, 0.75f, 0.6f}, 0.34f) +
            Vec3f{1.3f, 1.6f, 2.0f} * lamp(d, {0.9f, 0.1f, 0.45f}, 0.42f) +
            Vec3f{2.2f, 2.1f, 2.0f} * lamp(d, {0.2f, 0.6f, -0.8f}, 0.30f);
 }
@@ -66,7 +69,8 @@ Vec3f Environment::Table::at(float u, float v) const {
     const int x0 = static_cast<int>(left), y0 = static_cast<int>(top);
     const auto texel = [&](int column, int row) {
         const int wrapped = (column % width + width) % width;
-        return texels[static_cast<std::size_t>(std::clamp(row, 0, height - 1)) * static_cast<std::size_t>(width) +
+        return texels[static_cast<std::size_t>(std::clamp(row, 0, height - 1)) *
+                          static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(wrapped)];
     };
     const float s = x - left, t = y - top;
@@ -74,9 +78,10 @@ Vec3f Environment::Table::at(float u, float v) const {
            (texel(x0, y0 + 1) * (1 - s) + texel(x0 + 1, y0 + 1) * s) * t;
 }
 
-Environment::Environment(int width, int height, std::vector<float> rgb, const std::array<Vec3d, 3>& axes,
-                         double turn_deg) {
-    SLIM_CHECK(rgb.size(), ==, 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+Environment::Environment(int width, int height, std::vector<float> rgb,
+                         const std::array<Vec3d, 3>& axes, double turn_deg) {
+    SLIM_CHECK(rgb.size(), ==,
+               3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     map_ = {width, height, {}};
     map_.texels.resize(rgb.size() / 3);
     for (std::size_t i = 0; i < map_.texels.size(); ++i)
@@ -104,8 +109,9 @@ void Environment::normalize() {
     for (int y = 0; y < map_.height; ++y) {
         double row = 0;
         for (int x = 0; x < map_.width; ++x) {
-            const Vec3f& t = map_.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(map_.width) +
-                                         static_cast<std::size_t>(x)];
+            const Vec3f& t =
+                map_.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(map_.width) +
+                            static_cast<std::size_t>(x)];
             row += static_cast<double>(0.2126f * t.x + 0.7152f * t.y + 0.0722f * t.z);
         }
         const double weight = static_cast<double>(solid_angle(y, map_.width, map_.height));
@@ -118,7 +124,8 @@ void Environment::normalize() {
 }
 
 void Environment::sum_lobes() {
-    // Texels by blocks: their light is added up, and seen where the block's middle is. Those of small maps are split.
+    // Texels by blocks: their light is added up, and seen where the block's middle is. Those of
+    // small maps are split.
     const int split_x = (kSumWidth + map_.width - 1) / map_.width;
     const int split_y = (kSumHeight + map_.height - 1) / map_.height;
     const int width = map_.width * split_x, height = map_.height * split_y;
@@ -126,23 +133,29 @@ void Environment::sum_lobes() {
     std::vector<Lamp> lamps(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x)
-            lamps[static_cast<std::size_t>(y * columns + x)].toward = direction_of(x, y, columns, rows);
+            lamps[static_cast<std::size_t>(y * columns + x)].toward =
+                direction_of(x, y, columns, rows);
     for (int y = 0; y < height; ++y) {
         const float weight = solid_angle(y, width, height);
         for (int x = 0; x < width; ++x) {
             const auto row = static_cast<std::size_t>(static_cast<std::int64_t>(y) * rows / height);
-            const auto column = static_cast<std::size_t>(static_cast<std::int64_t>(x) * columns / width);
+            const auto column =
+                static_cast<std::size_t>(static_cast<std::int64_t>(x) * columns / width);
             Lamp& l = lamps[row * static_cast<std::size_t>(columns) + column];
-            l.flux += map_.texels[static_cast<std::size_t>(y / split_y) * static_cast<std::size_t>(map_.width) +
-                                  static_cast<std::size_t>(x / split_x)] * weight;
+            l.flux += map_.texels[static_cast<std::size_t>(y / split_y) *
+                                      static_cast<std::size_t>(map_.width) +
+                                  static_cast<std::size_t>(x / split_x)] *
+                      weight;
             l.weight += weight;
         }
     }
-    diffuse_ = glossy_ = {kTableWidth, kTableHeight, std::vector<Vec3f>(kTableWidth * kTableHeight)};
+    diffuse_ =
+        glossy_ = {kTableWidth, kTableHeight, std::vector<Vec3f>(kTableWidth * kTableHeight)};
     parallel_blocks(diffuse_.texels.size(), kTableWidth, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3f n = direction_of(static_cast<int>(i % kTableWidth), static_cast<int>(i / kTableWidth),
-                                         kTableWidth, kTableHeight);
+            const Vec3f n =
+                direction_of(static_cast<int>(i % kTableWidth), static_cast<int>(i / kTableWidth),
+                             kTableWidth, kTableHeight);
             Vec3f diffuse, glossy;
             float weight = 0;
             for (const Lamp& l : lamps) {
@@ -161,7 +174,8 @@ void Environment::sum_lobes() {
 
 Vec3f Environment::look_up(const Table& table, const Vec3f& d) const {
     const float x = dot(axes_[0], d), y = dot(axes_[1], d), z = dot(axes_[2], d);
-    return table.at(0.5f + std::atan2(x, -z) / (2 * kPi), std::acos(std::clamp(y, -1.0f, 1.0f)) / kPi);
+    return table.at(0.5f + std::atan2(x, -z) / (2 * kPi),
+                    std::acos(std::clamp(y, -1.0f, 1.0f)) / kPi);
 }
 
 Vec3f Environment::radiance(const Vec3f& toward) const { return look_up(map_, toward); }

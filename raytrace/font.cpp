@@ -112,7 +112,8 @@ public:
 
     void blend(const Canvas& canvas, const Vec3f& color) const {
         for (int y = std::max(0, canvas.y0 - y0_); y < std::min(height_, canvas.y_end() - y0_); ++y)
-            for (int x = std::max(0, canvas.x0 - x0_); x < std::min(width_, canvas.x_end() - x0_); ++x)
+            for (int x = std::max(0, canvas.x0 - x0_); x < std::min(width_, canvas.x_end() - x0_);
+                 ++x)
                 blend_pixel(canvas.pixel(x0_ + x, y0_ + y), color, coverage_[index(x, y)]);
     }
 

@@ -26,7 +26,8 @@ Vec3f relief_color(float cosine) {
     return kShadow * (1 - t) + kLit * t;
 }
 
-/// Change of height from a pixel to its right and lower neighbour on the tangent plane, model units, as one length.
+/// Change of height from a pixel to its right and lower neighbour on the tangent plane, model
+/// units, as one length.
 class HeightChange {
 public:
     HeightChange(const PixelView& v, const Vec3f& up) : view_(v), up_(up) {
@@ -55,10 +56,12 @@ private:
     Vec3f up_, step_x_, step_y_, forward_, eye_;
 };
 
-/// How much of a pixel a line covers whose middle is `distance` pixels away; lines lie `gap` pixels apart.
+/// How much of a pixel a line covers whose middle is `distance` pixels away; lines lie `gap` pixels
+/// apart.
 float line_cover(float distance, float width, float gap) {
     const float cover = std::clamp(width / 2 + 0.5f - distance, 0.0f, 1.0f);
-    // Below three widths they run into a tone: the share of the ground that they take, at most a half.
+    // Below three widths they run into a tone: the share of the ground that they take, at most a
+    // half.
     const float tone = std::min(0.5f, width / std::max(gap, 1e-6f));
     const float t = std::clamp(gap / (1.5f * (width + 1)) - 1, 0.0f, 1.0f);
     return tone * (1 - t) + cover * t;
@@ -87,10 +90,12 @@ std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, do
     std::vector<float> heights;
     for (std::size_t i = 0; i < frame.n_pixels(); ++i)
         if (frame.hit[i])
-            heights.push_back(dot(relief.axes[1], Vec3f{frame.position[0][i], frame.position[1][i], frame.position[2][i]}));
+            heights.push_back(dot(relief.axes[1], Vec3f{frame.position[0][i], frame.position[1][i],
+                                                        frame.position[2][i]}));
     if (heights.empty()) return {relief.base, relief.base};
     const auto rank = [&](double share) {
-        const auto k = static_cast<std::ptrdiff_t>(share / 100 * static_cast<double>(heights.size() - 1));
+        const auto k =
+            static_cast<std::ptrdiff_t>(share / 100 * static_cast<double>(heights.size() - 1));
         std::nth_element(heights.begin(), heights.begin() + k, heights.end());
         return relief.base + static_cast<double>(heights[static_cast<std::size_t>(k)]);
     };
@@ -98,29 +103,32 @@ std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, do
     return {low, rank(100 - percent)};
 }
 
-Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& shade, const RowRange& rows,
-                     const Relief& relief, float line_width) {
+Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& shade,
+                     const RowRange& rows, const Relief& relief, float line_width) {
     Picture out(b.width, rows.end - rows.begin);
     const Vec3f sun = toward_sun(relief);
     const HeightChange change(view, relief.axes[1]);
     const Vec3f right = to_float(shade.right), up = to_float(shade.up), back = to_float(shade.back);
-    for_eye_rows(b.width, b.height, rows, shade, {b.normal[0], b.normal[1], b.normal[2]}, b.hit, [&](const EyeRow& row) {
-        for (int x = 0; x < b.width; ++x) {
-            const auto k = static_cast<std::size_t>(x);
-            if (!row.hit[k]) continue;
-            const Vec3f n = right * row.normal[k].x + up * row.normal[k].y + back * row.normal[k].z;
-            Vec3f color = relief_color(dot(n, sun));
-            if (relief.spacing > 0) {
-                const std::size_t i = b.index(x, row.y);
-                const Vec3f p{b.position[0][i], b.position[1][i], b.position[2][i]};
-                const double height = relief.base + static_cast<double>(dot(relief.axes[1], p));
-                const float cover = contour_cover(relief, height, change.at(n, p), line_width);
-                color = color * (1 - cover) + kLine * cover;
+    for_eye_rows(
+        b.width, b.height, rows, shade, {b.normal[0], b.normal[1], b.normal[2]}, b.hit,
+        [&](const EyeRow& row) {
+            for (int x = 0; x < b.width; ++x) {
+                const auto k = static_cast<std::size_t>(x);
+                if (!row.hit[k]) continue;
+                const Vec3f n =
+                    right * row.normal[k].x + up * row.normal[k].y + back * row.normal[k].z;
+                Vec3f color = relief_color(dot(n, sun));
+                if (relief.spacing > 0) {
+                    const std::size_t i = b.index(x, row.y);
+                    const Vec3f p{b.position[0][i], b.position[1][i], b.position[2][i]};
+                    const double height = relief.base + static_cast<double>(dot(relief.axes[1], p));
+                    const float cover = contour_cover(relief, height, change.at(n, p), line_width);
+                    color = color * (1 - cover) + kLine * cover;
+                }
+                float* pixel = out.pixel(x, row.y - rows.begin);
+                pixel[0] = color.x, pixel[1] = color.y, pixel[2] = color.z, pixel[3] = 1;
             }
-            float* pixel = out.pixel(x, row.y - rows.begin);
-            pixel[0] = color.x, pixel[1] = color.y, pixel[2] = color.z, pixel[3] = 1;
-        }
-    });
+        });
     return out;
 }
 

@@ -20,22 +20,24 @@ struct Relief {
     int index_every = 5;        ///< each so many lines is a heavier one, counted from height 0
 };
 
-/// Spacing of the form {1, 2, 5} * 10^k that makes about 20 contour lines of the heights between `low` and `high`; 0
-/// if these are equal.
+/// Spacing of the form {1, 2, 5} * 10^k that makes about 20 contour lines of the heights between
+/// `low` and `high`; 0 if these are equal.
 double contour_spacing(double low, double high);
 
-/// Relief shading in grey (the cosine to the sun over a soft ambient) with contour lines in brown, of rows of a
-/// frame that holds normals, and positions for contour lines.
+/// Relief shading in grey (the cosine to the sun over a soft ambient) with contour lines in brown,
+/// of rows of a frame that holds normals, and positions for contour lines.
 ///
-/// Lines are one pixel of a picture 1000 high wide, heavier ones two, whatever the slope: a pixel's distance to the
-/// next line is its height over its change per pixel on the tangent plane. Lines closer than they are wide become a
-/// tone. No pixel looks at another, so that parts of a picture agree.
+/// Lines are one pixel of a picture 1000 high wide, heavier ones two, whatever the slope: a pixel's
+/// distance to the next line is its height over its change per pixel on the tangent plane. Lines
+/// closer than they are wide become a tone. No pixel looks at another, so that parts of a picture
+/// agree.
 /// view        of the whole picture, of which the frame may be a part (as `shade` says)
 /// line_width  pixels of the frame
-Picture paint_relief(const GBuffer& frame, const PixelView& view, const ShadeView& shade, const RowRange& rows,
-                     const Relief& relief, float line_width);
+Picture paint_relief(const GBuffer& frame, const PixelView& view, const ShadeView& shade,
+                     const RowRange& rows, const Relief& relief, float line_width);
 
-/// Heights of the frame's hits that `percent` and 100 - `percent` of them lie below; equal without any.
+/// Heights of the frame's hits that `percent` and 100 - `percent` of them lie below; equal without
+/// any.
 std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, double percent);
 
 }  // namespace slim

@@ -18,7 +18,9 @@ struct Layout {
 };
 
 bool is_left(LegendPlace place) { return place >= LegendPlace::left; }
-bool is_top(LegendPlace place) { return place == LegendPlace::right_top || place == LegendPlace::left_top; }
+bool is_top(LegendPlace place) {
+    return place == LegendPlace::right_top || place == LegendPlace::left_top;
+}
 
 Layout layout_of(const Key& key, LegendPlace place, int width, int height) {
     Layout l{};
@@ -27,9 +29,11 @@ Layout layout_of(const Key& key, LegendPlace place, int width, int height) {
     l.title = {15 * u, kInk, 0.15f}, l.text = {14 * u, kInk, 0.12f};
     float words = text_width(key.title, l.title);
     for (const Key::Row& row : key.rows)
-        words = std::max(words, text_width(row.text, l.text) + (row.has_swatch ? l.swatch + 10 * u : 0));
+        words = std::max(words,
+                         text_width(row.text, l.text) + (row.has_swatch ? l.swatch + 10 * u : 0));
     const float w = std::round(2 * l.padding + words), margin = std::round(24 * u);
-    const float h = std::round(2 * l.padding + l.title.cap_height + l.line * static_cast<float>(key.rows.size()));
+    const float h = std::round(2 * l.padding + l.title.cap_height +
+                               l.line * static_cast<float>(key.rows.size()));
     const float x = is_left(place) ? margin : static_cast<float>(width) - margin - w;
     const float y = is_top(place) ? margin : static_cast<float>(height) - margin - h;
     l.panel = {x, y, x + w, y + h};
@@ -41,7 +45,8 @@ Vec3f linear_of(const Vec3f& srgb) {
 }
 
 double covered_alpha(const PixelBox& box, const Picture& object) {
-    const int from_x = std::max(0, static_cast<int>(box.x0)), from_y = std::max(0, static_cast<int>(box.y0));
+    const int from_x = std::max(0, static_cast<int>(box.x0)),
+              from_y = std::max(0, static_cast<int>(box.y0));
     const int to_x = std::min(object.width, static_cast<int>(box.x1));
     const int to_y = std::min(object.height, static_cast<int>(box.y1));
     double sum = 0;
@@ -59,19 +64,21 @@ std::string hex_color(const Vec3f& srgb) {
 
 std::string escaped(const std::string& text) {
     std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
     return out;
 }
 
 }  // namespace
 
 LegendPlace best_key_place(const Key& key, const Picture& object) {
-    constexpr std::array kPlaces{LegendPlace::right_bottom, LegendPlace::right_top, LegendPlace::left_top,
-                                 LegendPlace::left_bottom};
+    constexpr std::array kPlaces{LegendPlace::right_bottom, LegendPlace::right_top,
+                                 LegendPlace::left_top, LegendPlace::left_bottom};
     LegendPlace best = kPlaces[0];
     double least = std::numeric_limits<double>::infinity();
     for (const LegendPlace place : kPlaces) {
-        const double covered = covered_alpha(layout_of(key, place, object.width, object.height).panel, object);
+        const double covered =
+            covered_alpha(layout_of(key, place, object.width, object.height).panel, object);
         if (covered < least) best = place, least = covered;
     }
     return best;
@@ -89,7 +96,8 @@ bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
     for (const Key::Row& row : key.rows) {
         y += l.line;
         const float top = std::round(y - 0.5f * (l.swatch + l.text.cap_height));
-        if (row.has_swatch) fill_box(canvas, {x, top, x + l.swatch, top + l.swatch}, linear_of(row.srgb));
+        if (row.has_swatch)
+            fill_box(canvas, {x, top, x + l.swatch, top + l.swatch}, linear_of(row.srgb));
         draw_text(canvas, row.text, x + (row.has_swatch ? l.swatch + 10 * l.unit : 0), y, l.text);
     }
     return true;
@@ -98,18 +106,18 @@ bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
 std::string key_svg(const Key& key) {
     std::ostringstream out;
     const double height = 12 + 6.0 * static_cast<double>(key.rows.size());
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"70mm\" height=\"" << height
-        << "mm\" viewBox=\"0 0 70 " << height
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"70mm\" height=\""
+        << height << "mm\" viewBox=\"0 0 70 " << height
         << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n"
         << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped(key.title) << "</text>\n";
     double y = 7;
     for (const Key::Row& row : key.rows) {
         y += 6;
         if (row.has_swatch)
-            out << "  <rect x=\"4\" y=\"" << y - 3.2 << "\" width=\"4\" height=\"4\" fill=\"" << hex_color(row.srgb)
-                << "\"/>\n";
-        out << "  <text x=\"" << (row.has_swatch ? 10 : 4) << "\" y=\"" << y << "\">" << escaped(row.text)
-            << "</text>\n";
+            out << "  <rect x=\"4\" y=\"" << y - 3.2 << "\" width=\"4\" height=\"4\" fill=\""
+                << hex_color(row.srgb) << "\"/>\n";
+        out << "  <text x=\"" << (row.has_swatch ? 10 : 4) << "\" y=\"" << y << "\">"
+            << escaped(row.text) << "</text>\n";
     }
     out << "</svg>\n";
     return out.str();

@@ -9,7 +9,8 @@
 
 namespace slim {
 
-/// A panel of words for pictures whose colours are no scale: a title, and rows with a swatch of colour or without.
+/// A panel of words for pictures whose colours are no scale: a title, and rows with a swatch of
+/// colour or without.
 struct Key {
     struct Row {
         std::string text;
@@ -20,11 +21,12 @@ struct Key {
     std::vector<Row> rows;
 };
 
-/// The place where the key covers the least of an object over transparent, upper and lower corners only.
+/// The place where the key covers the least of an object over transparent, upper and lower corners
+/// only.
 LegendPlace best_key_place(const Key& key, const Picture& object);
 
-/// Burns the key into a picture, in the legend's style. Returns false and leaves the picture alone if it would take
-/// more than 60 % of the width or 75 % of the height.
+/// Burns the key into a picture, in the legend's style. Returns false and leaves the picture alone
+/// if it would take more than 60 % of the width or 75 % of the height.
 bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place);
 
 /// The same as a file of its own: SVG 1.1, millimetres.

@@ -38,7 +38,8 @@ LegendPlace best_legend_place(const Legend& legend, const Picture& object);
 /// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000 pixels:
 /// digits 14 high). Returns false and leaves the picture alone if it would take more than 60 % of the
 /// width or 75 % of the height.
-bool burn_legend(const Legend& legend, const Canvas& canvas, LegendPlace place = LegendPlace::right);
+bool burn_legend(const Legend& legend, const Canvas& canvas,
+                 LegendPlace place = LegendPlace::right);
 
 /// Share of the width of a width x height picture that the panel and its margin take; 0 where
 /// burn_legend would refuse.

@@ -39,7 +39,8 @@ void fill_panel(const Canvas& canvas, const PixelBox& box, float radius);
 /// A box with smooth edges.
 void fill_box(const Canvas& canvas, const PixelBox& box, const Vec3f& color);
 
-/// A thousandth of the picture's smaller side, at least half a pixel: the unit of all that is written on it.
+/// A thousandth of the picture's smaller side, at least half a pixel: the unit of all that is
+/// written on it.
 float text_unit(int width, int height);
 
 }  // namespace slim

@@ -32,18 +32,23 @@ bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas) {
     const std::string words = text_of(length, 3) + " " + unit;
     const std::string pixel = "1 px = " + text_of(1 / scale.px_per_unit, 3) + " " + unit;
     const auto bar = static_cast<float>(length * scale.px_per_unit);
-    const float padding = std::round(16 * u), margin = std::round(24 * u), line = std::round(26 * u);
-    const float width = 2 * padding + std::max({bar, text_width(words, text), text_width(pixel, text)});
+    const float padding = std::round(16 * u), margin = std::round(24 * u),
+                line = std::round(26 * u);
+    const float width =
+        2 * padding + std::max({bar, text_width(words, text), text_width(pixel, text)});
     const float height = 2 * padding + text.cap_height + line + std::round(16 * u);
-    if (width > 0.6f * static_cast<float>(canvas.width) || height > 0.4f * static_cast<float>(canvas.height))
+    if (width > 0.6f * static_cast<float>(canvas.width) ||
+        height > 0.4f * static_cast<float>(canvas.height))
         return false;
     const float y0 = static_cast<float>(canvas.height) - margin - height;
     fill_panel(canvas, {margin, y0, margin + width, y0 + height}, std::round(10 * u));
     const float x = margin + padding, y = std::round(y0 + padding + text.cap_height);
     draw_text(canvas, words, x, y, text);
-    const float top = y + std::round(10 * u), pen = std::max(1.0f, std::round(2 * u)), tick = std::round(10 * u);
+    const float top = y + std::round(10 * u), pen = std::max(1.0f, std::round(2 * u)),
+                tick = std::round(10 * u);
     fill_box(canvas, {x, top + (tick - pen) / 2, x + bar, top + (tick + pen) / 2}, kInk);
-    for (const float at : {x, x + bar - pen}) fill_box(canvas, {at, top, at + pen, top + tick}, kInk);
+    for (const float at : {x, x + bar - pen})
+        fill_box(canvas, {at, top, at + pen, top + tick}, kInk);
     draw_text(canvas, pixel, x, top + tick + line - std::round(4 * u), text);
     return true;
 }

@@ -12,11 +12,13 @@ struct ScaleBar {
     std::string unit;  ///< empty: "units"
 };
 
-/// Length of the form {1, 2, 5} * 10^k, in model units, of a bar that takes 12 to 30 % of the picture's width.
+/// Length of the form {1, 2, 5} * 10^k, in model units, of a bar that takes 12 to 30 % of the
+/// picture's width.
 double scale_bar_length(const ScaleBar& scale, int width);
 
-/// Draws bar, its length and the size of a pixel on a panel in the lower left corner, in the legend's style. Returns
-/// false and leaves the picture alone if that would take more than 60 % of the width or 40 % of the height.
+/// Draws bar, its length and the size of a pixel on a panel in the lower left corner, in the
+/// legend's style. Returns false and leaves the picture alone if that would take more than 60 % of
+/// the width or 40 % of the height.
 bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas);
 
 }  // namespace slim

@@ -60,10 +60,14 @@ struct EyeFrame {
     int first_x, first_y, whole_width, whole_height;
 
     EyeFrame(const ShadeView& v, int width, int height)
-        : right(to_float(v.right)), up(to_float(v.up)), back(to_float(v.back)),
+        : right(to_float(v.right)),
+          up(to_float(v.up)),
+          back(to_float(v.back)),
           half_width(static_cast<float>(v.half_width)),
-          half_height(static_cast<float>(v.half_height)), orthographic(v.orthographic),
-          first_x(v.first_x), first_y(v.first_y),
+          half_height(static_cast<float>(v.half_height)),
+          orthographic(v.orthographic),
+          first_x(v.first_x),
+          first_y(v.first_y),
           whole_width(v.whole_width > 0 ? v.whole_width : width),
           whole_height(v.whole_height > 0 ? v.whole_height : height) {}
 
@@ -315,21 +319,24 @@ void for_eye_rows(int width, int height, const RowRange& rows, const ShadeView& 
     const Surface surface{width, height, frame, normals, hit};
     parallel_blocks(static_cast<std::size_t>(rows.end - rows.begin), kRowGrain,
                     [&](std::size_t begin, std::size_t end) {
-        std::vector<Vec3f> normal(n), toward_eye(n);
-        for (int y = rows.begin + static_cast<int>(begin); y < rows.begin + static_cast<int>(end); ++y) {
-            for (int x = 0; x < width; ++x) {
-                const std::size_t i = surface.index(x, y);
-                if (!hit[i]) continue;
-                const auto k = static_cast<std::size_t>(x);
-                toward_eye[k] = frame.toward_eye(frame.across(x), frame.upwards(y));
-                normal[k] = surface.eye_normal(x, y, surface.raw_normal(i), toward_eye[k]);
-            }
-            visit({y, hit.subspan(surface.index(0, y), n), normal, toward_eye});
-        }
-    });
+                        std::vector<Vec3f> normal(n), toward_eye(n);
+                        for (int y = rows.begin + static_cast<int>(begin);
+                             y < rows.begin + static_cast<int>(end); ++y) {
+                            for (int x = 0; x < width; ++x) {
+                                const std::size_t i = surface.index(x, y);
+                                if (!hit[i]) continue;
+                                const auto k = static_cast<std::size_t>(x);
+                                toward_eye[k] = frame.toward_eye(frame.across(x), frame.upwards(y));
+                                normal[k] =
+                                    surface.eye_normal(x, y, surface.raw_normal(i), toward_eye[k]);
+                            }
+                            visit({y, hit.subspan(surface.index(0, y), n), normal, toward_eye});
+                        }
+                    });
 }
 
-void composite_over(const Background& background, Picture& picture, int first_row, int whole_height) {
+void composite_over(const Background& background, Picture& picture, int first_row,
+                    int whole_height) {
     const auto rows = static_cast<float>(whole_height > 0 ? whole_height : picture.height);
     for (int y = 0; y < picture.height; ++y) {
         const float t = (static_cast<float>(first_row + y) + 0.5f) / rows;

@@ -15,7 +15,8 @@ struct ShadeView {
     Vec3d right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};
     double half_width = 1, half_height = 1;
     bool orthographic = false;
-    /// Where the planes that are shaded begin in a larger picture, and its size; 0: they are the whole.
+    /// Where the planes that are shaded begin in a larger picture, and its size; 0: they are the
+    /// whole.
     int first_x = 0, first_y = 0, whole_width = 0, whole_height = 0;
 };
 
@@ -57,7 +58,8 @@ struct RowRange {
 /// returns             unit, n . e >= 0
 Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
 
-/// How far, in pixels, the shading of a pixel of a width x height picture looks at others (see shade).
+/// How far, in pixels, the shading of a pixel of a width x height picture looks at others (see
+/// shade).
 int shade_reach(int width, int height);
 
 /// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
@@ -87,7 +89,8 @@ void light_picture(const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, float floor, Picture& picture,
                    int first_row = 0);
 
-/// The surface along a row of pixels: unit vectors in camera axes, normals turned to the eye as shade() turns them.
+/// The surface along a row of pixels: unit vectors in camera axes, normals turned to the eye as
+/// shade() turns them.
 struct EyeRow {
     int y = 0;  ///< of the planes
     std::span<const std::uint8_t> hit;
@@ -105,7 +108,8 @@ struct Background {
     float alpha = 1;
 };
 
-/// picture OVER background; the picture may be the rows from first_row on of one of whole_height rows (0: all).
+/// picture OVER background; the picture may be the rows from first_row on of one of whole_height
+/// rows (0: all).
 void composite_over(const Background& background, Picture& picture, int first_row = 0,
                     int whole_height = 0);
 

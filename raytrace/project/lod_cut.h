@@ -43,7 +43,8 @@ struct CutCounts {
 /// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever they
 /// are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below it.
 /// Order: depth first, children in order. Adds to the counts. Throws FormatError on a child that
-/// does not come after its parent (a cycle) or lies outside the tree, and where nodes are met twice.
+/// does not come after its parent (a cycle) or lies outside the tree, and where nodes are met
+/// twice.
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
                                    const PixelWindow& window, const CutRules& rules,
                                    CutCounts& counts);

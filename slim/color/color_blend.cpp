@@ -9,13 +9,15 @@ Vec3f ColorBlend::of_node(const Surfel& s, std::size_t node, const Vec3d& p) con
     return unpack(colors_[node]).at(static_cast<float>(local.x), static_cast<float>(local.y));
 }
 
-Vec3f ColorBlend::at(const Vec3d& p, const Vec3d& n, std::uint32_t node, std::vector<const Surfel*>& found) const {
+Vec3f ColorBlend::at(const Vec3d& p, const Vec3d& n, std::uint32_t node,
+                     std::vector<const Surfel*>& found) const {
     index_.supporters(p, found);
     Vec3f sum;
     float total = 0;
     for (const Surfel* s : found) {
         if (!(dot(s->frame.normal, n) > 0)) continue;
-        const auto w = static_cast<float>(weight_kernel(sq_length(p - s->center) / (s->support_radius * s->support_radius)));
+        const auto w = static_cast<float>(
+            weight_kernel(sq_length(p - s->center) / (s->support_radius * s->support_radius)));
         sum += of_node(*s, index_.node(index_.number_of(s)), p) * w;
         total += w;
     }

@@ -27,12 +27,13 @@ void ColorFit::add_shares(const Vec3d& p, const Vec3f* normal, std::vector<const
         const Vec3d x = (p - s->center) / s->support_radius;
         const Vec3d local = s->frame.local_from_world(x);
         shares.push_back({static_cast<std::uint32_t>(index_.number_of(s)),
-                          static_cast<float>(weight_kernel(sq_length(x))), static_cast<float>(local.x),
-                          static_cast<float>(local.y)});
+                          static_cast<float>(weight_kernel(sq_length(x))),
+                          static_cast<float>(local.x), static_cast<float>(local.y)});
     }
 }
 
-void ColorFit::add(std::span<const Vec3d> positions, std::span<const Vec3f> normals, std::span<const Vec3f> colors) {
+void ColorFit::add(std::span<const Vec3d> positions, std::span<const Vec3f> normals,
+                   std::span<const Vec3f> colors) {
     SLIM_CHECK(colors.size(), ==, positions.size());
     SLIM_CHECK(normals.empty() || normals.size() == positions.size(), ==, true);
     std::vector<std::vector<Share>> blocks((kPiece + kGrain - 1) / kGrain);
@@ -60,7 +61,8 @@ void ColorFit::add(std::span<const Vec3d> positions, std::span<const Vec3f> norm
                 Sums& sums = sums_[s.leaf];
                 const double basis[3] = {w, w * u, w * v};
                 sums.moments[0] += w, sums.moments[1] += w * u, sums.moments[2] += w * v;
-                sums.moments[3] += w * u * u, sums.moments[4] += w * u * v, sums.moments[5] += w * v * v;
+                sums.moments[3] += w * u * u, sums.moments[4] += w * u * v,
+                    sums.moments[5] += w * v * v;
                 for (std::size_t b = 0; b < 3; ++b)
                     for (std::size_t c = 0; c < 3; ++c)
                         sums.colors[b][c] += basis[b] * static_cast<double>(colors[first + i][c]);
@@ -102,7 +104,8 @@ std::vector<SurfelColor> ColorFit::finish() const {
         if (node.is_leaf() || node.n_children == 0) continue;
         Vec3f sum;
         double total = 0;
-        for (std::size_t child = node.first_child; child < node.first_child + node.n_children; ++child) {
+        for (std::size_t child = node.first_child; child < node.first_child + node.n_children;
+             ++child) {
             sum += colors[child].base * static_cast<float>(weight[child]);
             total += weight[child];
         }
@@ -112,7 +115,8 @@ std::vector<SurfelColor> ColorFit::finish() const {
     }
     for (std::size_t i = 0; i < n; ++i) {
         const TreeNode& node = tree_.node(i);
-        for (std::size_t child = node.first_child; node.n_children > 0 && child < node.first_child + node.n_children; ++child)
+        for (std::size_t child = node.first_child;
+             node.n_children > 0 && child < node.first_child + node.n_children; ++child)
             if (!(weight[child] > 0)) colors[child].base = colors[i].base;
     }
     return colors;

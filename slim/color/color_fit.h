@@ -12,8 +12,9 @@
 
 namespace slim {
 
-/// Fits the colours of a cloud's points to the leaves of its model, by linear functions over each leaf, weighted by G
-/// as the surface is; points may come in any number of pieces, the result depends on their order in the last bits only.
+/// Fits the colours of a cloud's points to the leaves of its model, by linear functions over each
+/// leaf, weighted by G as the surface is; points may come in any number of pieces, the result
+/// depends on their order in the last bits only.
 ///
 /// memory  400 bytes a leaf, whatever the number of points
 /// cost    about 0.6 us a point
@@ -21,12 +22,15 @@ class ColorFit {
 public:
     explicit ColorFit(const SurfelTree& tree);
 
-    /// positions in the frame of the job, normals as measured (empty: none; a point counts for leaves that face as it
-    /// does), colours display-referred 0 to 1. Points in no leaf's ball count as lost.
-    void add(std::span<const Vec3d> positions, std::span<const Vec3f> normals, std::span<const Vec3f> colors);
+    /// positions in the frame of the job, normals as measured (empty: none; a point counts for
+    /// leaves that face as it does), colours display-referred 0 to 1. Points in no leaf's ball
+    /// count as lost.
+    void add(std::span<const Vec3d> positions, std::span<const Vec3f> normals,
+             std::span<const Vec3f> colors);
 
-    /// One colour a node: of leaves the fit (a damped one, so that few points give no wild slopes), of internal nodes
-    /// the mean of their children by points. Leaves without a point take their parent's.
+    /// One colour a node: of leaves the fit (a damped one, so that few points give no wild slopes),
+    /// of internal nodes the mean of their children by points. Leaves without a point take their
+    /// parent's.
     std::vector<SurfelColor> finish() const;
 
     std::uint64_t n_lost() const { return n_lost_; }

@@ -10,14 +10,15 @@
 
 namespace slim {
 
-/// Colour of a surfel as a linear function of its local coordinates (u, v) over rho: base + du u + dv v, display-referred
-/// sRGB, 0 to 1.
+/// Colour of a surfel as a linear function of its local coordinates (u, v) over rho: base + du u +
+/// dv v, display-referred sRGB, 0 to 1.
 struct SurfelColor {
     Vec3f base, du, dv;
 
     Vec3f at(float u, float v) const {
         const Vec3f c = base + du * u + dv * v;
-        return {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)};
+        return {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f),
+                std::clamp(c.z, 0.0f, 1.0f)};
     }
 };
 
@@ -28,13 +29,15 @@ inline PackedColor pack(const SurfelColor& color) {
     PackedColor out;
     const Vec3f* const parts[] = {&color.base, &color.du, &color.dv};
     for (std::size_t k = 0; k < 9; ++k)
-        out[k] = static_cast<std::int16_t>(std::lround(std::clamp((*parts[k / 3])[k % 3] * 8192, -32767.0f, 32767.0f)));
+        out[k] = static_cast<std::int16_t>(
+            std::lround(std::clamp((*parts[k / 3])[k % 3] * 8192, -32767.0f, 32767.0f)));
     return out;
 }
 
 inline SurfelColor unpack(const PackedColor& packed) {
     const auto vec = [&](std::size_t k) {
-        return Vec3f{static_cast<float>(packed[k]), static_cast<float>(packed[k + 1]), static_cast<float>(packed[k + 2])} *
+        return Vec3f{static_cast<float>(packed[k]), static_cast<float>(packed[k + 1]),
+                     static_cast<float>(packed[k + 2])} *
                (1.0f / 8192);
     };
     return {vec(0), vec(3), vec(6)};

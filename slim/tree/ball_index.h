@@ -18,8 +18,11 @@ public:
 
     std::size_t n_leaves() const { return leaves_.size(); }
 
-    /// A leaf that supporters() gave, by its number in the index, and the model's node of that number.
-    std::size_t number_of(const Surfel* leaf) const { return static_cast<std::size_t>(leaf - leaves_.data()); }
+    /// A leaf that supporters() gave, by its number in the index, and the model's node of that
+    /// number.
+    std::size_t number_of(const Surfel* leaf) const {
+        return static_cast<std::size_t>(leaf - leaves_.data());
+    }
     std::uint32_t node(std::size_t number) const { return nodes_[number]; }
 
     /// Writes the leaves with |p - c| < rho to `out`, in the index's order (deterministic).

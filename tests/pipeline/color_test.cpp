@@ -24,7 +24,8 @@ protected:
     void write_cloud(const std::string& name, const Vec3d& origin, bool colored = true) {
         constexpr std::size_t n = 20000;
         std::ofstream out(file(name));
-        out << "ply\nformat ascii 1.0\nelement vertex " << n << "\nproperty double x\nproperty double y\nproperty double z\n"
+        out << "ply\nformat ascii 1.0\nelement vertex " << n
+            << "\nproperty double x\nproperty double y\nproperty double z\n"
             << "property float nx\nproperty float ny\nproperty float nz\n";
         if (colored) out << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
         out << "end_header\n";
@@ -32,7 +33,9 @@ protected:
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3d p = test::fibonacci_point(i, n), c = color_at(p) * 255, at = p + origin;
             out << at.x << ' ' << at.y << ' ' << at.z << ' ' << p.x << ' ' << p.y << ' ' << p.z;
-            if (colored) out << ' ' << std::lround(c.x) << ' ' << std::lround(c.y) << ' ' << std::lround(c.z);
+            if (colored)
+                out << ' ' << std::lround(c.x) << ' ' << std::lround(c.y) << ' '
+                    << std::lround(c.z);
             out << '\n';
         }
     }
@@ -43,7 +46,8 @@ protected:
         config.output = file(model);
         config.color = color;
         const FieldList fields = fields_of(config);
-        StageContext context{reporter_, 1, true, "build", canonical_config(fields), print_config(fields), ""};
+        StageContext context{
+            reporter_, 1, true, "build", canonical_config(fields), print_config(fields), ""};
         return run_build(config, context);
     }
 };
@@ -103,11 +107,13 @@ TEST_F(ModelColor, AModelWithoutItIsTheSameBytesAndSaysHowToGetIt) {
     }
     // All else of a model with colours is as without.
     build("c.ply", "with.slim", true);
-    const ModelFile with = ModelFile::open(file("with.slim")), without = ModelFile::open(file("without.slim"));
+    const ModelFile with = ModelFile::open(file("with.slim")),
+                    without = ModelFile::open(file("without.slim"));
     EXPECT_TRUE(std::equal(with.tree().records().begin(), with.tree().records().end(),
                            without.tree().records().begin(), without.tree().records().end()));
     EXPECT_EQ(with.colors().size(), with.tree().n_nodes());
-    EXPECT_NEAR(static_cast<double>(with.file_size() - without.file_size()), 18.0 * static_cast<double>(with.tree().n_nodes()), 200);
+    EXPECT_NEAR(static_cast<double>(with.file_size() - without.file_size()),
+                18.0 * static_cast<double>(with.tree().n_nodes()), 200);
 }
 
 TEST_F(ModelColor, ColoursOfAllTypesAreRead) {
@@ -116,8 +122,10 @@ TEST_F(ModelColor, ColoursOfAllTypesAreRead) {
     for (const auto& [type, values] : cases)
         for (const char* prefix : {"", "diffuse_"}) {
             std::ofstream out(file("c.ply"));
-            out << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
-            for (const char* name : {"red", "green", "blue"}) out << "property " << type << ' ' << prefix << name << '\n';
+            out << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                   "y\nproperty float z\n";
+            for (const char* name : {"red", "green", "blue"})
+                out << "property " << type << ' ' << prefix << name << '\n';
             out << "end_header\n1 2 3 " << values << '\n';
             out.close();
             const auto source = open_colored_cloud(file("c.ply"));

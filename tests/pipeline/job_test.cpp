@@ -99,6 +99,31 @@ TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
 }
 
+TEST(Job, LightsAndContoursAreForViewsThatShowThem) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\ncontours = '2'\nmatcap = 'ball.png'\n"
+        "[[view]]\nname = 'a'\naovs = ['hillshade']\n[[view]]\nname = 'b'\naovs = ['matcap']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--contours=2"));
+    EXPECT_FALSE(has(job.steps[2], "--contours=2"));
+    const std::string ball = "--matcap=" + (fs::path(testing::TempDir()) / "ball.png").string();
+    EXPECT_FALSE(has(job.steps[1], ball));
+    EXPECT_TRUE(has(job.steps[2], ball));
+}
+
+TEST(Job, FilmsLeaveNumberedPictures) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\nturntable = 3\naovs = ['mean']\n"
+        "lines = ['contour']\n[[view]]\nname = 'b'\npath = 'front; iso zoom 2'\nframes = 2\n"));
+    const fs::path folder = job.folder;
+    EXPECT_EQ(job.steps[1].products,
+              (std::vector<fs::path>{folder / "a.mean_0001.png", folder / "a_0001.lines.svg",
+                                     folder / "a.mean_0002.png", folder / "a_0002.lines.svg",
+                                     folder / "a.mean_0003.png", folder / "a_0003.lines.svg"}));
+    EXPECT_EQ(job.steps[2].products.size(), 2u);
+    EXPECT_THROW(read_job(write_job("[input]\nfiles = ['a.ply']\n[[view]]\nframes = 3\n")),
+                 ConfigError);
+}
+
 TEST(Job, ReadsFilesFromBesideItself) {
     const Job job = read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n[measure]\n"));
     ASSERT_EQ(job.steps.size(), 3u);

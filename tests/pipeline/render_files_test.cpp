@@ -104,8 +104,8 @@ TEST_F(RenderFiles, WrongExtensionsAreRefused) {
 }
 
 bool is_light(const std::string& channel) {
-    return (channel.size() == 1 && channel != "Z") || channel.ends_with(".R") || channel.ends_with(".G") ||
-           channel.ends_with(".B");
+    return (channel.size() == 1 && channel != "Z") || channel.ends_with(".R") ||
+           channel.ends_with(".G") || channel.ends_with(".B");
 }
 
 TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
@@ -115,17 +115,47 @@ TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
     const ExrImage image = read_exr(file("x.exr"));
     std::vector<std::string> names;
     for (const auto& [name, channel] : image.channels) names.push_back(name);
-    EXPECT_EQ(names, (std::vector<std::string>{
-                         "A", "B", "G", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R", "Z",
-                         "curvature.gauss", "curvature.k1", "curvature.k2", "curvature.mean",
-                         "dir1.X", "dir1.Y", "dir1.Z", "dir2.X", "dir2.Y", "dir2.Z", "environment.B",
-                         "environment.G", "environment.R", "fit.coverage", "fit.error", "fit.level", "hillshade.B",
-                         "hillshade.G", "hillshade.R", "matcap.B", "matcap.G", "matcap.R", "reflection.B",
-                         "reflection.G", "reflection.R", "surfel.id"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"A",
+                                               "B",
+                                               "G",
+                                               "N.X",
+                                               "N.Y",
+                                               "N.Z",
+                                               "P.X",
+                                               "P.Y",
+                                               "P.Z",
+                                               "R",
+                                               "Z",
+                                               "curvature.gauss",
+                                               "curvature.k1",
+                                               "curvature.k2",
+                                               "curvature.mean",
+                                               "dir1.X",
+                                               "dir1.Y",
+                                               "dir1.Z",
+                                               "dir2.X",
+                                               "dir2.Y",
+                                               "dir2.Z",
+                                               "environment.B",
+                                               "environment.G",
+                                               "environment.R",
+                                               "fit.coverage",
+                                               "fit.error",
+                                               "fit.level",
+                                               "hillshade.B",
+                                               "hillshade.G",
+                                               "hillshade.R",
+                                               "matcap.B",
+                                               "matcap.G",
+                                               "matcap.R",
+                                               "reflection.B",
+                                               "reflection.G",
+                                               "reflection.R",
+                                               "surfel.id"}));
     for (const auto& [name, channel] : image.channels)
-        EXPECT_EQ(channel.type, is_light(name)                  ? ChannelType::half_float
-                                : name == "surfel.id"           ? ChannelType::uint32
-                                                                : ChannelType::float32)
+        EXPECT_EQ(channel.type, is_light(name)        ? ChannelType::half_float
+                                : name == "surfel.id" ? ChannelType::uint32
+                                                      : ChannelType::float32)
             << name;
     const std::size_t middle = 30 * 80 + 40;
     EXPECT_NEAR(image.channels.at("N.Z").floats[middle], 1, 0.01);

@@ -17,7 +17,9 @@ namespace {
 class RenderOutputs : public test::RenderTest {
 protected:
     /// A torus about z, R = 1, r = 0.35.
-    void write_torus(int degree) { write_model(file("m.slim"), test::torus_model(1, 0.35, 60, 24, degree), "{}"); }
+    void write_torus(int degree) {
+        write_model(file("m.slim"), test::torus_model(1, 0.35, 60, 24, degree), "{}");
+    }
 
     /// A model whose front is smaller than its top.
     void write_flat() {
@@ -93,7 +95,9 @@ TEST_F(RenderOutputs, DerivativesOfCurvatureOfATorusAreThoseOfTheTorus) {
         if (ring == 0 || image.channels.at("N.Z").floats[i] < 0.5f) continue;
         const double b = std::atan2(z, ring - 1);
         const double exact = std::abs(std::sin(b) / (0.35 * ring * ring));
-        sum += std::abs(std::abs(static_cast<double>(image.channels.at("extremality.dk2_dt1").floats[i])) - exact);
+        sum += std::abs(
+            std::abs(static_cast<double>(image.channels.at("extremality.dk2_dt1").floats[i])) -
+            exact);
         sum_e2 += std::abs(static_cast<double>(image.channels.at("extremality.e2").floats[i]));
         sum_exact += exact, ++n;
     }
@@ -108,7 +112,8 @@ TEST_F(RenderOutputs, DerivativesOfCurvatureWantACubicModelAndSayHowToGetOne) {
     EXPECT_NE(error_of(c).find("--degree 3"), std::string::npos) << error_of(c);
     c.aov = {"all"};
     const auto result = run(c);  // without them
-    for (const auto& each : result["files"]) EXPECT_EQ(each.get<std::string>().find(".e1."), std::string::npos);
+    for (const auto& each : result["files"])
+        EXPECT_EQ(each.get<std::string>().find(".e1."), std::string::npos);
     write_torus(3);
     c.aov = {"e1", "dk1_dt2"}, c.size = "500x400";
     run(c, true);
@@ -128,7 +133,8 @@ TEST_F(RenderOutputs, TheFirstPictureOfLightIsUnprefixed) {
 
 TEST_F(RenderOutputs, AnEnvironmentOfOneColourLightsAllWithIt) {
     const std::vector<float> red(32, 2.0f), none(32, 0.0f);
-    const ExrChannel channels[] = {{"R", ChannelType::float32, red, {}}, {"G", ChannelType::float32, none, {}},
+    const ExrChannel channels[] = {{"R", ChannelType::float32, red, {}},
+                                   {"G", ChannelType::float32, none, {}},
                                    {"B", ChannelType::float32, none, {}}};
     write_exr(file("red.exr"), 8, 4, channels);
     RenderConfig c = config("x.exr");
@@ -164,12 +170,19 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"aov environment", [](RenderConfig& c) { c.environment_turn = 3; }},
         {"aov environment", [](RenderConfig& c) { c.environment_behind = true; }},
         {"aov matcap", [&](RenderConfig& c) { c.matcap = file("words.png"); }},
-        {"aov hillshade", [](RenderConfig& c) { c.sun = {10, 10}; }},
+        {"aov hillshade",
+         [](RenderConfig& c) {
+             c.sun = {10, 10};
+         }},
         {"aov hillshade", [](RenderConfig& c) { c.contours = "3"; }},
         {"contours: expected", [](RenderConfig& c) { c.contours = "-3", c.aov = {"hillshade"}; }},
-        {"sun: expected", [](RenderConfig& c) { c.sun = {1, 91}, c.aov = {"hillshade"}; }},
+        {"sun: expected",
+         [](RenderConfig& c) {
+             c.sun = {1, 91}, c.aov = {"hillshade"};
+         }},
         {"words.png", [&](RenderConfig& c) { c.matcap = file("words.png"), c.aov = {"matcap"}; }},
-        {"nowhere.png", [&](RenderConfig& c) { c.matcap = file("nowhere.png"), c.aov = {"matcap"}; }},
+        {"nowhere.png",
+         [&](RenderConfig& c) { c.matcap = file("nowhere.png"), c.aov = {"matcap"}; }},
         {"--ortho", [](RenderConfig& c) { c.scale_bar = true; }},
         {"crop: expected", [](RenderConfig& c) { c.crop = "1,2,3"; }},
         {"inside the picture of 80x60", [](RenderConfig& c) { c.crop = "70,0,11,10"; }},
@@ -202,7 +215,10 @@ TEST_F(RenderOutputs, EveryOptionChangesThePicture) {
         {"environment_turn", light, [](RenderConfig& c) { c.environment_turn = 90; }},
         {"environment_behind", light, [](RenderConfig& c) { c.environment_behind = true; }},
         {"up of light", light, [](RenderConfig& c) { c.up = "-y"; }},
-        {"sun", relief, [](RenderConfig& c) { c.sun = {135, 30}; }},
+        {"sun", relief,
+         [](RenderConfig& c) {
+             c.sun = {135, 30};
+         }},
         {"contours", relief, [](RenderConfig& c) { c.contours = "none"; }},
         {"contours", relief, [](RenderConfig& c) { c.contours = "0.4"; }},
         {"same_scale", [&](RenderConfig& c) { c.ortho = true, c.camera = "front", write_flat(); },
@@ -233,7 +249,8 @@ TEST_F(RenderOutputs, ACropIsTheWholesBytesInEveryAov) {
     write_torus(3);
     for (const int supersample : {1, 2}) {
         RenderConfig c = config("whole.png");
-        c.aov = {"all"}, c.size = "390x310", c.supersample = supersample, c.ortho = true, c.scale_bar = true;
+        c.aov = {"all"}, c.size = "390x310", c.supersample = supersample, c.ortho = true,
+        c.scale_bar = true;
         run(c);
         c.output = file("part.png"), c.crop = "61,83,171,202";
         run(c);
@@ -242,7 +259,8 @@ TEST_F(RenderOutputs, ACropIsTheWholesBytesInEveryAov) {
             const std::string name = entry.path().filename().string();
             if (!name.starts_with("whole.") || entry.path().extension() != ".png") continue;
             const PngImage part = read_png(file("part" + name.substr(5)));
-            EXPECT_EQ(part.rgba, part_of(read_png(entry.path()), 61, 83, 171, 202).rgba) << name << supersample;
+            EXPECT_EQ(part.rgba, part_of(read_png(entry.path()), 61, 83, 171, 202).rgba)
+                << name << supersample;
             ++n;
         }
         EXPECT_EQ(n, 22u);
@@ -273,7 +291,8 @@ TEST_F(RenderOutputs, ACropsDataLieWhereTheyBelong) {
         for (int y = 0; y < 7; ++y)
             for (int x = 0; x < 11; ++x)
                 ASSERT_EQ(part.channels.at(channel).floats[static_cast<std::size_t>(y * 11 + x)],
-                          whole.channels.at(channel).floats[static_cast<std::size_t>((20 + y) * 80 + 30 + x)]);
+                          whole.channels.at(channel)
+                              .floats[static_cast<std::size_t>((20 + y) * 80 + 30 + x)]);
 }
 
 TEST_F(RenderOutputs, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
@@ -282,10 +301,12 @@ TEST_F(RenderOutputs, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
     int next = 0;
     for (const PicturePart& part : parts) {
         EXPECT_EQ(part.wanted.y, next);
-        EXPECT_LE(50ull * static_cast<unsigned>(part.wanted.width * part.wanted.height), 384ull << 20);
+        EXPECT_LE(50ull * static_cast<unsigned>(part.wanted.width * part.wanted.height),
+                  384ull << 20);
         EXPECT_EQ(part.drawn.y % 32 + part.drawn.x % 32, 0);
         EXPECT_LE(part.drawn.y, std::max(0, part.wanted.y - 82));
-        EXPECT_GE(part.drawn.y + part.drawn.height, std::min(16384, part.wanted.y + part.wanted.height + 82));
+        EXPECT_GE(part.drawn.y + part.drawn.height,
+                  std::min(16384, part.wanted.y + part.wanted.height + 82));
         next += part.wanted.height;
     }
     EXPECT_EQ(next, 16384);
@@ -312,21 +333,31 @@ TEST_F(RenderOutputs, ATurntableIsNumberedAndKeepsItsRange) {
     const auto result = run(c);
     EXPECT_EQ(result["frames"], 4);
     EXPECT_EQ(result["film_commands"].size(), 2u);
-    EXPECT_NE(result["film_commands"][1].get<std::string>().find("film.mean_%04d.png"), std::string::npos);
+    EXPECT_NE(result["film_commands"][1].get<std::string>().find("film.mean_%04d.png"),
+              std::string::npos);
     for (const char* name : {"film.shaded_0001.png", "film.mean_0004.png", "film.mean.legend.svg"})
         EXPECT_TRUE(exists(name)) << name;
     const auto range = [&](int k) {
-        return read_png(file("film.mean_000" + std::to_string(k) + ".png")).metadata.at("slim:range.mean");
+        return read_png(file("film.mean_000" + std::to_string(k) + ".png"))
+            .metadata.at("slim:range.mean");
     };
     EXPECT_EQ(range(1), range(3));
     EXPECT_NE(bytes("film.shaded_0001.png"), bytes("film.shaded_0002.png"));
+    // Lines are numbered alike, however the picture is named.
+    c.aov = {"mean"}, c.lines = {"contour"}, c.turntable = 2, c.output = file("lined.mean.png");
+    run(c);
+    EXPECT_TRUE(exists("lined_0002.lines.svg"));
+    EXPECT_TRUE(exists("lined.mean_0002.png"));
+    c = config("film.png");
+    c.aov = {"shaded", "mean"}, c.turntable = 4, c.size = "300x240";
     // One picture of an array job is that of the film.
     const std::string second = bytes("film.shaded_0002.png");
     const std::string camera = read_png(file("film.shaded_0002.png")).metadata.at("slim:camera");
     c.frame = 2, c.output = file("one.png");
     run(c);
     EXPECT_EQ(read_png(file("one.shaded_0002.png")).metadata.at("slim:camera"), camera);
-    EXPECT_EQ(read_png(file("one.shaded_0002.png")).rgba, read_png(file("film.shaded_0002.png")).rgba);
+    EXPECT_EQ(read_png(file("one.shaded_0002.png")).rgba,
+              read_png(file("film.shaded_0002.png")).rgba);
     EXPECT_FALSE(exists("one.shaded_0001.png"));
 }
 

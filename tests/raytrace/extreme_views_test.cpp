@@ -17,7 +17,8 @@ namespace {
 
 constexpr Channels kWanted = kDepthChannel | kPositionChannel | kNormalChannel;
 
-RenderRequest request_at(const Vec3d& eye, const Vec3d& target, double fov_deg, int width, int height) {
+RenderRequest request_at(const Vec3d& eye, const Vec3d& target, double fov_deg, int width,
+                         int height) {
     RenderRequest request;
     request.camera.eye = eye, request.camera.target = target;
     request.camera.up = {0.1, 1, 0.05};
@@ -43,7 +44,8 @@ Difference against_brute(const SurfelTreeData& model, const RenderRequest& reque
         d.hits += fast.hit[i] != slow.hit[i];
         if (!fast.hit[i] || !slow.hit[i]) continue;
         ++d.covered;
-        d.depth = std::max(d.depth, static_cast<double>(std::abs(fast.depth[i] - slow.depth[i]) / slow.depth[i]));
+        d.depth = std::max(
+            d.depth, static_cast<double>(std::abs(fast.depth[i] - slow.depth[i]) / slow.depth[i]));
     }
     return d;
 }
@@ -61,7 +63,9 @@ TEST(ExtremeViews, Row36TangentRaysHitOrMissWithinSqrtOfRounding) {
             continue;
         }
         for (int k = 0; k < roots.n; ++k)
-            EXPECT_NEAR(std::abs(static_cast<double>(roots.t[static_cast<std::size_t>(k)])), exact, kReach) << i;
+            EXPECT_NEAR(std::abs(static_cast<double>(roots.t[static_cast<std::size_t>(k)])), exact,
+                        kReach)
+                << i;
     }
     // In the picture: a ray farther than that from the rim of the cap is decided as the exact one.
     const auto model = test::sphere_model(1, 3000);
@@ -90,7 +94,8 @@ TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
     const auto model = test::sphere_model(1, 1000);
     const double far = 1e6 * model.header.diagonal;
     const double fov = 2 * std::atan(1.1 / far) * 180 / std::numbers::pi;
-    const RenderRequest request = request_at(Vec3d{0.3, 0.4, std::sqrt(0.75)} * far, {}, fov, 160, 160);
+    const RenderRequest request =
+        request_at(Vec3d{0.3, 0.4, std::sqrt(0.75)} * far, {}, fov, 160, 160);
     const Difference d = against_brute(model, request);
     EXPECT_GT(d.covered, 15000u);
     EXPECT_LE(d.hits, 2u);
@@ -100,7 +105,8 @@ TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
 TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
     const auto model = test::sphere_model(1, 600);
     for (const double fov : {0.001, 1.0, 120.0, 175.0, 179.0}) {
-        const double distance = fov < 90 ? std::max(3.0, 1.2 / std::tan(fov * std::numbers::pi / 360)) : 1.3;
+        const double distance =
+            fov < 90 ? std::max(3.0, 1.2 / std::tan(fov * std::numbers::pi / 360)) : 1.3;
         const Difference d = against_brute(model, request_at({0, 0, distance}, {}, fov, 121, 121));
         EXPECT_GT(d.covered, 0u) << fov;
         EXPECT_LE(d.hits, 2u) << fov;
@@ -117,7 +123,9 @@ TEST(ExtremeViews, Row40TinyAndHugePicturesAreCropsOfLargerOnes) {
     const auto model = test::sphere_model(1, 600);
     for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 97}, std::pair{131, 1}}) {
         const Difference d = against_brute(model, request_at({0, 0, 4}, {}, 30, width, height));
-        EXPECT_EQ(d.covered, static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > 1 ? d.covered : 1u);
+        EXPECT_EQ(d.covered, static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > 1
+                                 ? d.covered
+                                 : 1u);
         EXPECT_EQ(d.hits, 0u) << width << 'x' << height;
     }
     // Of 16,384 x 16,384 pixels only a window is ever held; two that overlap agree byte for byte.
@@ -177,7 +185,11 @@ TEST(ExtremeViews, Row43UmbilicAndFlatSurfacesHaveNoCrestLines) {
     const auto sphere = test::sphere_model(1, 1500, 3);
     std::vector<Surfel> discs;
     for (int i = 0; i < 100; ++i)
-        discs.push_back({{0.2 * (i % 10) - 0.9, 0.2 * (i / 10) - 0.9, 0}, 0.35, frame_from_normal(Vec3d{0, 0, 1}), {}, 3});
+        discs.push_back({{0.2 * (i % 10) - 0.9, 0.2 * (i / 10) - 0.9, 0},
+                         0.35,
+                         frame_from_normal(Vec3d{0, 0, 1}),
+                         {},
+                         3});
     const auto plane = test::flat_tree(discs, 3);
     const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge};
     for (const SurfelTreeData* model : {&sphere, &plane}) {

@@ -24,9 +24,11 @@ std::vector<float> lamp_map(int width, int height, const Vec3d& toward, double r
     std::vector<float> rgb;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const double a = 2 * std::numbers::pi * ((x + 0.5) / width - 0.5), p = std::numbers::pi * (y + 0.5) / height;
+            const double a = 2 * std::numbers::pi * ((x + 0.5) / width - 0.5),
+                         p = std::numbers::pi * (y + 0.5) / height;
             const Vec3d d{std::sin(p) * std::sin(a), std::cos(p), -std::sin(p) * std::cos(a)};
-            const auto light = static_cast<float>(std::acos(dot(d, normalized(toward))) < radius ? 40.0 : 0.1);
+            const auto light =
+                static_cast<float>(std::acos(dot(d, normalized(toward))) < radius ? 40.0 : 0.1);
             rgb.insert(rgb.end(), {light, light, light});
         }
     return rgb;
@@ -37,12 +39,16 @@ double irradiance(const std::vector<float>& rgb, int width, int height, const Ve
     double sum = 0;
     for (int y = 0; y < height; ++y) {
         const double p = std::numbers::pi * (y + 0.5) / height;
-        const double angle = 2 * std::numbers::pi / width * (std::cos(std::numbers::pi * y / height) -
-                                                             std::cos(std::numbers::pi * (y + 1) / height));
+        const double angle = 2 * std::numbers::pi / width *
+                             (std::cos(std::numbers::pi * y / height) -
+                              std::cos(std::numbers::pi * (y + 1) / height));
         for (int x = 0; x < width; ++x) {
             const double a = 2 * std::numbers::pi * ((x + 0.5) / width - 0.5);
-            const double c = dot(n, Vec3d{std::sin(p) * std::sin(a), std::cos(p), -std::sin(p) * std::cos(a)});
-            if (c > 0) sum += static_cast<double>(rgb[3 * static_cast<std::size_t>(y * width + x)]) * c * angle;
+            const double c =
+                dot(n, Vec3d{std::sin(p) * std::sin(a), std::cos(p), -std::sin(p) * std::cos(a)});
+            if (c > 0)
+                sum += static_cast<double>(rgb[3 * static_cast<std::size_t>(y * width + x)]) * c *
+                       angle;
         }
     }
     return sum / std::numbers::pi;
@@ -58,7 +64,8 @@ TEST(Environment, DiffuseLightIsTheSumOverTheMap) {
         const double z = 1 - (2.0 * i + 1) / 200, a = 2.399963 * i, r = std::sqrt(1 - z * z);
         const Vec3d n{r * std::cos(a), z, r * std::sin(a)};
         const double exact = scale * irradiance(rgb, 512, 256, n);
-        worst = std::max(worst, std::abs(static_cast<double>(light.diffuse(to_float(n)).x) - exact));
+        worst =
+            std::max(worst, std::abs(static_cast<double>(light.diffuse(to_float(n)).x) - exact));
     }
     const double most = scale * irradiance(rgb, 512, 256, normalized(lamp));
     EXPECT_LT(worst / most, 5e-3);  // bilinear between directions 5.6 degrees apart
@@ -95,7 +102,8 @@ TEST(Matcap, LooksUpTheBallByTheNormalSeenFromTheEye) {
     EXPECT_NEAR(ball.color({0, 0, 1}, ahead).x, 0.5f, 0.01);
     EXPECT_NEAR(ball.color({1, 0, 0}, ahead).x, 1, 0.03);
     EXPECT_NEAR(ball.color({0, 1, 0}, ahead).y, 0, 0.03);
-    // A surface that faces an eye off the axis is the middle of the ball; one across its view is the rim.
+    // A surface that faces an eye off the axis is the middle of the ball; one across its view is
+    // the rim.
     const Vec3f aside = normalized(Vec3f{0.5f, 0.2f, 1});
     EXPECT_NEAR(ball.color(aside, aside).x, 0.5f, 0.01);
     EXPECT_NEAR(ball.color(aside, aside).y, 0.5f, 0.01);
@@ -184,7 +192,8 @@ TEST(Hillshade, TheSunIsWhereItsAzimuthSays) {
     camera.eye = {0, 0, 10}, camera.orthographic = true, camera.width = n;
     const PixelView view = pixel_view(camera, n, n);
     const auto light = [&](double slope_x, double azimuth) {
-        const Relief relief{{Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 0, azimuth, 45, 0, 5};
+        const Relief relief{
+            {Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 0, azimuth, 45, 0, 5};
         return paint_relief(slope(n, slope_x), view, shade, {0, n}, relief, 1).pixel(4, 4)[1];
     };
     // A slope that rises to the east looks west.
@@ -261,11 +270,14 @@ TEST(CameraPath, AFullTurnComesBackAndKeepsItsDistance) {
 TEST(NamedCamera, ATurntableKeepsEveryPositionInThePicture) {
     const Bbox box{{-3, -1, -0.5}, {3, 1, 0.5}};
     for (const bool orthographic : {false, true}) {
-        const Camera camera = named_camera("front", box, 1.5, {.orthographic = orthographic, .turns = 12});
+        const Camera camera =
+            named_camera("front", box, 1.5, {.orthographic = orthographic, .turns = 12});
         for (int k = 0; k < 12; ++k) {
-            const PixelView view = pixel_view(turned(camera, box.center(), {0, 1, 0}, 30 * k), 300, 200);
+            const PixelView view =
+                pixel_view(turned(camera, box.center(), {0, 1, 0}, 30 * k), 300, 200);
             for (unsigned i = 0; i < 8; ++i) {
-                const Vec3d p = view.camera_from_local({i & 1u ? 3.0 : -3.0, i & 2u ? 1.0 : -1.0, i & 4u ? 0.5 : -0.5});
+                const Vec3d p = view.camera_from_local(
+                    {i & 1u ? 3.0 : -3.0, i & 2u ? 1.0 : -1.0, i & 4u ? 0.5 : -0.5});
                 const double scale = orthographic ? view.px_per_unit : view.focal_px / p.z;
                 EXPECT_LE(std::abs(p.x * scale), 150) << k;
                 EXPECT_LE(std::abs(p.y * scale), 100) << k;
