@@ -259,7 +259,9 @@ Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLo
             return band;
         });
     if (is_direction(aov))
-        return painted([&](const RowRange& r) { return paint_directions(b, aov == "dir2", r); });
+        return painted([&](const RowRange& r) {
+            return paint_directions(b, bounds.diagonal(), aov == "dir2", r);
+        });
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
     if (aov == "position")
         return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });

@@ -14,6 +14,8 @@ constexpr double kFlat = 0.2;  // a radius of five diagonals: noise turns what i
 constexpr float kUndefinedGrey = 0.62f;
 /// (k1 - k2) / (|k1| + |k2|) from which on a direction has its full colour.
 constexpr float kClear = 0.1f;
+/// Larger curvature times the diagonal from which on it has.
+constexpr float kBent = 2;
 
 Vec3f first_direction(const GBuffer& b, std::size_t i) {
     return {b.direction[0][i], b.direction[1][i], b.direction[2][i]};
@@ -23,9 +25,12 @@ Vec3f second_direction(const GBuffer& b, std::size_t i) {
     return cross(Vec3f{b.normal[0][i], b.normal[1][i], b.normal[2][i]}, first_direction(b, i));
 }
 
-float clearness(const GBuffer& b, std::size_t i) {
-    const float sum = std::abs(b.k1[i]) + std::abs(b.k2[i]);
-    return sum > 0 ? std::clamp((b.k1[i] - b.k2[i]) / (kClear * sum), 0.0f, 1.0f) : 0.0f;
+float clearness(const GBuffer& b, double diagonal, std::size_t i) {
+    const float k1 = std::abs(b.k1[i]), k2 = std::abs(b.k2[i]), sum = k1 + k2;
+    if (!(sum > 0)) return 0;
+    const float apart = std::clamp((b.k1[i] - b.k2[i]) / (kClear * sum), 0.0f, 1.0f);
+    const float bent = static_cast<float>(diagonal) * std::max(k1, k2) / kBent;
+    return apart * std::clamp(bent, 0.0f, 1.0f);
 }
 
 }  // namespace
@@ -54,7 +59,7 @@ std::array<std::vector<float>, 3> second_directions(const GBuffer& b) {
     return planes;
 }
 
-Picture paint_directions(const GBuffer& b, bool second, const RowRange& rows) {
+Picture paint_directions(const GBuffer& b, double diagonal, bool second, const RowRange& rows) {
     Picture out(b.width, rows.end - rows.begin);
     const std::size_t first = b.index(0, rows.begin);
     parallel_blocks(out.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
@@ -62,7 +67,7 @@ Picture paint_directions(const GBuffer& b, bool second, const RowRange& rows) {
             const std::size_t i = first + k;
             if (!b.hit[i]) continue;
             const Vec3f t = second ? second_direction(b, i) : first_direction(b, i);
-            const float share = sq_length(t) > 0 ? clearness(b, i) : 0;
+            const float share = sq_length(t) > 0 ? clearness(b, diagonal, i) : 0;
             float* p = &out.rgba[4 * k];
             for (std::size_t c = 0; c < 3; ++c)
                 p[c] = linear_from_srgb(std::abs(t[c]) * share + kUndefinedGrey * (1 - share));
@@ -78,7 +83,7 @@ Key direction_key(bool second) {
             {{"|x|, world", true, {1, 0, 0}},
              {"|y|", true, {0, 1, 0}},
              {"|z|", true, {0, 0, 1}},
-             {"none: k1 = k2", true, grey},
+             {"none: flat or k1 = k2", true, grey},
              {"unit vector, no sign", false, {}}}};
 }
 

@@ -19,8 +19,9 @@ void drop_undefined_directions(double diagonal, GBuffer& frame);
 std::array<std::vector<float>, 3> second_directions(const GBuffer& frame);
 
 /// |x|, |y|, |z| as red, green, blue, as a direction has no sign (Pajevic and Pierpaoli 1999); grey
-/// where k1 and k2 are nearly equal.
-Picture paint_directions(const GBuffer& frame, bool second, const RowRange& rows);
+/// where k1 and k2 are nearly equal, and fading to it where both are small: radii above half a
+/// diagonal.
+Picture paint_directions(const GBuffer& frame, double diagonal, bool second, const RowRange& rows);
 
 /// What those colours mean.
 Key direction_key(bool second);

@@ -53,8 +53,6 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
     const RenderStats stats = job.config.mode == "brute"
                                   ? render_brute(job.tree, request, frame.buffer)
                                   : render_forward(job.tree, request, frame.buffer);
-    if (frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
-        drop_undefined_directions(job.tree.header().diagonal, frame.buffer);
     return stats;
 }
 
@@ -68,6 +66,10 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     if (with_shading) shade_frame(factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
+    // Lines have a rule of their own for umbilics, so this comes after them.
+    if ((job.wants("dir1") || job.wants("dir2")) &&
+        frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+        drop_undefined_directions(job.tree.header().diagonal, frame.buffer);
     return stats;
 }
 

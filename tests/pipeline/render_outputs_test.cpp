@@ -75,7 +75,7 @@ TEST_F(RenderOutputs, Row43UmbilicAndFlatPixelsHaveNoDirection) {
     drop_undefined_directions(1, b);
     EXPECT_EQ(b.direction[0], (std::vector<float>{0, 1, 0}));
     EXPECT_EQ(second_directions(b)[1], (std::vector<float>{0, 1, 0}));
-    const Picture picture = paint_directions(b, false, {0, 1});
+    const Picture picture = paint_directions(b, 1, false, {0, 1});
     EXPECT_EQ(picture.pixel(0, 0)[0], picture.pixel(0, 0)[2]);  // grey
     EXPECT_GT(picture.pixel(1, 0)[0], 0.99f);                   // |x| is red
     EXPECT_EQ(picture.pixel(2, 0)[0], picture.pixel(0, 0)[0]);
