@@ -57,6 +57,7 @@ RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& insi
     out.size = frame.size;
     out.buffer = crop(frame.buffer, inside);
     out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
+    out.open = crop(frame.open, frame.buffer.width, inside);
     out.lines = frame.lines;
     return out;
 }
