@@ -241,8 +241,9 @@ private:
         }
         check_tables(*table, {});
         NoKeys none;
-        const std::vector<std::string> options =
-            read_options<MeasureConfig>(*table, file_, none, {"model", "cloud", "output"});
+        std::set<std::string> owned = {"model", "cloud", "output"};
+        if (clouds_.size() > 1) owned.insert("per_point");  // one file for one cloud
+        const std::vector<std::string> options = read_options<MeasureConfig>(*table, file_, none, owned);
         for (const fs::path& cloud : clouds_) {
             JobStep step{
                 "measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {},

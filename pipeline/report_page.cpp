@@ -248,7 +248,8 @@ std::string provenance_html(const json& provenance) {
 std::string summary_html(const Report& report) {
     std::string out = "<p>";
     for (const Verdict v : {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
-        out += fmt::format("<span class=\"{}\">{} {}</span> &emsp;", class_of(v), report.count(v), verdict_text(v));
+        out += fmt::format("<span class=\"{}\">{} {}</span> &emsp;", report.count(v) > 0 ? class_of(v) : "none",
+                           report.count(v), verdict_text(v));
     out += "</p>\n";
     std::string list;
     for (const CheckResult* check : report.checks())

@@ -175,6 +175,10 @@ TEST(Job, ReadsFilesFromBesideItself) {
     EXPECT_EQ(job.steps[0].inputs[1], fs::path(testing::TempDir()) / "sub/b.ply");
     EXPECT_EQ(job.steps[2].name, "measure b.ply");
     EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out/job");
+    // One file of figures cannot be that of two clouds.
+    const std::string figures = "[measure]\nper_point = 'p.ply'\n";
+    EXPECT_THROW(read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n" + figures)), ConfigError);
+    EXPECT_NO_THROW(read_job(write_job("[input]\nfiles = ['a.ply']\n" + figures)));
 }
 
 TEST(Job, SaysWhatIsLeftOut) {
