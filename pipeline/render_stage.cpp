@@ -33,7 +33,7 @@ void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow
             {lod, job.config.loose}, counts);
 }
 
-/// Whether a picture takes the model as it is opened: rays and the blend of colours go through trees
+/// Whether a picture takes all of the model: rays and the blend of colours go through trees
 /// of all its leaves.
 bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>& aovs) {
     return config.mode != "forward" || std::find(aovs.begin(), aovs.end(), "color") != aovs.end();
