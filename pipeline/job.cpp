@@ -284,7 +284,7 @@ private:
                 else words += fmt::format(" {}={}", value.key, text);
             }
             try {
-                parse_lights(kind + words, {{}, {{-1, -1, -1}, {1, 1, 1}}, {}, {0, 1, 0}});
+                check_lights(kind + words);
             } catch (const ConfigError& error) {
                 throw ConfigError(fmt::format("{}: {}", place(file_, table), error.what()));
             }
@@ -306,7 +306,7 @@ private:
         check_view(table, render);
         if (view.aovs.empty()) view.aovs = output_.aovs;
         check_aovs(view.aovs, table);
-        std::vector<std::string> options = options_for(view.aovs, defaults);
+        std::vector<std::string> options = options_for(view.aovs, defaults, own);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         if (!names_.insert(view.name).second)
@@ -315,8 +315,7 @@ private:
         aovs_.insert(view.aovs.begin(), view.aovs.end());
         note_rays(render, view.aovs, table);
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
-        for (const std::string& option : options)
-            if (option.starts_with("--add=")) step.inputs.emplace_back(option.substr(6));
+        for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.

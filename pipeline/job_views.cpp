@@ -48,7 +48,13 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
 }
 
 std::vector<std::string> options_for(const std::vector<std::string>& aovs,
-                                     std::vector<std::string> options) {
+                                     std::vector<std::string> options,
+                                     const std::vector<std::string>& own) {
+    for (const std::string& word : own)
+        if (const std::size_t equals = word.find('='); equals != std::string::npos)
+            std::erase_if(options, [&](const std::string& text) {
+                return text.starts_with(word.substr(0, equals + 1));
+            });
     for (const auto& [option, aov] : kOwners)
         if (!contains(aovs, aov) && !contains(aovs, "all"))
             std::erase_if(options,
@@ -56,13 +62,19 @@ std::vector<std::string> options_for(const std::vector<std::string>& aovs,
     return options;
 }
 
+std::vector<std::filesystem::path> files_read(const std::vector<std::string>& options) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& option : options)
+        for (const std::string begin : {"--add=", "--environment=", "--matcap="})
+            if (option.starts_with(begin)) files.emplace_back(option.substr(begin.size()));
+    return files;
+}
+
 void check_view_keys(
     const RenderConfig& config,
     const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
     checked("size", [&] { parse_size(config.size); });
-    checked("light", [&] {
-        parse_lights(config.light, {{}, {{-1, -1, -1}, {1, 1, 1}}, {}, {0, 1, 0}});
-    });
+    checked("light", [&] { check_lights(config.light); });
     checked("material", [&] { parse_materials(config.material); });
     checked("background", [&] { parse_background(config.background, false); });
     // Any box will do: only cameras that are given by numbers can be wrong.

@@ -17,9 +17,14 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
                                                  const RenderConfig& config);
 
 /// [render] may say what only some AOVs take (a truth, an environment, contours): slim-render
-/// refuses it elsewhere, so these options are left out of views that show none of them.
+/// refuses it elsewhere, so these options are left out of views that show none of them; and so are
+/// those that the view's own replace: on a command line lists would be joined.
 std::vector<std::string> options_for(const std::vector<std::string>& aovs,
-                                     std::vector<std::string> options);
+                                     std::vector<std::string> options,
+                                     const std::vector<std::string>& own);
+
+/// Files that these options of slim-render name to be read.
+std::vector<std::filesystem::path> files_read(const std::vector<std::string>& options);
 
 /// What slim-render would refuse after the whole build: calls checked(key, check) for each key
 /// whose value can be wrong in itself, check throwing ConfigError.

@@ -66,7 +66,9 @@ std::optional<Vec3f> ground_color(const RenderConfig& config) {
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs) {
     if (!is_traced(config)) require_rays(config, aovs);
     refuse_idle(config, aovs);
-    parse_lights(config.light, {{}, {{-1, -1, -1}, {1, 1, 1}}, {}, up_vector(up_axis(config))});
+    if (!config.add.empty() && contains(config.aov, "color"))
+        throw ConfigError("aov color shows the colours of one model: leave out add");
+    check_lights(config.light);
     ground_height(config), ground_color(config);
     const std::size_t n_materials = parse_materials(config.material).size(),
                       n_models = 1 + config.add.size();

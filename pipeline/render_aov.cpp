@@ -195,14 +195,12 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
 
 void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
                         std::vector<std::string>& aovs) {
-    if (!has_colors) {
-        if (std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
-            throw ConfigError(
-                config.model +
-                ": aov color: the model has no colours: build it with --color, from a PLY "
-                "with red, green and blue");
-        std::erase(aovs, "color");
-    }
+    if (!has_colors && std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
+        throw ConfigError(config.model +
+                          ": aov color: the model has no colours: build it with --color, from a PLY "
+                          "with red, green and blue");
+    // Those of a model are by its own surfels, which further models do not have.
+    if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
     if (degree >= 3) return;
     for (const std::string& aov : config.aov)
         if (aov != "all" && is_third_order(aov))

@@ -142,23 +142,30 @@ PictureSize reference_size(const PictureSize& size) {
     return {scaled(size.width), scaled(size.height)};
 }
 
+double reference_scale(const PictureSize& size) {
+    return static_cast<double>(reference_size(size).width) / size.width;
+}
+
 void choose_looks(RenderJob& job) {
     RenderedFrame reference;
     std::vector<std::string> aovs;
+    const auto has = [&](const char* aov) {
+        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+    };
     for (const std::string& aov : job.plan.drawn)
         if (needs_reference(job.config, aov)) aovs.push_back(aov);
-    if (job.wants("hillshade") && aovs.empty() && job.config.contours == "auto")
+    // A data file shows the contours of a relief that is not its preview.
+    if (job.wants("hillshade") && job.config.contours == "auto" && !has("hillshade"))
         aovs.push_back("hillshade");
     if (!aovs.empty()) {
         const PictureSize size = reference_size(job.size);
-        const double scale = static_cast<double>(size.width) / job.size.width;
-        draw_buffer(job, size, {0, 0, size.width, size.height}, job.config.lod * scale,
-                    channels_of(aovs, false), reference);
-        if (job.wants("truth_distance"))
+        draw_buffer(job, size, {0, 0, size.width, size.height},
+                    job.config.lod * reference_scale(job.size), channels_of(aovs, false),
+                    reference);
+        if (has("truth_distance"))
             reference.truth_distance =
                 truth_distances(job.config, job.tree.header().origin, reference.buffer);
-        if (job.wants("hillshade"))
-            choose_contours(job.config, reference.buffer, job.shadings.relief);
+        if (has("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
     }
     for (const std::string& aov : job.plan.drawn)
         job.looks[aov] =

@@ -9,6 +9,9 @@ namespace slim {
 /// pixels on the longer side.
 PictureSize reference_size(const PictureSize& size);
 
+/// A pixel of the picture in pixels of that frame.
+double reference_scale(const PictureSize& size);
+
 /// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
 void choose_looks(RenderJob& job);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,8 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// Irradiance (over pi) of power 1: about the key light's.
 constexpr float kUsualPower = 0.85f;
+/// Of a placed light from what it shines at, in diagonals: its square is a float's.
+constexpr double kFarthest = 1e9;
 
 /// Two unit vectors across a direction, the first one level.
 void axes_across(const Vec3d& toward, const Vec3d& up, Vec3d& u, Vec3d& v) {
@@ -115,6 +118,10 @@ LightSource read_placed(WordList& words, const LightSetting& setting, LightKind 
     light.reference = length(light.position - target);
     if (!(light.reference > 0))
         words.fail("expected it to be elsewhere than what it shines at (to)");
+    if (!(light.reference < kFarthest * std::max(setting.bounds.diagonal(), 1e-300)))
+        words.fail(fmt::format("expected it within {:g} diagonals of the model: a sun shines from "
+                               "farther away",
+                               kFarthest));
     light.toward = normalized(light.position - target);
     read_common(words, light, {1, 1, 1});
     light.color = light.color * kUsualPower;
@@ -146,6 +153,11 @@ std::vector<LightSource> parse_lights(const std::string& text, const LightSettin
         words.finish();
     }
     return lights;
+}
+
+void check_lights(const std::string& text) {
+    // No one's model: any place a light is given lies in its reach and not in its middle.
+    parse_lights(text, {{}, {{-1e12, -1e12, -1e12}, {1.1e12, 1.2e12, 1.3e12}}, {}, {0, 1, 0}});
 }
 
 std::vector<Material> parse_materials(const std::string& text) {

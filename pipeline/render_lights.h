@@ -33,6 +33,9 @@ struct LightSetting {
 /// is as bright at `to` as the key light. Throws ConfigError naming the word.
 std::vector<LightSource> parse_lights(const std::string& text, const LightSetting& setting);
 
+/// Throws what parse_lights does, before there is a model.
+void check_lights(const std::string& text);
+
 /// The materials of --material, one a model: "color=#rrggbb specular= shininess= mirror=; ...".
 /// Throws ConfigError.
 std::vector<Material> parse_materials(const std::string& text);

@@ -33,19 +33,25 @@ void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow
             {lod, job.config.loose}, counts);
 }
 
+/// Whether a picture takes all of the model: rays and the blend of colours go through trees
+/// of all its leaves.
+bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    return config.mode != "forward" || std::find(aovs.begin(), aovs.end(), "color") != aovs.end();
+}
+
 /// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part
 /// reads the pages that it shows; where that is half of the file or more, all of it is checked as
-/// elsewhere.
+/// elsewhere. What takes_all_leaves has been checked.
 std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job) {
-    if (job.config.mode == "forward" && job.tree.sharp().empty() && job.n_frames == 1 &&
-        !job.wants("color")) {
+    if (takes_all_leaves(job.config, job.aovs)) return model.file_size();
+    if (job.tree.sharp().empty() && job.n_frames == 1) {
         std::vector<std::uint32_t> visited;
         visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
         const PictureSize reference = reference_size(job.size);
         if (std::any_of(job.aovs.begin(), job.aovs.end(),
                         [&](const std::string& aov) { return needs_reference(job.config, aov); }))
             visit_view(job, reference, {0, 0, reference.width, reference.height},
-                       job.config.lod * reference.width / job.size.width, visited);
+                       job.config.lod * reference_scale(job.size), visited);
         const std::uint64_t bytes = model.bytes_of_pages(visited);
         if (2 * bytes < model.file_size()) return model.check(visited), bytes;
     }
@@ -97,7 +103,8 @@ std::uint64_t pixel_bytes(const RenderJob& job) {
         one.resize(1, 1, job.channels(aovs));
         std::uint64_t bytes = 1;
         one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
-        return bytes;
+        // Normals turned to the eye, openness, clearance and model of each hit.
+        return bytes + (job.traced ? 12 + 4 + 4 + 2 : 0);
     };
     const auto factor = static_cast<std::uint64_t>(job.config.supersample);
     return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) +
@@ -255,7 +262,11 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
     keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
+    if (takes_all_leaves(config, aovs)) model.check();
     const OutputPlan plan = plan_outputs(config, aovs);
+    refuse_to_overwrite(plan.exr.string(), {config.environment, config.matcap});
+    for (const fs::path& png : plan.pngs)
+        refuse_to_overwrite(png.string(), {config.environment, config.matcap});
     const double room = legend_room(config, plan.drawn, size);
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     std::optional<TracedModels> traced;

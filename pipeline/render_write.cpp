@@ -42,7 +42,7 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
                          const PicturePart& part, bool& all_fits) {
     const AovLook& look = job.looks.at(aov);
     Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
-                                    job.tree.header().bounds, job.size),
+                                    job.header().bounds, job.size),
                            part.inside());
     put_background(job, aov, part.wanted, picture);
     draw_lines(frames.plain.lines, picture);
@@ -71,7 +71,7 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
         if (is_color(aov))
             colors.push_back(
                 {aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
-                                    job.tree.header().bounds, job.size),
+                                    job.header().bounds, job.size),
                            part.inside())});
     const RenderedFrame data = without_margin(frames.plain, part.inside());
     std::vector<std::vector<float>> planes;

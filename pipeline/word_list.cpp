@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace slim {
@@ -58,7 +59,9 @@ std::vector<double> WordList::numbers(const char* key, std::size_t n,
     const std::string value = text(key, "");
     if (value.empty()) return otherwise;
     const std::vector<double> numbers = parse_numbers(value);
-    if (numbers.size() != n)
+    const bool finite = std::all_of(numbers.begin(), numbers.end(),
+                                    [](double v) { return std::isfinite(v); });
+    if (numbers.size() != n || !finite)
         fail(fmt::format("{}: expected {} number{} {}, found \"{}\"", key, n, n == 1 ? "" : "s",
                          n == 3   ? "x,y,z"
                          : n == 2 ? "a,b"

@@ -154,6 +154,25 @@ TEST(Job, LightsAndContoursAreForViewsThatShowThem) {
     EXPECT_TRUE(has(job.steps[2], ball));
 }
 
+TEST(Job, AViewsListReplacesThatOfAllViews) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nsun = [300, 30]\nlines = ['contour']\n"
+        "[[view]]\naovs = ['hillshade']\nsun = [90, 20]\nlines = ['suggestive']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--sun=90,20"));
+    EXPECT_FALSE(has(job.steps[1], "--sun=300,30"));
+    EXPECT_TRUE(has(job.steps[1], "--lines=suggestive"));
+    EXPECT_FALSE(has(job.steps[1], "--lines=contour"));
+}
+
+TEST(Job, PicturesThatLightAViewAreItsInputs) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nmatcap = 'ball.png'\nenvironment = 'sky.exr'\n"
+        "[[view]]\naovs = ['matcap']\n[[view]]\nname = 'b'\naovs = ['environment']\n"));
+    const fs::path folder = testing::TempDir();
+    EXPECT_EQ(job.steps[1].inputs.back(), folder / "ball.png");
+    EXPECT_EQ(job.steps[2].inputs.back(), folder / "sky.exr");
+}
+
 TEST(Job, FilmsLeaveNumberedPictures) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\nturntable = 3\naovs = ['mean']\n"

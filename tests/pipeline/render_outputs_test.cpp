@@ -122,6 +122,27 @@ TEST_F(RenderOutputs, DerivativesOfCurvatureWantACubicModelAndSayHowToGetOne) {
     EXPECT_NE(bytes("x.e1.legend.svg").find("1/model unit\u00b2"), std::string::npos);
 }
 
+// The preview's range is of one AOV; what other channels ask of the whole picture needs its own.
+TEST_F(RenderOutputs, DataFilesTakeReliefAndTruthBehindAnyPreview) {
+    RenderConfig c = config("x.exr");
+    c.aov = {"mean", "hillshade", "truth_distance"}, c.truth_shape = "sphere";
+    run(c);
+    const auto relief = read_exr(c.output).channels;
+    c.output = file("y.exr"), c.aov = {"hillshade", "mean", "truth_distance"};
+    run(c);
+    EXPECT_EQ(relief.at("R").floats, read_exr(c.output).channels.at("R").floats);
+}
+
+TEST_F(RenderOutputs, AnInputIsNotWrittenOver) {
+    RenderConfig c = config("x.png");
+    c.aov = {"matcap"};
+    run(c);
+    const std::string ball = bytes("x.png");
+    c.matcap = c.output;
+    EXPECT_THROW(run(c), ConfigError);
+    EXPECT_EQ(bytes("x.png"), ball);
+}
+
 TEST_F(RenderOutputs, TheFirstPictureOfLightIsUnprefixed) {
     RenderConfig c = config("x.exr");
     c.aov = {"matcap", "shaded"};

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <fstream>
 #include <functional>
 #include <utility>
 
@@ -222,6 +224,10 @@ TEST_F(RenderTrace, BadOptionsAreNamed) {
         {"at=x,y,z", light("point")},
         {"elsewhere", light("point at=0,0,0 to=0,0,0")},
         {"at: expected 3 numbers", light("point at=1,2")},
+        {"at: expected 3 numbers", light("point at=inf,0,0")},
+        {"size: expected 2 numbers", light("rect at=1,2,3 size=inf,1")},
+        {"a sun shines from farther", light("point at=1e30,0,0")},
+        {"aov color", [&](RenderConfig& c) { c.add = {file("m.slim")}, c.aov = {"color"}; }},
         {"power", light("key power=-1")},
         {"#rrggbb", light("key color=blue")},
         {"on or off", light("key shadows=maybe")},
@@ -240,6 +246,41 @@ TEST_F(RenderTrace, BadOptionsAreNamed) {
             EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
         }
     }
+}
+
+// Rays go through a tree of all leaves, which is built before anything is drawn.
+TEST_F(RenderTrace, ADamagedModelIsRefusedBeforeItsLeavesAreUsed) {
+    auto model = test::sphere_model(1, 600);
+    model.sharp = {{static_cast<std::uint32_t>(model.nodes.size() - 1)}};
+    model.sheets.resize(static_cast<std::size_t>(floats_per_sheet(model.header.degree)));
+    write_model(file("m.slim"), model, "{}");
+    std::string damaged = bytes("m.slim");
+    std::uint64_t chunk = 0;  // the table's entry: name 24, sizes 16, place
+    std::memcpy(&chunk, &damaged[damaged.rfind(std::string("sharp\0", 6)) + 40], sizeof chunk);
+    damaged.replace(chunk, sizeof(SharpEntry), sizeof(SharpEntry), '\xff');
+    std::ofstream(file("m.slim"), std::ios::binary) << damaged;
+    EXPECT_THROW(run(traced("x.png")), FormatError);
+}
+
+TEST_F(RenderTrace, ALightMayStandAtTheWorldsOrigin) {
+    write("m.slim", 1, {10, 0, 0});
+    RenderConfig c = traced("x.png");
+    c.light = "point at=0,0,0";
+    EXPECT_NO_THROW(run(c));
+}
+
+TEST_F(RenderTrace, PositionsOfFurtherModelsHaveColoursOfTheirOwn) {
+    write("m.slim", 1, {4, 0, 0});
+    write("other.slim", 1, {8, 0, 0});
+    RenderConfig c = traced("x.png");
+    c.add = {file("other.slim")}, c.aov = {"position"}, c.size = "160x60", c.background = "black";
+    const PngImage image = draw(c);
+    int full = 0, hits = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        hits += image.rgba[i] > 0, full += image.rgba[i] == 255;
+    }
+    EXPECT_GT(hits, 500);
+    EXPECT_LT(full, hits / 20);  // half of them if x ended with the first model
 }
 
 TEST_F(RenderTrace, AnAddedFileThatIsNoModelIsNamed) {
