@@ -86,6 +86,9 @@ std::vector<double> to_points(const std::vector<SurfaceSample>& samples, const s
 std::vector<double> to_faces(const std::vector<SurfaceSample>& samples, const std::string& path,
                              const Vec3d& origin) {
     const MeshDistance mesh(read_mesh(path, origin));
+    if (mesh.n_triangles() == 0)
+        throw DataError(path + ": two_way: no face of three or more finite corners to measure to; expected faces, or a "
+                               "PLY without the element face, whose points are then measured to");
     std::vector<double> sq(samples.size());
     parallel_blocks(sq.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) sq[i] = mesh.sq_distance(samples[i].point);

@@ -151,16 +151,17 @@ json compare_pictures(const std::string& first, const std::string& second,
         if (worst[i] > worst[at]) at = i;
     }
     json out = all.to_json(pixels);
+    const json only_a = names_missing(a, b), only_b = names_missing(b, a);
     const auto width = static_cast<std::size_t>(a.width);
     out.update({{"width", a.width},
                 {"height", a.height},
                 {"pixels", worst.size()},
                 {"threshold", threshold},
                 {"max_at", {at % width, at / width}},
-                {"identical", all.max == 0 && all.not_finite == 0},
+                {"identical", all.max == 0 && all.not_finite == 0 && only_a.empty() && only_b.empty()},
                 {"channels", std::move(channels)},
-                {"only_in_first", names_missing(a, b)},
-                {"only_in_second", names_missing(b, a)}});
+                {"only_in_first", only_a},
+                {"only_in_second", only_b}});
     if (difference.empty()) return out;
     draw(difference, a, worst, all.max);
     out["difference"] = difference, out["difference_white"] = all.max;

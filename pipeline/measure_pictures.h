@@ -16,8 +16,8 @@ bool is_picture(const std::string& path);
 /// difference  PNG to write, empty: none: black where the pictures agree, else the pixel's greatest difference,
 ///             white at the greatest of all; red where only one of them has a finite value
 /// returns     width, height, pixels, channels (in both) with max, rms and above (share of the pixels) of each,
-///             the same over all channels, max_at (x, y), mean, identical, not_finite (values finite in one alone),
-///             only_in_first, only_in_second (channels), difference_white
+///             the same over all channels, max_at (x, y), mean, identical (with the same channels), not_finite
+///             (values finite in one alone), only_in_first, only_in_second (channels), difference_white
 /// throws      DataError if sizes differ or no channel is common; as read_png and read_exr
 nlohmann::json compare_pictures(const std::string& first, const std::string& second,
                                 const std::string& difference, double threshold);

@@ -87,7 +87,7 @@ public:
         if (truth_) truth_->commit();
         if (ply_) ply_->commit();
         if (text_) text_->commit();
-        return {{"points", n_}, {"diagonal", box_.diagonal()}};
+        return {{"points", n_}, {"diagonal", n_ > 0 ? box_.diagonal() : 0}};
     }
 
 private:

@@ -2,6 +2,7 @@
 
 #include "pipeline/report_expression.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -27,6 +28,8 @@ struct ReportStep {
     bool single = false;           ///< a cloud step writes floats
     bool transient = false;        ///< its output is removed when its row is done
     std::string where;             ///< "quick.toml:12"
+
+    bool expects(int code) const { return std::find(exit.begin(), exit.end(), code) != exit.end(); }
 };
 
 /// A band that figures of rows must lie in, or a curve's slope.

@@ -112,7 +112,7 @@ std::string pictures_html(const ExperimentResult& result) {
     for (const ReportPictures& shown_of : result.experiment->pictures)
         for (const ReportRow& row : result.rows) {
             const StepRecord* step = row.step(shown_of.of);
-            if (!step || !step->done || !row.is_meant(shown_of.when)) continue;
+            if (!step || !step->done || !is_meant(row, shown_of.when)) continue;
             const std::string caption = shown_of.caption.empty() ? row.label(*result.experiment)
                                                                  : row.text(shown_of.caption, 4, shown_of.where);
             const std::vector<std::string> files = pngs_of(*step);
@@ -152,7 +152,8 @@ std::string plot_html(const PlotResult& result) {
     const ReportPlot& plot = *result.plot;
     SvgPlot svg{plot.x_label, plot.y_label, plot.log_x, plot.log_y, {}};
     for (const Curve& curve : result.curves) {
-        SvgCurve drawn{curve.name, {}, curve.theory.value_or(0), curve.theory.has_value()};
+        SvgCurve drawn{curve.name, {}, curve.theory.value_or(0),
+                       curve.theory && std::isfinite(*curve.theory)};
         for (const Curve::Point& p : curve.points) drawn.points.push_back({p.x, p.y, p.broken});
         svg.curves.push_back(std::move(drawn));
     }

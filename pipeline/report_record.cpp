@@ -65,6 +65,9 @@ std::optional<StepRecord> read_record(const fs::path& folder, const ReportStep& 
     record.done = text.value("done", false), record.reason = text.value("reason", "");
     record.figures = text.at("figures");
     record.reused = true;
+    // Another row, or the file before it was changed, may have expected another code.
+    const bool done = step.expects(record.figures.value("exit", 0));
+    if (done != record.done) return std::nullopt;
     return record;
 }
 

@@ -8,6 +8,15 @@
 #include <cmath>
 
 namespace slim {
+
+bool is_meant(const ReportRow& row, const Expression& when) {
+    try {
+        return row.is_meant(when);
+    } catch (const MissingFigure&) {
+        return false;
+    }
+}
+
 namespace {
 
 std::string shown(double value) { return number_text(value, 4); }
@@ -20,6 +29,16 @@ std::string band_text(std::optional<double> least, std::optional<double> most) {
 std::string failure(const ReportRow& row) {
     for (const StepRecord& step : row.steps)
         if (!step.done && !step.absent) return fmt::format("{} {}", step.step, step.reason);
+    return "";
+}
+
+/// The same of steps that may not fail.
+std::string failure(const ReportRow& row, const Experiment& e) {
+    for (const ReportStep& step : e.steps) {
+        const StepRecord* record = row.step(step.name);
+        if (record && !record->done && !record->absent && !step.may_fail)
+            return fmt::format("{} {}", step.name, record->reason);
+    }
     return "";
 }
 
@@ -50,25 +69,19 @@ void compare(double value, std::optional<double> least, std::optional<double> mo
     out.reason = known;
 }
 
+/// An end of a band; nothing without a formula. throws MissingFigure
+std::optional<double> bound(const Expression& formula, const ReportRow& row) {
+    return formula.empty() ? std::nullopt : std::optional(formula.number(row.lookup()));
+}
+
 CheckResult checked(const Experiment& e, const ReportCheck& check, const ReportRow& row) {
     CheckResult out{e.name, check.name, row.label(e), "", "", Verdict::passed, ""};
-    const auto bound = [&](const Expression& formula) {
-        return formula.empty() ? std::nullopt : std::optional(formula.number(row.lookup()));
-    };
     try {
-        compare(check.value.number(row.lookup()), bound(check.least), bound(check.most), check.known, out);
+        compare(check.value.number(row.lookup()), bound(check.least, row), bound(check.most, row), check.known, out);
     } catch (const MissingFigure& figure) {
         return missing(row, figure.name, std::move(out));
     }
     return out;
-}
-
-bool is_meant(const ReportRow& row, const Expression& when) {
-    try {
-        return row.is_meant(when);
-    } catch (const MissingFigure&) {
-        return false;
-    }
 }
 
 /// Steps that ended otherwise than expected, each once.
@@ -85,7 +98,7 @@ void check_steps(ExperimentResult& result) {
 Curve& curve_of(std::vector<Curve>& curves, const std::string& name) {
     for (Curve& curve : curves)
         if (curve.name == name) return curve;
-    curves.push_back({name, {}, {}, {}, {}});
+    curves.push_back({name, {}, {}, {}, {}, {}});
     return curves.back();
 }
 
@@ -102,12 +115,13 @@ PlotResult plotted(const ExperimentResult& result, const ReportPlot& plot) {
         if (x && breaks && !curve.breaks)
             curve.breaks = Curve::Point{*x, y.value_or(std::nan("")), true};
         if (!plot.theory.empty() && !curve.theory) curve.theory = row.number(plot.theory);
+        if (!(x && y) && curve.lacks.empty() && absence(row).empty())
+            curve.lacks = missing(row, (x ? plot.y : plot.x).text(), {}).reason;
         if (x && y && std::isfinite(*x) && std::isfinite(*y)) curve.points.push_back({*x, *y, breaks});
     }
     for (Curve& curve : out.curves) {
         if (plot.slopes) curve.slope = log_slope(curve.points);
     }
-    std::erase_if(out.curves, [](const Curve& c) { return c.points.empty() && !c.breaks; });
     return out;
 }
 
@@ -121,14 +135,16 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
         });
         CheckResult out{result.experiment->name, "slope of " + plot.title, curve.name, "", "", Verdict::passed, ""};
         if (!curve.slope) {
-            out.verdict = Verdict::not_run, out.reason = "too few points for a slope";
+            out.verdict = curve.lacks.empty() ? Verdict::not_run : Verdict::failed;
+            out.reason = curve.lacks.empty() ? "too few points for a slope" : curve.lacks;
             result.checks.push_back(std::move(out));
             continue;
         }
-        const auto bound = [&](const Expression& formula) {
-            return formula.empty() ? std::nullopt : row->number(formula);
-        };
-        compare(*curve.slope, bound(plot.least_slope), bound(plot.most_slope), plot.known, out);
+        try {
+            compare(*curve.slope, bound(plot.least_slope, *row), bound(plot.most_slope, *row), plot.known, out);
+        } catch (const MissingFigure& figure) {
+            out = missing(*row, figure.name, std::move(out));
+        }
         result.checks.push_back(std::move(out));
     }
 }
@@ -159,8 +175,8 @@ void judge_case(ExperimentResult& result) {
         CheckResult here = verdict;
         here.place = row.label(e);
         try {
-            if (!failure(row).empty() && !std::any_of(e.steps.begin(), e.steps.end(), [](const ReportStep& s) { return s.may_fail; }))
-                here.verdict = Verdict::failed, here.reason = failure(row);
+            if (const std::string why = failure(row, e); !why.empty())
+                here.verdict = Verdict::failed, here.reason = why;
             else if (!e.pass.holds(row.lookup()))
                 here.verdict = Verdict::failed, here.reason = "not so: " + e.pass.text();
         } catch (const MissingFigure& figure) {
@@ -226,6 +242,7 @@ void judge(ExperimentResult& result) {
     for (const ReportPlot& plot : e.plots) {
         result.plots.push_back(plotted(result, plot));
         check_slopes(result.plots.back(), result);
+        std::erase_if(result.plots.back().curves, [](const Curve& c) { return c.points.empty() && !c.breaks; });
     }
     if (e.is_case()) judge_case(result);
 }

@@ -32,6 +32,7 @@ struct Curve {
     std::vector<Point> points;
     std::optional<double> slope, theory;  ///< of log y over log x
     std::optional<Point> breaks;          ///< the first point, in order, where `broken` holds
+    std::string lacks;                    ///< why a row of it has no x or y, if that is a failure
 };
 
 struct PlotResult {
@@ -52,6 +53,9 @@ struct ExperimentResult {
 
 /// Least-squares slope of log y over log x; nothing for fewer than two different x > 0 with y > 0.
 std::optional<double> log_slope(const std::vector<Curve::Point>& points);
+
+/// Whether a check, plot or picture is of this row; one that lacks a figure of `when` is not.
+bool is_meant(const ReportRow& row, const Expression& when);
 
 /// Judges the rows of an experiment: its curves with their slopes and breaking points, its checks and its verdict.
 void judge(ExperimentResult& result);

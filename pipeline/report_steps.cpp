@@ -53,6 +53,12 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
+/// The file that a word may name: "scan.ply", "--truth=scan.truth".
+std::string file_of(const std::string& word) {
+    const std::size_t sign = word.starts_with("-") ? word.find('=') : std::string::npos;
+    return sign == std::string::npos ? word : word.substr(sign + 1);
+}
+
 /// The JSON object that a program wrote: all of its output, or the last line that is one; empty without.
 json object_in(const std::string& output) {
     json whole = json_or_discarded(output);
@@ -162,14 +168,20 @@ StepRunner::Planned StepRunner::plan(const ReportStep& step, const ReportRow& ro
             out.missing = step.program + " is not installed";
             return out;
         }
-        key += " " + hash_of(out.program);
+    } else {
+        const bool ours = step.run == "cloud" || step.run == "text";
+        out.program = (program_folder() / (ours ? "slim-report" : "slim-" + step.run)).string();
     }
+    // The version says nothing of a program that was changed and built again.
+    std::error_code none;
+    if (fs::is_regular_file(out.program, none)) key += " " + hash_of(out.program);
     const std::string ours = settings_.folder.string() + "/";
     for (const auto* words : {&out.words, &out.from})
         for (const std::string& word : *words) {
             key += " " + replaced(word, ours, "");
+            const std::string file = file_of(word);
             std::error_code error;
-            if (!word.starts_with(ours) && fs::is_regular_file(word, error)) key += hash_of(word);
+            if (!file.starts_with(ours) && fs::is_regular_file(file, error)) key += hash_of(file);
         }
     out.name = step.name + "-" + hash_text(key).substr(0, 12);
     if (!step.out.empty()) out.output = ours + out.name + step.out;
@@ -181,7 +193,7 @@ StepRecord StepRunner::run_program(const ReportStep& step, const Planned& planne
     StepRecord record;
     std::vector<std::string> command;
     if (is_verb(step.run)) {
-        command = {(program_folder() / ("slim-" + step.run)).string(), "--json", "--quiet", "--force",
+        command = {planned.program, "--json", "--quiet", "--force",
                    fmt::format("--threads={}", context_.threads)};
     } else {
         command = {planned.program};
@@ -238,7 +250,7 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
     const int code = record.figures.value("exit", 0);
     record.reason = replaced(record.reason, settings_.folder.string() + "/", "");
     record.figures["message"] = record.reason;
-    record.done = std::find(step.exit.begin(), step.exit.end(), code) != step.exit.end();
+    record.done = step.expects(code);
     if (!record.done)
         record.reason = fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
     record.step = step.name, record.run = step.run;

@@ -154,6 +154,50 @@ def test_resume():
     h.check(said["steps_reused"] >= 5 and said["steps_run"] <= 11, f"what was done before the stop counts: {said}")
 
 
+def test_stale():
+    """What decides a step's figures or verdict and is not in its words."""
+    tools = h.folder / "tools"
+    tools.mkdir()
+    for verb in ("scan", "build", "measure", "report"):
+        shutil.copy(h.bin / f"slim-{verb}", tools)
+    file = h.folder / "stale.toml"
+    text = """
+[[experiment]]
+name = "e"
+[[experiment.step]]
+name = "c"
+run = "scan"
+args = "sphere --points 500"
+[[experiment.step]]
+name = "b"
+run = "build"
+args = "{c}"
+[[experiment.step]]
+name = "m"
+run = "measure"
+args = "{b} {c} --truth=%s" """ % (h.folder / "own.truth")
+    file.write_text(text)
+    h.run("slim-scan", "sphere", "--points", "500", "-o", "own.ply")
+
+    def again():
+        done = subprocess.run([tools / "slim-report", file, "-o", h.folder / "stale", "--json", "--threads", "1"],
+                              capture_output=True, text=True)
+        if not h.check(done.stdout.startswith("{"), f"says what it did: {done.stderr[-300:]}"):
+            return None, done.returncode
+        return json.loads(done.stdout).get("steps_run"), done.returncode
+
+    h.check(again() == (3, 0) and again() == (0, 0), "three steps, then none")
+    truth = bytearray((h.folder / "own.truth").read_bytes())
+    truth[24:32] = bytes(8)
+    (h.folder / "own.truth").write_bytes(truth)
+    h.check(again() == (1, 0), "a file named within a word, --truth=FILE, counts by its bytes")
+    with open(tools / "slim-measure", "ab") as program:
+        program.write(b"\0")
+    h.check(again() == (1, 0), "another program of the same version is run")
+    file.write_text(text + "\nexit = [3]\n")
+    h.check(again()[1] == 5, "a step that was done as expected is not, once another code is")
+
+
 def test_bands():
     done = report("small", SMALL.replace("MOST", "1e-9"), "out")
     h.check(done.code == 5, f"a band that is left ends with 5, not {done.code}")
@@ -247,6 +291,7 @@ def test_quick():
 
 test_page()
 test_resume()
+test_stale()
 test_bands()
 test_failures()
 test_cap()

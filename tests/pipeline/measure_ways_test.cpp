@@ -88,6 +88,20 @@ TEST_F(MeasureWays, FacesAreMeasuredExactly) {
     EXPECT_NEAR(m["max"].get<double>() * std::sqrt(12.0), 1 - 1 / std::sqrt(3.0), 0.006);  // samples are 0.025 apart
 }
 
+TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused) {
+    build_sphere(2000);
+    const auto mesh = [&](const std::string& faces) {
+        return folder_.write(
+            "mesh.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n0 1 0\n0 0 1\n" + faces);
+    };
+    const json point = both_ways(model_, mesh("3 2 2 2\n")).at("model_to_cloud");
+    EXPECT_NEAR(point["max"].get<double>() * std::sqrt(12.0), 2, 0.01);
+    EXPECT_EQ(code_of([&] { both_ways(model_, mesh("2 0 1\n")); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("mesh.ply: two_way: no face"), std::string::npos) << message_;
+}
+
 TEST_F(MeasureWays, ThreadsDoNotMatter) {
     build_sphere(5000);
     const auto at = [&](int threads) {
@@ -191,6 +205,10 @@ TEST_F(MeasureWays, ExrChannelsAreComparedAsTheyAre) {
     const json m = measured(a, exr("b.exr", other, "Z"), [](MeasureConfig&) {});
     EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 0.5);
     EXPECT_EQ(measured(a, exr("n.exr", nan, "Z"), [](MeasureConfig&) {})["not_finite"], 1);
+    write_exr(file("two.exr"), 2, 1, std::vector<ExrChannel>{{"Z", ChannelType::float32, z, {}}, {"k1", ChannelType::float32, z, {}}});
+    for (const auto& [first, second] : {std::pair{a, file("two.exr")}, std::pair{file("two.exr"), a}})
+        EXPECT_EQ(measured(first, second, [](MeasureConfig&) {})["identical"], false);
+    EXPECT_EQ(measured(a, a, [](MeasureConfig&) {})["identical"], true);
     EXPECT_EQ(code_of([&] { measured(a, exr("c.exr", z, "k1"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
 }
 

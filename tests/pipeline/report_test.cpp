@@ -1,5 +1,6 @@
 #include "pipeline/report_cloud.h"
 #include "pipeline/report_file.h"
+#include "pipeline/report_page.h"
 #include "pipeline/report_results.h"
 #include "pipeline/report_row.h"
 #include "pipeline/report_text.h"
@@ -159,6 +160,54 @@ TEST(ReportResults, ARowWithoutItsFigureIsWhereACurveBreaks) {
     auto rows = power_rows(-1);
     rows[1].steps[0].done = false, rows[1].steps[0].figures = {{"exit", 3}};
     EXPECT_EQ(judged(e, rows).plots.at(0).curves.at(0).breaks.value().x, 2);
+}
+
+TEST(ReportResults, ABandOfASlopeThatCannotBeToldFails) {
+    Experiment e = power_law();
+    const auto verdict = [&e] {
+        const ExperimentResult result = judged(e, power_rows(-1.5));
+        return result.checks.empty() ? Verdict::passed : result.checks[0].verdict;
+    };
+    ASSERT_EQ(verdict(), Verdict::passed);
+    e.plots[0].least_slope = formula("m.none"), e.plots[0].most_slope = Expression();
+    EXPECT_EQ(verdict(), Verdict::failed);  // no end of the band
+    e = power_law();
+    e.plots[0].y = formula("m.none"), e.plots[0].broken = Expression();
+    EXPECT_EQ(verdict(), Verdict::failed);  // no figure
+    e = power_law();
+    ReportRow absent = row_with(1, 1);
+    absent.steps[0].done = false, absent.steps[0].absent = true, absent.steps[0].figures = {};
+    EXPECT_EQ(judged(e, {absent, absent}).checks.at(0).verdict, Verdict::not_run);
+    EXPECT_EQ(judged(e, {row_with(1, 1)}).checks.at(0).verdict, Verdict::not_run);  // one row below the cap
+}
+
+TEST(ReportResults, ACaseFailsWithAStepThatMayNotBesideOneThatMay) {
+    Experiment e;
+    e.row = "1", e.pass = formula("m.y == 1");
+    ReportStep m, other, may;
+    m.name = "m", other.name = "other", may.name = "may", may.may_fail = true;
+    e.steps = {m, other, may};
+    ReportRow row = row_with(1, 1);
+    StepRecord failed;
+    failed.step = "may", failed.figures = {{"exit", 3}};
+    row.steps.push_back(failed);
+    EXPECT_EQ(judged(e, {row}).verdict->verdict, Verdict::passed);
+    row.steps.back().step = "other";
+    EXPECT_EQ(judged(e, {row}).verdict->verdict, Verdict::failed);
+}
+
+TEST(ReportPages, LeaveOutAPictureWhoseConditionLacksItsFigure) {
+    Report report;
+    report.files.resize(1);
+    report.files[0].experiments.resize(1);
+    Experiment& e = report.files[0].experiments[0];
+    ReportPictures shown;
+    shown.of = "m", shown.when = formula("m.none > 1");
+    e.pictures = {shown};
+    report.results = {{judged(e, {row_with(1, 1)})}};
+    std::string page;
+    EXPECT_NO_THROW(page = report_page(report));
+    EXPECT_NE(page.find("</html>"), std::string::npos);
 }
 
 TEST(ReportResults, ABandHoldsItsEndsAndNoNan) {
