@@ -36,7 +36,18 @@ bool add_cloud(const std::string& path, const Vec3d& origin, StageContext& conte
     return true;
 }
 
+[[noreturn]] void refuse_colorless(const std::string& path) {
+    throw DataError(path +
+                    ": --color: expected a PLY with properties red, green and blue, found none");
+}
+
 }  // namespace
+
+void require_colors(const std::vector<std::string>& clouds) {
+    const auto has_colors = [](const std::string& cloud) { return !!open_colored_cloud(cloud); };
+    if (!clouds.empty() && std::none_of(clouds.begin(), clouds.end(), has_colors))
+        refuse_colorless(clouds[0]);
+}
 
 nlohmann::json add_colors(const std::string& path, const std::vector<std::string>& clouds,
                           StageContext& context) {
@@ -54,10 +65,7 @@ nlohmann::json add_colors(const std::string& path, const std::vector<std::string
                     cloud + ": has no colours (a PLY with red, green and blue): left out of them");
             any |= has;
         }
-        if (!any)
-            throw DataError(
-                (clouds.empty() ? path : clouds[0]) +
-                ": --color: expected a PLY with properties red, green and blue, found none");
+        if (!any) refuse_colorless(clouds.empty() ? path : clouds[0]);
         for (const SurfelColor& color : fit.finish()) packed.push_back(pack(color));
         lost = fit.n_lost();
     }

@@ -197,6 +197,7 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     if (auto done = stamp.up_to_date()) {
         result = *done;
     } else {
+        if (config.color) require_colors(config.inputs);
         const FolderLock lock(work);
         try {
             result = build_in(config, work, stamp, context);

@@ -78,4 +78,17 @@ void check_tracing(const RenderConfig& config, const std::vector<std::string>& a
                         n_models == 1 ? "" : "s", n_materials));
 }
 
+std::vector<std::string> idle_lighting(const RenderConfig& config,
+                                       const std::vector<std::string>& aovs) {
+    std::vector<std::string> idle;
+    if (contains(aovs, "shaded")) return idle;
+    const RenderConfig usual;
+    if (config.ao) idle.push_back("ao");
+    if (config.ground && !contains(aovs, "ao")) idle.push_back("ground");
+    if (config.light != usual.light) idle.push_back("light");
+    if (config.material != usual.material) idle.push_back("material");
+    if (config.ambient != usual.ambient) idle.push_back("ambient");
+    return idle;
+}
+
 }  // namespace slim

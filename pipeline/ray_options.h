@@ -21,4 +21,8 @@ std::optional<Vec3f> ground_color(const RenderConfig& config);
 /// asked for, and for lights and materials that are none.
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs);
 
+/// Options of light that none of the pictures shows: jobs give them to all views alike.
+std::vector<std::string> idle_lighting(const RenderConfig& config,
+                                       const std::vector<std::string>& aovs);
+
 }  // namespace slim

@@ -4,6 +4,7 @@
 #include "formats/model_file.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
+#include "pipeline/ray_options.h"
 #include "pipeline/render_frames.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_trace.h"
@@ -229,6 +230,13 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
                             job.config.model));
 }
 
+void warn_of_idle_lighting(const RenderJob& job, Reporter& reporter) {
+    const auto idle = idle_lighting(job.config, job.aovs);
+    if (!idle.empty())
+        reporter.warn(fmt::format("{}: only shaded pictures show it, and none is asked for (--aov shaded)",
+                                  fmt::join(idle, ", ")));
+}
+
 }  // namespace
 
 Json run_render(const RenderConfig& config, StageContext& context) {
@@ -285,6 +293,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
+    warn_of_idle_lighting(job, context.reporter);
     const std::uint64_t bytes_read = check_what_is_drawn(model, job);
     make_folder(job.plan);
     choose_looks(job);

@@ -35,7 +35,7 @@ Openness openness_of(const RenderConfig& config, const ModelHeader& header) {
 GroundPlane ground_of(const RenderConfig& config, const TracedModels& models) {
     const Vec3d up = up_vector(up_axis(config));
     const auto height = ground_height(config);
-    return {up, height ? *height - dot(up, models.header().origin) : models.lowest(up),
+    return {up, height ? *height - dot(up, models.header().origin) : models.lowest(),
             ground_color(config)};
 }
 
@@ -151,9 +151,10 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
     scene_ = std::make_unique<TraceScene>(parts, config.loose);
     build_ms_ =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (config.ground) lowest_ = lowest_along(up_vector(up_axis(config)));
 }
 
-double TracedModels::lowest(const Vec3d& up) const {
+double TracedModels::lowest_along(const Vec3d& up) const {
     const SceneFrame& frame = scene_->frame();
     double lowest = INFINITY;
     for (const TraceModel& model : scene_->models()) {

@@ -30,14 +30,17 @@ public:
     double build_ms() const { return build_ms_; }
     /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
     /// (The outlines of single surfels reach lower still; under those a model would hover.)
-    double lowest(const Vec3d& up) const;
+    double lowest() const { return lowest_; }
 
 private:
+    double lowest_along(const Vec3d& up) const;
+
     std::vector<std::unique_ptr<ModelFile>> files_;
     std::vector<std::unique_ptr<SurfelTree>> trees_;
     std::unique_ptr<TraceScene> scene_;
     ModelHeader header_;
     double build_ms_ = 0;
+    double lowest_ = 0;  ///< with a ground only
 };
 
 /// What shades a frame: lights and materials, and the rays that the picture is cast with, if it is.

@@ -105,6 +105,9 @@ TEST_F(ModelColor, AModelWithoutItIsTheSameBytesAndSaysHowToGetIt) {
     } catch (const DataError& error) {
         EXPECT_NE(std::string(error.what()).find("plain.ply"), std::string::npos) << error.what();
     }
+    // Refused before the work, not after it.
+    EXPECT_FALSE(std::filesystem::exists(file("x.slim")));
+    EXPECT_FALSE(std::filesystem::exists(file("x.slim.work")));
     // All else of a model with colours is as without.
     build("c.ply", "with.slim", true);
     const ModelFile with = ModelFile::open(file("with.slim")),

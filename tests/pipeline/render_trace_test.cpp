@@ -1,3 +1,4 @@
+#include "pipeline/ray_options.h"
 #include "pipeline/render_lights.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -31,6 +32,16 @@ protected:
         return c;
     }
 };
+
+TEST(IdleLighting, NamesWhatNoPictureShows) {
+    RenderConfig c;
+    c.ao = c.ground = true, c.light = "sun";
+    const std::vector<std::string> all{"ao", "ground", "light"}, openness{"ao", "light"};
+    EXPECT_EQ(idle_lighting(c, {"mean"}), all);
+    EXPECT_EQ(idle_lighting(c, {"mean", "ao"}), openness);  // a ground takes its light away, too
+    EXPECT_TRUE(idle_lighting(c, {"mean", "shaded"}).empty());
+    EXPECT_TRUE(idle_lighting(RenderConfig{}, {"mean"}).empty());
+}
 
 // Whatever an option is called: a picture that ignores it fails here.
 TEST_F(RenderTrace, EveryOptionChangesThePicture) {
