@@ -4,7 +4,7 @@
 // ORDER of the polynomial, 2 unless given; THREADS 2. Writes doubles, in the order of the input; PCL itself computes in
 // float, about the centre of the bounding box here. Points that PCL leaves out (fewer than 3 neighbours) stay where they
 // are and are counted. One JSON object on stdout.
-#include "plain_points.h"
+#include "tests/peers/plain_points.h"
 
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>

@@ -2,7 +2,7 @@
 //   peer_vtk_smooth in.ply out.ply PASS_BAND ITERATIONS
 // in: binary little-endian PLY, vertices first, then triangles alone as `list uchar int`. Boundary vertices stay;
 // vertices keep their order. One JSON object on stdout.
-#include "plain_points.h"
+#include "tests/peers/plain_points.h"
 
 #include <vtkCellArray.h>
 #include <vtkNew.h>
