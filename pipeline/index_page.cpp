@@ -1,9 +1,10 @@
 #include "pipeline/index_page.h"
 
+#include "pipeline/html_page.h"
 #include "pipeline/json_text.h"
 #include "pipeline/memory_size.h"
-#include "pipeline/svg_plot.h"
 #include "pipeline/version.h"
+#include "slim/base/markup.h"
 
 #include <fmt/format.h>
 
@@ -15,29 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kHead = R"(<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{0}</title>
-<style>
-body {{ font: 16px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 78rem; padding: 0 1rem;
-       color: #222; background: #fafafa }}
-h1 {{ margin-bottom: 0 }}
-h2 {{ margin-top: 2.2rem; font-size: 1.2rem }}
-p.note {{ color: #666; margin-top: .2rem }}
-table {{ border-collapse: collapse; margin: .6rem 0 }}
-th, td {{ text-align: right; padding: .25rem .9rem; border-bottom: 1px solid #ddd }}
-th:first-child, td:first-child {{ text-align: left }}
-.views {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(24rem, 1fr)); gap: 1rem }}
-figure {{ margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem }}
-figure img {{ width: 100%; display: block }}
-figcaption {{ font-size: .85rem; color: #555; padding-top: .3rem }}
-</style>
-</head>
-<body>
-<h1>{0}</h1>
+constexpr const char* kStyle = R"(h2 { margin-top: 2.2rem; font-size: 1.2rem }
+.views { display: grid; grid-template-columns: repeat(auto-fill, minmax(24rem, 1fr)); gap: 1rem }
+figure img { width: 100%; display: block }
+figcaption { padding-top: .3rem }
 )";
 
 /// A path for src="...": what a browser would read as something else is percent-encoded.
@@ -149,7 +131,7 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
 }  // namespace
 
 std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes) {
-    std::string text = fmt::format(kHead, escaped_markup(job.title));
+    std::string text = html_head(job.title, kStyle) + "<h1>" + escaped_markup(job.title) + "</h1>\n";
     text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped_markup(program_version()),
                         escaped_markup(job.file.filename().string()));
     text += "<h2>Model</h2>\n" +
@@ -166,7 +148,7 @@ std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes)
                 "<p class=\"note\">L: diagonal of the bounding box of the input; k &gt; 0: convex</p>\n";
     for (const StepOutcome& outcome : outcomes)
         if (outcome.step.verb == "render") text += pictures_of(job, outcome);
-    return text + "<h2>Cost</h2>\n" + cost_table(outcomes) + "</body>\n</html>\n";
+    return text + "<h2>Cost</h2>\n" + cost_table(outcomes) + kHtmlEnd;
 }
 
 }  // namespace slim

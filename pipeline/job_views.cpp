@@ -1,11 +1,11 @@
 #include "pipeline/job_views.h"
 
+#include "pipeline/contains.h"
 #include "pipeline/render_lights.h"
 #include "pipeline/render_view.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace slim {
@@ -22,10 +22,6 @@ constexpr std::pair<const char*, const char*> kOwners[] = {
     {"--sun=", "hillshade"},
     {"--contours=", "hillshade"},
 };
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 }  // namespace
 

@@ -23,15 +23,6 @@ using nlohmann::json;
 constexpr std::size_t kChunk = 1 << 20;
 constexpr std::size_t kGrain = 1024;
 
-double sq_distance_to_box(const Vec3d& p, const Bbox& box) {
-    double sq = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double gap = std::max({box.lo[axis] - p[axis], p[axis] - box.hi[axis], 0.0});
-        sq += gap * gap;
-    }
-    return sq;
-}
-
 /// Squared distances of samples to a cloud that is read once.
 class NearestPoints {
 public:
@@ -45,7 +36,7 @@ public:
         for (const Vec3d& p : points) box.extend(p);
         near_.clear(), queries_.clear();
         for (std::size_t i = 0; i < samples_.size(); ++i)
-            if (sq_distance_to_box(samples_[i].point, box) < sq_[i]) {
+            if (box.sq_distance(samples_[i].point) < sq_[i]) {
                 near_.push_back(i);
                 queries_.push_back(samples_[i].point);
             }

@@ -1,8 +1,8 @@
 #include "pipeline/normals_stage.h"
 
 #include "formats/slice_file.h"
-#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
+#include "pipeline/normals_rims.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
 #include "slim/base/error.h"
@@ -13,17 +13,14 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
 #include "slim/normals/repair.h"
-#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <numeric>
 #include <optional>
 
@@ -35,7 +32,6 @@ namespace {
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
-constexpr double kWidestRim = 0.05, kRimSpacings = 24;  // of L, and of L / sqrt(n)
 constexpr std::size_t kGrain = 16384;        // points a task
 // beyond this share a cloud's own normals are not to be trusted
 constexpr double kManyContrary = 0.1;
@@ -66,113 +62,6 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     for (std::uint32_t i = 0; i < points.size(); ++i)
         if (!(sq_length(points.normal[i]) > 0)) out.push_back(i);
     return out;
-}
-
-/// Whether all normals of the job are estimated: then signs are carried from slice to slice.
-bool signs_carry_over(const NormalsConfig& config, const SlicePlan& plan) {
-    return config.normals != "keep" && (!plan.has_normals || config.normals == "estimate");
-}
-
-/// Width of the rims: k neighbours of any use lie within it (10 spacings where the area is L^2).
-double rim_width(const SlicePlan& plan) {
-    return plan.diagonal * std::min(kWidestRim, kRimSpacings / std::sqrt(double(plan.n_points)));
-}
-
-/// Another slice's part of the rim: one before carries signs where all are estimated.
-/// throws IncompleteError if it has no normals yet
-std::filesystem::path rim_of(const NormalsConfig& config, const SlicePlan& plan, std::size_t other,
-                             std::size_t slice) {
-    if (!signs_carry_over(config, plan) || other > slice)
-        return slice_points_path(config.work, other);
-    const auto path = oriented_points_path(config.work, other);
-    if (!std::filesystem::exists(manifest_path(path)))
-        throw IncompleteError(fmt::format(
-            "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
-            "normals {}` for all slices",
-            config.work, slice, other, config.work));
-    return path;
-}
-
-/// The parts of the rim: of the slices near this one; where signs carry over, of the one before in
-/// any case, so that all before have theirs.
-std::vector<std::size_t> rims(const NormalsConfig& config, const SlicePlan& plan,
-                              std::size_t slice) {
-    std::vector<std::size_t> near;
-    for (const std::size_t i : slices_near(plan, slice, rim_width(plan)))
-        if (i != slice) near.push_back(i);
-    if (signs_carry_over(config, plan) && slice > 0 &&
-        std::find(near.begin(), near.end(), slice - 1) == near.end())
-        near.push_back(slice - 1);
-    return near;
-}
-
-/// Whether the slice before took the cloud for an airborne scan.
-/// throws FormatError if its manifest does not say
-bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice) {
-    if (slice == 0 || !signs_carry_over(config, plan)) return false;
-    const auto path = manifest_path(rim_of(config, plan, slice - 1, slice));
-    std::ifstream file(path);
-    const auto manifest = json_or_discarded(file);
-    const auto said = nlohmann::json::json_pointer("/result/from_above");
-    if (!manifest.is_object() || !manifest.contains(said) || !manifest.at(said).is_boolean())
-        throw FormatError(
-            fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
-                        path.string(), config.work));
-    return manifest.at(said).get<bool>();
-}
-
-/// Appends the points of another slice near this one's region. Strictly outside it, as drop_rims
-/// tells them apart: a coordinate of the slice may round to the cut.
-void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
-                PointBlock& points) {
-    const Bbox& region = plan.slices[slice].region;
-    const double width = rim_width(plan);
-    append_slice_part(path.string(), [&](const Vec3d& p) {
-        return is_near(region, p, width) && !is_near(region, p, 0);
-    }, points);
-}
-
-/// A slice's points (`handed`, if given) and those of others near it, whose normals are zero where
-/// all are estimated but for those of slices before.
-PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
-                          std::optional<PointBlock> handed) {
-    PointBlock points = handed ? std::move(*handed)
-                               : read_slice(slice_points_path(config.work, slice).string());
-    const auto near = rims(config, plan, slice);
-    const auto append = [&](bool before) {
-        for (const std::size_t i : near)
-            if ((i < slice) == before)
-                append_rim(rim_of(config, plan, i, slice), plan, slice, points);
-    };
-    append(false);
-    if (signs_carry_over(config, plan)) points.normal.assign(points.size(), Vec3f{});
-    append(true);
-    if (!points.has_normals()) points.normal.assign(points.size(), Vec3f{});  // --normals keep
-    return points;
-}
-
-/// Which of the points are the slice's own.
-std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points) {
-    if (plan.slices.size() == 1) return std::vector<bool>(points.size(), true);
-    std::vector<bool> own(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        own[i] = is_near(plan.slices[slice].region, points.position[i], 0);
-    return own;
-}
-
-/// Takes the points of other slices away again.
-void drop_rims(const std::vector<bool>& own, PointBlock& points) {
-    const auto keep_own = [&](auto& values) {
-        if (values.empty()) return;
-        std::size_t n = 0;
-        for (std::size_t i = 0; i < own.size(); ++i)
-            if (own[i]) values[n++] = values[i];
-        values.resize(n);
-    };
-    keep_own(points.position);
-    keep_own(points.normal);
-    keep_own(points.id);
-    keep_own(points.scan);
 }
 
 std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {

@@ -1,20 +1,16 @@
 #include "pipeline/ray_options.h"
 
+#include "pipeline/contains.h"
 #include "pipeline/render_lights.h"
 #include "pipeline/render_view.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace slim {
 namespace {
-
-bool contains(const std::vector<std::string>& words, const char* word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 /// What only rays can do.
 void require_rays(const RenderConfig& config, const std::vector<std::string>& aovs) {

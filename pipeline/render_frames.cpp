@@ -1,5 +1,6 @@
 #include "pipeline/render_frames.h"
 
+#include "pipeline/median.h"
 #include "pipeline/render_directions.h"
 #include "raytrace/brute/brute_renderer.h"
 #include "raytrace/project/forward_renderer.h"
@@ -16,12 +17,6 @@ constexpr int kReferenceSide = 1000;
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
         .count();
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t n = values.size();
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 RenderStats render_surface(const RenderJob& job, const RenderRequest& request,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/contains.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_config.h"
 #include "pipeline/render_files.h"
@@ -44,7 +45,7 @@ struct RenderJob {
     /// What the frame that lines are found in must hold for them.
     Channels for_lines() const { return line_channels(lines, tree.header().degree); }
     bool wants(const char* aov) const {
-        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+        return contains(aovs, aov);
     }
 };
 

@@ -2,6 +2,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/extension.h"
+#include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
 #include "raytrace/lines/extract.h"
 #include "raytrace/lines/lines_geometry.h"
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
 namespace slim {
@@ -23,10 +23,6 @@ constexpr std::array<LineKind, kLineKinds> kDrawingOrder{LineKind::reflection, L
 std::string word_of(LineKind kind) {
     const bool crest = kind == LineKind::ridge || kind == LineKind::valley;
     return crest ? "crest" : std::string(line_name(kind));
-}
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 /// What is asked for in words.

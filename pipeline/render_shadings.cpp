@@ -1,6 +1,7 @@
 #include "pipeline/render_shadings.h"
 
 #include "formats/image_io.h"
+#include "pipeline/contains.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_colors.h"
 #include "raytrace/stripes.h"
@@ -18,10 +19,6 @@ namespace {
 
 constexpr Vec3f kClay{0.690f, 0.632f, 0.572f};
 constexpr float kGloss = 0.09f;
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 /// The spacing asked for: 0 for none, empty for auto.
 std::optional<double> fixed_spacing(const RenderConfig& config) {

@@ -237,11 +237,8 @@ void warn_of_idle_lighting(const RenderJob& job, Reporter& reporter) {
                                   fmt::join(idle, ", ")));
 }
 
-}  // namespace
-
-Json run_render(const RenderConfig& config, StageContext& context) {
-    std::vector<std::string> aovs = wanted_aovs(config);
-    const PictureSize size = parse_size(config.size);
+/// What can be wrong before the model is opened. Returns the number of pictures.
+int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
     check_ranges(config);
     check_lines(config, aovs);
     check_shadings(config, aovs);
@@ -251,19 +248,39 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
         throw ConfigError(
             "lines_ply and lines_obj are for one picture, not for a turntable or path");
-    const fs::path named = plan_outputs(config, aovs).named;
-
     require_model(config.model);
+    return frames;
+}
 
-    const ModelFile model = ModelFile::open_by_pages(config.model);
-    Stamp stamp(context, manifest_path(named.string()));
+/// All that the pictures depend on.
+void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::path& named,
+                Stamp& stamp) {
     stamp.input(config.model, model.identity());
     for (const std::string& file : {config.environment, config.matcap})
         if (!file.empty()) stamp.input(file);
     for (const std::string& added : config.add) stamp.input(added);
     stamp.depends("drawn as " + named.stem().string());
-    for (const std::string& file : {config.lines_ply, config.lines_obj}) stamp.depends("lines to " + file);
+    for (const std::string& file : {config.lines_ply, config.lines_obj})
+        stamp.depends("lines to " + file);
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
+}
+
+void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan) {
+    refuse_to_overwrite(plan.exr.string(), {config.environment, config.matcap});
+    for (const fs::path& png : plan.pngs)
+        refuse_to_overwrite(png.string(), {config.environment, config.matcap});
+}
+
+}  // namespace
+
+Json run_render(const RenderConfig& config, StageContext& context) {
+    std::vector<std::string> aovs = wanted_aovs(config);
+    const PictureSize size = parse_size(config.size);
+    const int frames = check_request(config, aovs);
+    const fs::path named = plan_outputs(config, aovs).named;
+    const ModelFile model = ModelFile::open_by_pages(config.model);
+    Stamp stamp(context, manifest_path(named.string()));
+    add_inputs(config, model, named, stamp);
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;
 
@@ -272,9 +289,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
     if (takes_all_leaves(config, aovs)) model.check();
     const OutputPlan plan = plan_outputs(config, aovs);
-    refuse_to_overwrite(plan.exr.string(), {config.environment, config.matcap});
-    for (const fs::path& png : plan.pngs)
-        refuse_to_overwrite(png.string(), {config.environment, config.matcap});
+    refuse_to_overwrite_inputs(config, plan);
     const double room = legend_room(config, plan.drawn, size);
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     std::optional<TracedModels> traced;

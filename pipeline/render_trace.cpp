@@ -1,5 +1,6 @@
 #include "pipeline/render_trace.h"
 
+#include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/ray_options.h"
 #include "pipeline/render_bands.h"
@@ -13,10 +14,6 @@
 
 namespace slim {
 namespace {
-
-bool contains(const std::vector<std::string>& words, const char* word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 LightRig rig_of(const RenderConfig& config, const ModelHeader& header, const ShadeView& view) {
     LightRig rig;

@@ -1,8 +1,10 @@
 #include "pipeline/report_page.h"
 
+#include "pipeline/html_page.h"
 #include "pipeline/json_text.h"
 #include "pipeline/report_text.h"
 #include "pipeline/svg_plot.h"
+#include "slim/base/markup.h"
 
 #include <fmt/format.h>
 
@@ -16,34 +18,19 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kHead = R"(<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>{0}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 84rem; padding: 0 1rem;
-       color: #222; background: #fafafa }}
-h1 {{ margin-bottom: 0 }}
-h2 {{ margin-top: 3rem; border-bottom: 2px solid #ccc }}
-h3 {{ margin-top: 2.2rem; margin-bottom: .3rem }}
-p.note, figcaption {{ color: #555; font-size: .9rem }}
-table {{ border-collapse: collapse; margin: .6rem 0; font-size: .9rem; font-variant-numeric: tabular-nums }}
-th, td {{ text-align: right; padding: .2rem .7rem; border-bottom: 1px solid #ddd; vertical-align: top }}
-th {{ background: #f0f0f0 }}
-th:first-child, td:first-child, td.text, th.text {{ text-align: left }}
-td.text {{ max-width: 26rem }}
-.figures {{ display: flex; flex-wrap: wrap; gap: 1rem }}
-figure {{ margin: 0; background: #fff; border: 1px solid #ddd; border-radius: 4px; padding: .5rem }}
-figure svg, figure img {{ max-width: 100%; height: auto; display: block }}
-figure.picture {{ max-width: 24rem }}
-.ok {{ color: #00694b }} .bad {{ color: #b00020; font-weight: 600 }} .known {{ color: #9a5b00 }} .none {{ color: #777 }}
-summary {{ cursor: pointer }}
-</style>
-</head>
-<body>
+constexpr const char* kStyle = R"(body { font-size: 15px; max-width: 84rem }
+h2 { margin-top: 3rem; border-bottom: 2px solid #ccc }
+h3 { margin-top: 2.2rem; margin-bottom: .3rem }
+table { font-size: .9rem; font-variant-numeric: tabular-nums }
+th, td { padding: .2rem .7rem; vertical-align: top }
+th { background: #f0f0f0 }
+td.text, th.text { text-align: left }
+td.text { max-width: 26rem }
+.figures { display: flex; flex-wrap: wrap; gap: 1rem }
+figure svg, figure img { max-width: 100%; height: auto; display: block }
+figure.picture { max-width: 24rem }
+.ok { color: #00694b } .bad { color: #b00020; font-weight: 600 } .known { color: #9a5b00 } .none { color: #777 }
+summary { cursor: pointer }
 )";
 
 std::string esc(const std::string& text) { return escaped_markup(text); }
@@ -260,7 +247,7 @@ std::string summary_html(const Report& report) {
 
 }  // namespace
 
-std::string page_head(const std::string& title) { return fmt::format(kHead, esc(title)); }
+std::string page_head(const std::string& title) { return html_head(title, kStyle); }
 
 std::string report_page(const Report& report) {
     const std::string title = report.files.size() == 1 ? report.files[0].title : "SLIM: error against run time";
@@ -272,7 +259,7 @@ std::string report_page(const Report& report) {
         out += cases_table(report.results[i]);
         for (const ExperimentResult& result : report.results[i]) out += experiment_html(result);
     }
-    return out + "</body>\n</html>\n";
+    return out + kHtmlEnd;
 }
 
 }  // namespace slim

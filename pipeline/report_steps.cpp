@@ -4,6 +4,7 @@
 #include "pipeline/child_process.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
+#include "pipeline/median.h"
 #include "pipeline/report_cloud.h"
 #include "pipeline/report_record.h"
 #include "pipeline/report_text.h"
@@ -88,11 +89,6 @@ void put_warnings(const std::string& log, json& figures) {
 
 struct Times {
     std::vector<double> seconds, processor;
-    static double median(std::vector<double> values) {
-        std::sort(values.begin(), values.end());
-        const std::size_t n = values.size();
-        return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
-    }
     void put(json& figures) const {
         figures["seconds"] = median(seconds);
         figures["seconds_min"] = *std::min_element(seconds.begin(), seconds.end());

@@ -1,5 +1,7 @@
 #include "pipeline/svg_plot.h"
 
+#include "slim/base/markup.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -166,23 +168,6 @@ std::string curve_of(const SvgCurve& curve, std::size_t i, const Axis& x, const 
 }
 
 }  // namespace
-
-std::string escaped_markup(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else
-            out += c;
-    }
-    return out;
-}
 
 std::string svg_of(const SvgPlot& plot) {
     Axis x(plot.log_x, kLeft + kEdge, kWidth - kRight - kEdge);

@@ -28,7 +28,4 @@ struct SvgPlot {
 /// marks, a legend; text as text. Eight colours that colour-blind readers tell apart (Okabe and Ito 2008), marks differ too.
 std::string svg_of(const SvgPlot& plot);
 
-/// Text for SVG and HTML: & < > " as entities.
-std::string escaped_markup(const std::string& text);
-
 }  // namespace slim

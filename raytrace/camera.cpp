@@ -1,5 +1,6 @@
 #include "raytrace/camera.h"
 
+#include "slim/base/angle.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
@@ -56,8 +57,6 @@ Vec3d with_up(UpAxis up, const Vec3d& v) {
             return v;
     }
 }
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 struct Basis {
     Vec3d right, down, forward;

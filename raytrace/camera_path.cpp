@@ -1,5 +1,6 @@
 #include "raytrace/camera_path.h"
 
+#include "slim/base/angle.h"
 #include "slim/base/check.h"
 
 #include <algorithm>
@@ -14,8 +15,6 @@ namespace {
 /// What is interpolated: target 3, log distance, log tan of half the angle, log width, quaternion 4
 /// (w last).
 using Pose = std::array<double, 10>;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 Vec3d rotated(const Vec3d& v, const Vec3d& unit_axis, double angle_rad) {
     const double c = std::cos(angle_rad), s = std::sin(angle_rad);

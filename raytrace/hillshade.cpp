@@ -1,8 +1,9 @@
 #include "raytrace/hillshade.h"
 
+#include "slim/base/angle.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 namespace slim {
@@ -10,8 +11,6 @@ namespace {
 
 constexpr Vec3f kLine{0.16f, 0.07f, 0.025f};  ///< brown, linear
 constexpr Vec3f kShadow{0.035f, 0.045f, 0.070f}, kLit{0.86f, 0.84f, 0.79f};
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 Vec3f toward_sun(const Relief& r) {
     const double a = radians(r.azimuth_deg), h = radians(r.altitude_deg);

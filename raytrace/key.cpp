@@ -2,10 +2,12 @@
 
 #include "raytrace/font.h"
 #include "raytrace/panel.h"
+#include "raytrace/svg_color.h"
+#include "slim/base/markup.h"
 
+#include <algorithm>
 #include <array>
-#include <cstdio>
-#include <limits>
+#include <cmath>
 #include <sstream>
 
 namespace slim {
@@ -16,11 +18,6 @@ struct Layout {
     float unit, padding, line, swatch;
     TextStyle title, text;
 };
-
-bool is_left(LegendPlace place) { return place >= LegendPlace::left; }
-bool is_top(LegendPlace place) {
-    return place == LegendPlace::right_top || place == LegendPlace::left_top;
-}
 
 Layout layout_of(const Key& key, LegendPlace place, int width, int height) {
     Layout l{};
@@ -44,44 +41,14 @@ Vec3f linear_of(const Vec3f& srgb) {
     return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
 }
 
-double covered_alpha(const PixelBox& box, const Picture& object) {
-    const int from_x = std::max(0, static_cast<int>(box.x0)),
-              from_y = std::max(0, static_cast<int>(box.y0));
-    const int to_x = std::min(object.width, static_cast<int>(box.x1));
-    const int to_y = std::min(object.height, static_cast<int>(box.y1));
-    double sum = 0;
-    for (int y = from_y; y < to_y; ++y)
-        for (int x = from_x; x < to_x; ++x) sum += static_cast<double>(object.pixel(x, y)[3]);
-    return sum;
-}
-
-std::string hex_color(const Vec3f& srgb) {
-    const auto byte = [](float v) { return static_cast<unsigned>(std::lround(v * 255)) & 255u; };
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x), byte(srgb.y), byte(srgb.z));
-    return text;
-}
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-    return out;
-}
-
 }  // namespace
 
 LegendPlace best_key_place(const Key& key, const Picture& object) {
     constexpr std::array kPlaces{LegendPlace::right_bottom, LegendPlace::right_top,
                                  LegendPlace::left_top, LegendPlace::left_bottom};
-    LegendPlace best = kPlaces[0];
-    double least = std::numeric_limits<double>::infinity();
-    for (const LegendPlace place : kPlaces) {
-        const double covered =
-            covered_alpha(layout_of(key, place, object.width, object.height).panel, object);
-        if (covered < least) best = place, least = covered;
-    }
-    return best;
+    return least_covering(kPlaces, object, [&](LegendPlace place) {
+        return layout_of(key, place, object.width, object.height).panel;
+    });
 }
 
 bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
@@ -109,7 +76,7 @@ std::string key_svg(const Key& key) {
     out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"70mm\" height=\""
         << height << "mm\" viewBox=\"0 0 70 " << height
         << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n"
-        << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped(key.title) << "</text>\n";
+        << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped_markup(key.title) << "</text>\n";
     double y = 7;
     for (const Key::Row& row : key.rows) {
         y += 6;
@@ -117,7 +84,7 @@ std::string key_svg(const Key& key) {
             out << "  <rect x=\"4\" y=\"" << y - 3.2 << "\" width=\"4\" height=\"4\" fill=\""
                 << hex_color(row.srgb) << "\"/>\n";
         out << "  <text x=\"" << (row.has_swatch ? 10 : 4) << "\" y=\"" << y << "\">"
-            << escaped(row.text) << "</text>\n";
+            << escaped_markup(row.text) << "</text>\n";
     }
     out << "</svg>\n";
     return out.str();

@@ -5,6 +5,7 @@
 #include "slim/base/check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -64,14 +65,11 @@ float note_height(const std::string& text, const TextStyle& style) {
     return text.empty() ? 0 : 2.25f * style.cap_height;
 }
 
-bool is_left(LegendPlace place) { return place >= LegendPlace::left; }
-
 /// The panel's upper edge.
 float panel_top(LegendPlace place, float margin, float panel_height, int height) {
     const float rest = static_cast<float>(height) - panel_height;
-    if (place == LegendPlace::right_top || place == LegendPlace::left_top) return margin;
-    if (place == LegendPlace::right_bottom || place == LegendPlace::left_bottom)
-        return rest - margin;
+    if (is_top(place)) return margin;
+    if (is_bottom(place)) return rest - margin;
     return std::round(rest / 2);
 }
 
@@ -107,16 +105,6 @@ bool has_room(const Layout& l, int width, int height) {
            l.height + l.margin <= 0.75f * static_cast<float>(height);
 }
 
-double covered_alpha(const Layout& l, const Picture& object) {
-    const int from_x = std::max(0, static_cast<int>(l.x)), from_y = std::max(0, static_cast<int>(l.y));
-    const int to_x = std::min(object.width, static_cast<int>(l.x + l.width));
-    const int to_y = std::min(object.height, static_cast<int>(l.y + l.height));
-    double sum = 0;
-    for (int y = from_y; y < to_y; ++y)
-        for (int x = from_x; x < to_x; ++x) sum += static_cast<double>(object.pixel(x, y)[3]);
-    return sum;
-}
-
 void draw_words(const Canvas& canvas, const Legend& legend, const Layout& l) {
     float y = l.y + l.padding + l.title.cap_height;
     draw_text(canvas, legend.title, l.bar_x, y, l.title);
@@ -142,16 +130,14 @@ void draw_ticks(const Canvas& canvas, const Legend& legend, const Labels& labels
 }  // namespace
 
 LegendPlace best_legend_place(const Legend& legend, const Picture& object) {
+    constexpr std::array kPlaces{LegendPlace::right,        LegendPlace::right_top,
+                                 LegendPlace::right_bottom, LegendPlace::left,
+                                 LegendPlace::left_top,     LegendPlace::left_bottom};
     const Labels labels = labels_of(legend);
-    LegendPlace best = LegendPlace::right;
-    double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i <= static_cast<int>(LegendPlace::left_bottom); ++i) {
-        const auto place = static_cast<LegendPlace>(i);
+    return least_covering(kPlaces, object, [&](LegendPlace place) -> PixelBox {
         const Layout l = layout_of(legend, labels, place, object.width, object.height);
-        const double covered = covered_alpha(l, object);
-        if (covered < least) best = place, least = covered;
-    }
-    return best;
+        return {l.x, l.y, l.x + l.width, l.y + l.height};
+    });
 }
 
 double legend_share(const Legend& legend, int width, int height) {

@@ -2,6 +2,7 @@
 
 #include "raytrace/canvas.h"
 #include "raytrace/color_map.h"
+#include "raytrace/legend_place.h"
 #include "raytrace/picture.h"
 
 #include <string>
@@ -27,9 +28,6 @@ std::vector<double> legend_ticks(const ValueRange& range);
 
 /// A tick's text with as many digits as its neighbours need; U+2212 for minus.
 std::string tick_label(double value, const std::vector<double>& ticks);
-
-/// Where a panel may stand, in the order of preference.
-enum class LegendPlace { right, right_top, right_bottom, left, left_top, left_bottom };
 
 /// The place where the panel covers the least of an object that stands over transparent (sum of
 /// alpha); the first of those that are equal.

@@ -1,6 +1,8 @@
 #include "raytrace/legend.h"
 
+#include "raytrace/svg_color.h"
 #include "slim/base/check.h"
+#include "slim/base/markup.h"
 
 #include <cmath>
 #include <cstdio>
@@ -14,26 +16,11 @@ constexpr double kWidth = 44, kBarX = 4, kBarWidth = 6, kBarHeight = 60, kTip = 
 constexpr double kHeight = kBarY + kBarHeight + 13;
 constexpr int kStops = 33;
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-    return out;
-}
-
-std::string hex_color(const Vec3f& srgb) {
-    const auto byte = [](float v) { return static_cast<unsigned>(std::lround(v * 255)); };
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x) & 255u, byte(srgb.y) & 255u,
-                  byte(srgb.z) & 255u);
-    return text;
-}
-
 void write_text(std::ostream& out, double x, double y, const std::string& text,
                 const char* weight = "normal") {
     if (text.empty()) return;
     out << "  <text x=\"" << x << "\" y=\"" << y << "\" font-weight=\"" << weight << "\">"
-        << escaped(text) << "</text>\n";
+        << escaped_markup(text) << "</text>\n";
 }
 
 void write_gradient(std::ostream& out, const ColorMap& map) {

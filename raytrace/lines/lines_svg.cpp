@@ -1,6 +1,7 @@
 #include "raytrace/lines/lines_svg.h"
 
 #include "raytrace/lines/stroke.h"
+#include "raytrace/svg_color.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -17,16 +18,6 @@ std::string number(double value, int digits) {
 }
 
 std::string mm(float px) { return number(kMmPerPixel * static_cast<double>(px), 3); }
-
-std::string hex_color(const Vec3f& srgb) {
-    const auto byte = [](float c) {
-        return static_cast<unsigned>(std::clamp(c, 0.0f, 1.0f) * 255 + 0.5f);
-    };
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(srgb.x) & 255u, byte(srgb.y) & 255u,
-                  byte(srgb.z) & 255u);
-    return text;
-}
 
 std::string path_of(const FeatureLine& line, int width, int height) {
     std::string d;

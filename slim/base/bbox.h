@@ -3,6 +3,7 @@
 #include "slim/base/vec.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 namespace slim {
@@ -27,6 +28,15 @@ struct Bbox {
         if (b.empty()) return;
         extend(b.lo);
         extend(b.hi);
+    }
+    /// Squared distance of a point, 0 inside.
+    double sq_distance(const Vec3d& p) const {
+        double sq = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double gap = std::max({lo[axis] - p[axis], p[axis] - hi[axis], 0.0});
+            sq += gap * gap;
+        }
+        return sq;
     }
     int longest_axis() const {
         const Vec3d e = extent();

@@ -10,15 +10,6 @@ constexpr std::uint32_t kLeafSize = 4;
 
 Vec3d centroid(const std::array<Vec3d, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }
 
-double sq_distance_to_box(const Vec3d& p, const Bbox& box) {
-    double sq = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double gap = std::max({box.lo[axis] - p[axis], p[axis] - box.hi[axis], 0.0});
-        sq += gap * gap;
-    }
-    return sq;
-}
-
 double sq_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
     const Vec3d ab = b - a;
     const double sq = sq_length(ab);
@@ -87,7 +78,7 @@ double MeshDistance::sq_distance(const Vec3d& p) const {
     while (depth > 0) {
         const std::uint32_t i = stack[--depth];
         const Node& node = nodes_[i];
-        if (sq_distance_to_box(p, node.box) >= best) continue;
+        if (node.box.sq_distance(p) >= best) continue;
         if (node.right == 0) {
             for (std::uint32_t k = node.begin; k < node.end; ++k) {
                 const Triangle& t = triangles_[k];
@@ -96,8 +87,8 @@ double MeshDistance::sq_distance(const Vec3d& p) const {
             continue;
         }
         // The nearer child first: it goes on top.
-        const bool left_first = sq_distance_to_box(p, nodes_[i + 1].box) <
-                                sq_distance_to_box(p, nodes_[node.right].box);
+        const bool left_first = nodes_[i + 1].box.sq_distance(p) <
+                                nodes_[node.right].box.sq_distance(p);
         stack[depth++] = left_first ? node.right : i + 1;
         stack[depth++] = left_first ? i + 1 : node.right;
     }

@@ -68,16 +68,12 @@ TEST_F(RenderStage, CurvatureOfPlanesIsWarnedOf) {
 
 // Whatever an option is called: a picture that ignores it fails here.
 TEST_F(RenderStage, EveryOptionChangesThePicture) {
-    struct Case {
-        const char* what;
-        std::function<void(RenderConfig&)> before, change;
-    };
     const auto mean = [](RenderConfig& c) { c.aov = {"mean"}, c.size = "500x400"; };
     const auto nothing = [](RenderConfig&) {};
     const auto shape = [](RenderConfig& c) {
         c.aov = {"truth_distance"}, c.truth_shape = "sphere", c.range = {"0.1"};
     };
-    const Case cases[] = {
+    const OptionCase cases[] = {
         {"camera", nothing, [](RenderConfig& c) { c.camera = "0,0,9,0,0,0,0,1,0"; }},
         {"fov", [](RenderConfig& c) { c.camera = "0,0,5,0,0,0,0,1,0"; },
          [](RenderConfig& c) { c.fov = 60; }},
@@ -100,14 +96,7 @@ TEST_F(RenderStage, EveryOptionChangesThePicture) {
         {"truth_shape", shape, [](RenderConfig& c) { c.truth_shape = "ellipsoid"; }},
         {"offset", shape, [](RenderConfig& c) { c.offset = {0, 0, 0.05}; }},
     };
-    for (const Case& each : cases) {
-        RenderConfig c = config("before.png");
-        each.before(c);
-        const auto before = draw(c).rgba;
-        c.output = file("after.png");
-        each.change(c);
-        EXPECT_NE(before, draw(c).rgba) << each.what;
-    }
+    expect_each_changes(config("before.png"), cases);
 }
 
 TEST_F(RenderStage, PercentileSetsTheRange) {

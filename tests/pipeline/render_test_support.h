@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 
@@ -49,6 +50,24 @@ protected:
     PngImage draw(const RenderConfig& c) {
         run(c);
         return read_png(c.output);
+    }
+
+    /// Of an option: the picture before, and what the option changes of it.
+    struct OptionCase {
+        const char* what;
+        std::function<void(RenderConfig&)> before, change;
+    };
+    /// A picture that ignores its option fails.
+    template <class Cases>
+    void expect_each_changes(const RenderConfig& usual, const Cases& cases) {
+        for (const OptionCase& each : cases) {
+            RenderConfig c = usual;
+            each.before(c);
+            const auto before = draw(c).rgba;
+            c.output = file("after.png");
+            each.change(c);
+            EXPECT_NE(before, draw(c).rgba) << each.what;
+        }
     }
 
     bool exists(const std::string& name) const {

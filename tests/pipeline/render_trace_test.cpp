@@ -46,10 +46,6 @@ TEST(IdleLighting, NamesWhatNoPictureShows) {
 // Whatever an option is called: a picture that ignores it fails here.
 TEST_F(RenderTrace, EveryOptionChangesThePicture) {
     write("other.slim", 0.5, {1.2, 0, 0});
-    struct Case {
-        const char* what;
-        std::function<void(RenderConfig&)> before, change;
-    };
     const auto nothing = [](RenderConfig&) {};
     const auto lit = [](const char* light) {
         return [light](RenderConfig& c) { c.light = light; };
@@ -61,7 +57,7 @@ TEST_F(RenderTrace, EveryOptionChangesThePicture) {
     const auto mirrors = [&](RenderConfig& c) {
         c.material = "mirror=1", c.add = {file("other.slim")};
     };
-    const Case cases[] = {
+    const OptionCase cases[] = {
         {"light", nothing, lit("sun")},
         {"several lights", lit("sun"), lit("sun; key")},
         {"azimuth", lit("sun"), lit("sun azimuth=90")},
@@ -104,14 +100,7 @@ TEST_F(RenderTrace, EveryOptionChangesThePicture) {
         {"add", nothing, [&](RenderConfig& c) { c.add = {file("other.slim")}; }},
         {"supersample", stood, [](RenderConfig& c) { c.supersample = 2; }},
     };
-    for (const Case& each : cases) {
-        RenderConfig c = traced("before.png");
-        each.before(c);
-        const auto before = draw(c).rgba;
-        c.output = file("after.png");
-        each.change(c);
-        EXPECT_NE(before, draw(c).rgba) << each.what;
-    }
+    expect_each_changes(traced("before.png"), cases);
 }
 
 TEST_F(RenderTrace, LightsAndMaterialsWorkInForwardModeToo) {

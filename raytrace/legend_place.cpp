@@ -1,0 +1,18 @@
+#include "raytrace/legend_place.h"
+
+#include <algorithm>
+
+namespace slim {
+
+double covered_alpha(const PixelBox& box, const Picture& object) {
+    const int from_x = std::max(0, static_cast<int>(box.x0)),
+              from_y = std::max(0, static_cast<int>(box.y0));
+    const int to_x = std::min(object.width, static_cast<int>(box.x1));
+    const int to_y = std::min(object.height, static_cast<int>(box.y1));
+    double sum = 0;
+    for (int y = from_y; y < to_y; ++y)
+        for (int x = from_x; x < to_x; ++x) sum += static_cast<double>(object.pixel(x, y)[3]);
+    return sum;
+}
+
+}  // namespace slim
