@@ -17,7 +17,7 @@ struct StepRecord {
     bool done = false;         ///< it ended with an expected code
     std::string reason;        ///< why not, for people
     bool absent = false;       ///< its program or an input is not there: nobody's failure
-    bool reused = false;       ///< from an earlier run of the report
+    std::string run_started;   ///< when the run of the report began that ran it (report_times.h); empty: not said
     nlohmann::json figures;    ///< what it printed, and exit seconds seconds_min ...
     std::string output;        ///< path; empty: none
     std::string name;          ///< "fit-3f2a..." of its files in the folder of steps

@@ -99,8 +99,7 @@ void check_files(const std::vector<ReportFile>& files) {
 
 json run_report(const ReportConfig& config, StageContext& context) {
     Report report;
-    for (const std::string& file : config.files)
-        report.files.push_back(read_report_file(file, config.settings));
+    report.files = read_report_files(config.files, config.settings);
     check_files(report.files);
     const fs::path folder = fs::absolute(config.output).lexically_normal();
     const FolderLock lock(folder.string());

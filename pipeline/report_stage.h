@@ -36,7 +36,7 @@ struct ReportConfig {
 ///
 /// returns  index, steps_run, steps_reused, passed, failed, known_failures, not_run
 /// throws   NumericalError (5) naming the figures that left their bands and the steps that failed, after all is
-///          written; ConfigError as read_report_file
+///          written; ConfigError as read_report_files
 nlohmann::json run_report(const ReportConfig& config, StageContext& context);
 
 }  // namespace slim

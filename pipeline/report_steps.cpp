@@ -8,6 +8,7 @@
 #include "pipeline/report_cloud.h"
 #include "pipeline/report_record.h"
 #include "pipeline/report_text.h"
+#include "pipeline/report_times.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
@@ -109,7 +110,7 @@ struct StepRunner::Planned {
 };
 
 StepRunner::StepRunner(StepSettings settings, StageContext& context)
-    : settings_(std::move(settings)), context_(context) {}
+    : settings_(std::move(settings)), context_(context), started_(run_stamp()) {}
 
 std::string StepRunner::program_path(const std::string& name) const {
     std::vector<std::string> folders = {program_folder().string()};
@@ -251,6 +252,7 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
         record.reason = fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
     record.step = step.name, record.run = step.run;
     record.name = planned.name, record.output = planned.output;
+    record.run_started = started_;
     return record;
 }
 

@@ -45,6 +45,7 @@ private:
 
     StepSettings settings_;
     StageContext& context_;
+    std::string started_;  // of this run of the report
     std::map<std::string, std::string> hashes_;  // of files outside the folder
     std::size_t n_run_ = 0, n_reused_ = 0;
 };
