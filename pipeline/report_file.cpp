@@ -117,7 +117,8 @@ ReportPlot plot_of(const TomlTable& table, const fs::path& file) {
     plot.log_y = scale == "loglog" || scale == "logy";
     if (plot.x_label.empty()) plot.x_label = plot.x.text();
     if (plot.y_label.empty()) plot.y_label = plot.y.text();
-    plot.slopes = plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() || !plot.most_slope.empty();
+    plot.slopes =
+        plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() || !plot.most_slope.empty();
     return plot;
 }
 
@@ -176,6 +177,7 @@ Experiment experiment_of(const TomlTable& table, const fs::path& file) {
           {"expected", &e.expected}, {"found", &e.found}, {"health", &e.health}, {"known", &e.known}})
         reader.text(key, *member);
     reader.formula("pass", e.pass);
+    reader.formula("when", e.when);
     reader.texts("needs", e.needs);
     reader.tables("grid", [&](const TomlTable& t) { read_grid(t, e); });
     reader.tables("columns", [&](const TomlTable& t) { e.columns = formulas_of(t, reader); });
@@ -208,7 +210,8 @@ std::string key_of_setting(const std::string& setting, const std::vector<TomlTab
     constexpr std::string_view kTable = "values.";
     const std::size_t equals = setting.find('=');
     if (!setting.starts_with(kTable) || equals == std::string::npos)
-        throw ConfigError(fmt::format("--set {}: expected values.KEY=VALUE, such as values.points=1000", setting));
+        throw ConfigError(
+            fmt::format("--set {}: expected values.KEY=VALUE, such as values.points=1000", setting));
     const std::string key = setting.substr(kTable.size(), equals - kTable.size());
     std::vector<std::string> known;
     for (const TomlTable& root : roots) {
@@ -227,13 +230,13 @@ std::string key_of_setting(const std::string& setting, const std::vector<TomlTab
 void read_values(const TomlTable& table, const TableReader& reader, ReportFile& out) {
     for (const TomlValue& v : table.values) {
         if (v.is_list || v.items.size() != 1)
-            throw ConfigError(fmt::format("{}: {}: expected one value, found '{}'", reader.place(v.line), v.key,
-                                          fmt::join(v.items, ", ")));
+            throw ConfigError(fmt::format("{}: {}: expected one value, found '{}'", reader.place(v.line),
+                                          v.key, fmt::join(v.items, ", ")));
         out.values.emplace_back(v.key, value_of(v, v.items[0]));
     }
     if (!table.tables.empty())
-        throw ConfigError(fmt::format("{}: [values] holds values, no table '{}'", reader.place(table.tables[0].line),
-                                      table.tables[0].name));
+        throw ConfigError(fmt::format("{}: [values] holds values, no table '{}'",
+                                      reader.place(table.tables[0].line), table.tables[0].name));
 }
 
 /// `settings`: those of this file.

@@ -59,7 +59,10 @@ json plot_json(const PlotResult& plot) {
         if (!plot.plot->broken.empty()) out["breaks_at"] = curve.breaks ? json(curve.breaks->x) : json();
         curves.push_back(std::move(out));
     }
-    return {{"title", plot.plot->title}, {"x", plot.plot->x_label}, {"y", plot.plot->y_label}, {"curves", curves}};
+    return {{"title", plot.plot->title},
+            {"x", plot.plot->x_label},
+            {"y", plot.plot->y_label},
+            {"curves", curves}};
 }
 
 json check_json(const CheckResult& check) {
@@ -77,7 +80,8 @@ json experiment_json(const ExperimentResult& result) {
     for (const CheckResult& check : result.checks) out["checks"].push_back(check_json(check));
     if (result.verdict) {
         out["case"] = check_json(*result.verdict);
-        out["case"].update({{"row", e.row}, {"expected", e.expected}, {"found", result.found}, {"health", result.health}});
+        out["case"].update(
+            {{"row", e.row}, {"expected", e.expected}, {"found", result.found}, {"health", result.health}});
     }
     return out;
 }
@@ -87,7 +91,8 @@ std::string first_of(const char* file, const std::string& key) {
     for (std::string line; std::getline(in, line);)
         if (line.starts_with(key)) {
             const std::size_t begin = line.find_first_not_of(" \t:=\"", key.size());
-            return begin == std::string::npos ? "" : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
+            return begin == std::string::npos ? ""
+                                              : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
         }
     return "";
 }
@@ -128,7 +133,8 @@ json report_json(const Report& report) {
         out["checks"][verdict_text(v)] = report.count(v);
     for (std::size_t i = 0; i < report.files.size(); ++i) {
         json experiments = json::array();
-        for (const ExperimentResult& result : report.results[i]) experiments.push_back(experiment_json(result));
+        for (const ExperimentResult& result : report.results[i])
+            experiments.push_back(experiment_json(result));
         out["files"].push_back({{"name", report.files[i].name}, {"title", report.files[i].title},
                                 {"experiments", experiments}});
     }

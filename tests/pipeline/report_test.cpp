@@ -98,13 +98,19 @@ TEST(ReportRows, AreTheProductOfTheGridUpToTheCap) {
     EXPECT_EQ(rows[0].at("other").number, 7);
     EXPECT_EQ(rows_of(e, {}, 20).size(), 4u);
     EXPECT_TRUE(rows_of(e, {}, 5).empty());
+    Experiment some = grid_of({10, 20, 30});
+    some.when = formula("points <= largest && degree == 2");
+    const auto meant = rows_of(some, {{"largest", 20.0}}, 0);
+    ASSERT_EQ(meant.size(), 2u);
+    EXPECT_EQ(meant[1].label(some), "degree 2, points 20");
 }
 
 ReportRow row_with(double x, double y) {
     ReportRow row;
     row.parameters = {{"x", x}};
     StepRecord step;
-    step.step = "m", step.done = true, step.figures = {{"y", y}, {"deep", {{"list", {1, 2, 5}}}}, {"null", nullptr}};
+    step.step = "m", step.done = true,
+    step.figures = {{"y", y}, {"deep", {{"list", {1, 2, 5}}}}, {"null", nullptr}};
     row.steps.push_back(step);
     return row;
 }
@@ -241,7 +247,8 @@ TEST(ReportPages, TimesOfAnEarlierRunAreMarked) {
                                               "2,3,6,2026-01-02T00:00:00Z\n");
     const auto json = report_json(report);
     EXPECT_EQ(json["runs"]["2026-01-01T00:00:00Z"], 1);
-    EXPECT_EQ(json["files"][0]["experiments"][0]["rows"][1]["timed in the run of"][0], "2026-01-02T00:00:00Z");
+    EXPECT_EQ(json["files"][0]["experiments"][0]["rows"][1]["timed in the run of"][0],
+              "2026-01-02T00:00:00Z");
     EXPECT_NE(dated("", "2026-01-02T00:00:00Z").find("(unknown) (1 steps), 2026-01-02"), std::string::npos);
 }
 
@@ -296,7 +303,8 @@ TEST_F(ReportClouds, AreMadeOfNothingByFormulas) {
 TEST_F(ReportClouds, GoOneBehindTheOtherWithTheirTruth) {
     const std::string a = folder_.file("a.ply"), b = folder_.file("b.ply");
     make_cloud({}, 4, formulas({{"x", "i"}, {"nz", "1"}, {"k1", "2"}, {"k2", "i"}}), lookup, 1, false, a);
-    const auto said = make_cloud({a, a}, 0, formulas({{"x", "x + 10*file"}, {"k1", "k1/2"}}), lookup, 1, true, b);
+    const auto said =
+        make_cloud({a, a}, 0, formulas({{"x", "x + 10*file"}, {"k1", "k1/2"}}), lookup, 1, true, b);
     EXPECT_EQ(said.at("points"), 8);
     const PointChunk points = read_all(b);
     EXPECT_EQ(points.position[5].x, 11);
