@@ -205,8 +205,8 @@ void PngReader::read_rows(int n_rows, std::vector<std::uint8_t>& rgba) {
     SLIM_CHECK(s.next_row + n_rows, <=, s.header.height);
     s.pixels.resize(static_cast<std::size_t>(s.header.width) * static_cast<std::size_t>(n_rows) *
                     static_cast<std::size_t>(n_channels));
-    if (!s.input->read_scanlines(0, 0, s.next_row, s.next_row + n_rows, 0, 0, n_channels, OIIO::TypeDesc::UINT8,
-                                 s.pixels.data()))
+    if (!s.input->read_scanlines(0, 0, s.next_row, s.next_row + n_rows, 0, 0, n_channels,
+                                 OIIO::TypeDesc::UINT8, s.pixels.data()))
         throw FormatError(s.path + ": damaged PNG: " + s.input->geterror());
     s.next_row += n_rows;
     rgba = widened(s.pixels, static_cast<std::size_t>(n_channels));

@@ -146,8 +146,8 @@ struct ExrImage {
 /// throws IoError if it cannot be opened, FormatError if it is not an EXR or is damaged
 ExrImage read_exr(const std::string& path);
 
-/// The same band by band from the top, for pictures larger than memory. Rows lie in blocks of up to 16 in the file:
-/// bands of a multiple of that unpack each once.
+/// The same band by band from the top, for pictures larger than memory. Rows lie in blocks of up to 16 in the
+/// file: bands of a multiple of that unpack each once.
 class ExrReader {
 public:
     /// throws as read_exr
@@ -156,7 +156,8 @@ public:
     ExrReader(ExrReader&&) noexcept;
     /// What the header says; its channels have their type and no values.
     const ExrImage& header() const;
-    /// The next n_rows rows: sets the values of `channels`, to which others of the file are added. throws FormatError
+    /// The next n_rows rows: sets the values of `channels`, to which others of the file are added.
+    /// throws FormatError
     void read_rows(int n_rows, std::map<std::string, ExrImage::Channel>& channels);
 
 private:

@@ -137,7 +137,7 @@ ChannelType channel_type(Imf::PixelType type) {
                                : ChannelType::float32;
 }
 
-/// Room for a channel's values as a slice of the rows `band`; halves go into `half_values` for the time being.
+/// Room for a channel's values as a slice of the rows `band`; of halves in `half_values`.
 Imf::Slice room_for(ExrImage::Channel& channel, std::vector<half>& half_values, const Imath::Box2i& band) {
     const auto n = static_cast<std::size_t>(band.max.x - band.min.x + 1) *
                    static_cast<std::size_t>(band.max.y - band.min.y + 1);

@@ -162,7 +162,8 @@ void PlyReader::describe() {
         const bool in_normal = info_.has_normals && (k == n[0] || k == n[1] || k == n[2]);
         const auto& p = columns_.position;
         const bool used = in_normal || k == columns_.scan || k == p[0] || k == p[1] || k == p[2];
-        (used ? info_.carried : in_color ? info_.colors : info_.skipped).push_back(vertex_->properties[i].name);
+        auto& names = used ? info_.carried : in_color ? info_.colors : info_.skipped;
+        names.push_back(vertex_->properties[i].name);
     }
 }
 

@@ -72,9 +72,11 @@ TEST(TruthFile, RoundTripsAndHoldsItsLengthAgainstTheCloud) {
     parts.read(1, "c.ply", part);
     EXPECT_EQ(part[0].k1, 0.5);
     EXPECT_EQ(parts.n_left(), 0u);
-    EXPECT_NE(error_of([&] { parts.read(1, "c.ply", part); }).find("c.ply has more points"), std::string::npos);
+    EXPECT_NE(error_of([&] { parts.read(1, "c.ply", part); }).find("c.ply has more points"),
+              std::string::npos);
     folder.write("odd.truth", std::string(41, '\0'));
-    EXPECT_NE(error_of([&] { TruthReader(folder.file("odd.truth")); }).find("found 41 bytes"), std::string::npos);
+    EXPECT_NE(error_of([&] { TruthReader(folder.file("odd.truth")); }).find("found 41 bytes"),
+              std::string::npos);
     EXPECT_EQ(truth_path("a/cloud.ply"), "a/cloud.truth");
     EXPECT_EQ(truth_path("a/cloud.xyz.gz"), "a/cloud.truth");
 }
