@@ -79,7 +79,8 @@ Comparison compared(PicturePair& pair, double threshold) {
         worst.clear();
     });
     for (const auto& [name, d] : out.channels) {
-        out.all.n += d.n, out.all.sum += d.sum, out.all.squares += d.squares, out.all.not_finite += d.not_finite;
+        out.all.n += d.n, out.all.sum += d.sum, out.all.squares += d.squares,
+            out.all.not_finite += d.not_finite;
         out.all.max = std::max(out.all.max, d.max);
     }
     return out;
@@ -90,14 +91,17 @@ std::string description_of(const Comparison& c) {
     return fmt::format("difference of two pictures; white: {}, grey: square root of the share", c.all.max);
 }
 
-/// Grey by the square root of the share of the greatest: small differences show. Reads both pictures once more.
+/// Grey by the square root of the share of the greatest: small differences show. Reads both once more.
 void draw(const std::string& path, PicturePair& pair, const Comparison& known) {
-    PngWriter file(path, pair.first().width(), pair.first().height(), true, {{"Description", description_of(known)}});
+    PngWriter file(path, pair.first().width(), pair.first().height(), true,
+                   {{"Description", description_of(known)}});
     const double white = known.all.max;
     std::vector<double> worst;
     std::vector<std::uint8_t> rgba;
     Differences again;
-    const auto take = [&](const std::string&, const auto& a, const auto& b) { compare(a, b, 0, worst, again); };
+    const auto take = [&](const std::string&, const auto& a, const auto& b) {
+        compare(a, b, 0, worst, again);
+    };
     pair.for_each_band(take, [&](std::size_t, std::size_t) {
         rgba.clear();
         for (const double d : worst) {
@@ -141,7 +145,8 @@ json compare_pictures(const std::string& first, const std::string& second,
     json channels = json::object();
     for (const auto& [name, d] : c.channels) channels[name] = d.to_json(static_cast<double>(pixels));
     json out = c.all.to_json(static_cast<double>(pixels));
-    const json only_a = names_missing(pair.first(), pair.second()), only_b = names_missing(pair.second(), pair.first());
+    const json only_a = names_missing(pair.first(), pair.second()),
+               only_b = names_missing(pair.second(), pair.first());
     out.update({{"width", pair.first().width()},
                 {"height", pair.first().height()},
                 {"pixels", pixels},

@@ -128,7 +128,8 @@ json said_if_equal(const MeasureConfig& config, json result, StageContext& conte
 json measure_pictures(const MeasureConfig& config, StageContext& context) {
     refuse_to_overwrite(config.output, {config.model, config.cloud});
     if (config.output.empty())
-        return said_if_equal(config, compare_pictures(config.model, config.cloud, "", config.threshold), context);
+        return said_if_equal(config, compare_pictures(config.model, config.cloud, "", config.threshold),
+                             context);
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);

@@ -45,8 +45,8 @@ public:
     const PictureRows& second() const { return b_; }
     const std::vector<std::string>& common() const { return common_; }
 
-    /// Once: calls take(name, plane of the first, of the second) for each common channel of a band of whole rows, then
-    /// band_done(first pixel, pixels), and so on to the last band.
+    /// Once: calls take(name, plane of the first, of the second) for each common channel of a band of whole
+    /// rows, then band_done(first pixel, pixels), and so on to the last band.
     template <class Take, class Done>
     void for_each_band(const Take& take, const Done& band_done) {
         const auto width = static_cast<std::size_t>(a_.width());
