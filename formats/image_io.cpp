@@ -173,21 +173,49 @@ LightImage read_light_image(const std::string& path) {
                      !spec.format.is_floating_point())};
 }
 
+struct PngReader::State {
+    std::string path;
+    std::unique_ptr<OIIO::ImageInput> input;
+    PngImage header;
+    int next_row = 0;
+    std::vector<std::uint8_t> pixels;
+
+    explicit State(const std::string& its_path) : path(its_path) {
+        if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
+        OIIO::ImageSpec config;
+        config.attribute("oiio:UnassociatedAlpha", 1);
+        input = OIIO::ImageInput::open(path, &config);
+        if (!input) throw FormatError(path + ": expected a PNG: " + OIIO::geterror());
+        const OIIO::ImageSpec& spec = input->spec();
+        header = {spec.width, spec.height, spec.nchannels, {}, {}};
+        for (const OIIO::ParamValue& p : spec.extra_attribs)
+            if (p.type() == OIIO::TypeDesc::STRING) header.metadata[p.name().string()] = p.get_string();
+    }
+};
+
+PngReader::PngReader(const std::string& path) : state_(std::make_unique<State>(path)) {}
+PngReader::~PngReader() = default;
+PngReader::PngReader(PngReader&&) noexcept = default;
+
+const PngImage& PngReader::header() const { return state_->header; }
+
+void PngReader::read_rows(int n_rows, std::vector<std::uint8_t>& rgba) {
+    State& s = *state_;
+    const int n_channels = s.header.n_file_channels;
+    SLIM_CHECK(s.next_row + n_rows, <=, s.header.height);
+    s.pixels.resize(static_cast<std::size_t>(s.header.width) * static_cast<std::size_t>(n_rows) *
+                    static_cast<std::size_t>(n_channels));
+    if (!s.input->read_scanlines(0, 0, s.next_row, s.next_row + n_rows, 0, 0, n_channels,
+                                 OIIO::TypeDesc::UINT8, s.pixels.data()))
+        throw FormatError(s.path + ": damaged PNG: " + s.input->geterror());
+    s.next_row += n_rows;
+    rgba = widened(s.pixels, static_cast<std::size_t>(n_channels));
+}
+
 PngImage read_png(const std::string& path) {
-    if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
-    OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);
-    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
-    if (!input) throw FormatError(path + ": expected a PNG: " + OIIO::geterror());
-    const OIIO::ImageSpec& spec = input->spec();
-    PngImage image{spec.width, spec.height, spec.nchannels, {}, {}};
-    std::vector<std::uint8_t> pixels(spec.image_pixels() *
-                                     static_cast<std::size_t>(spec.nchannels));
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data()))
-        throw FormatError(path + ": damaged PNG: " + input->geterror());
-    image.rgba = widened(pixels, static_cast<std::size_t>(spec.nchannels));
-    for (const OIIO::ParamValue& p : spec.extra_attribs)
-        if (p.type() == OIIO::TypeDesc::STRING) image.metadata[p.name().string()] = p.get_string();
+    PngReader reader(path);
+    PngImage image = reader.header();
+    reader.read_rows(image.height, image.rgba);
     return image;
 }
 

@@ -110,7 +110,25 @@ struct PngImage {
     std::vector<std::uint8_t> rgba;
     ImageMetadata metadata;
 };
+/// throws IoError if there is no such file, FormatError if it is no PNG or is damaged
 PngImage read_png(const std::string& path);
+
+/// The same row by row from the top, for pictures larger than memory.
+class PngReader {
+public:
+    /// throws as read_png
+    explicit PngReader(const std::string& path);
+    ~PngReader();
+    PngReader(PngReader&&) noexcept;
+    /// All but the pixels.
+    const PngImage& header() const;
+    /// The next n_rows rows as RGBA: 4 width n_rows values. throws FormatError
+    void read_rows(int n_rows, std::vector<std::uint8_t>& rgba);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 /// An EXR as read back: each channel in its own type.
 struct ExrImage {
@@ -127,5 +145,24 @@ struct ExrImage {
 };
 /// throws IoError if it cannot be opened, FormatError if it is not an EXR or is damaged
 ExrImage read_exr(const std::string& path);
+
+/// The same band by band from the top, for pictures larger than memory. Rows lie in blocks of up to 16 in the
+/// file: bands of a multiple of that unpack each once.
+class ExrReader {
+public:
+    /// throws as read_exr
+    explicit ExrReader(const std::string& path);
+    ~ExrReader();
+    ExrReader(ExrReader&&) noexcept;
+    /// What the header says; its channels have their type and no values.
+    const ExrImage& header() const;
+    /// The next n_rows rows: sets the values of `channels`, to which others of the file are added.
+    /// throws FormatError
+    void read_rows(int n_rows, std::map<std::string, ExrImage::Channel>& channels);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace slim

@@ -122,10 +122,7 @@ void PlyReader::find_columns() {
     }
 }
 
-bool PlyReader::ask_for_color() {
-    const auto& c = columns_.color;
-    return info_.reads_color = c[0] >= 0 && c[1] >= 0 && c[2] >= 0;
-}
+bool PlyReader::ask_for_color() { return info_.reads_color = !info_.colors.empty(); }
 
 float PlyReader::color_scale(std::size_t channel) const {
     switch (vertex_->properties[static_cast<std::size_t>(columns_.color[channel])].type) {
@@ -157,12 +154,16 @@ void PlyReader::describe() {
     info_.coordinates = coordinate_type(*vertex_, columns_.position);
     info_.origin = header_.origin;
     info_.file_size = in_.file_size();
+    const auto& c = columns_.color;
+    const bool has_color = c[0] >= 0 && c[1] >= 0 && c[2] >= 0;
     for (std::size_t i = 0; i < vertex_->properties.size(); ++i) {
         const int k = static_cast<int>(i);
+        const bool in_color = has_color && (k == c[0] || k == c[1] || k == c[2]);
         const bool in_normal = info_.has_normals && (k == n[0] || k == n[1] || k == n[2]);
         const auto& p = columns_.position;
         const bool used = in_normal || k == columns_.scan || k == p[0] || k == p[1] || k == p[2];
-        (used ? info_.carried : info_.skipped).push_back(vertex_->properties[i].name);
+        auto& names = used ? info_.carried : in_color ? info_.colors : info_.skipped;
+        names.push_back(vertex_->properties[i].name);
     }
 }
 

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 namespace slim {
 
@@ -17,17 +16,37 @@ std::string truth_path(const std::string& cloud_path) {
     return path.replace_extension(".truth").string();
 }
 
-std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_points) {
+TruthReader::TruthReader(const std::string& path) : path_(path), in_(path, std::ios::binary) {
     std::error_code error;
     const std::uint64_t size = std::filesystem::file_size(path, error);
-    if (error) throw IoError(message(path, ": cannot be opened: ", error.message()));
-    if (size / sizeof(PointTruth) != n_points || size % sizeof(PointTruth) != 0)
+    if (error || !in_)
+        throw IoError(
+            message(path, ": the truth cannot be read (", error ? error.message() : std::strerror(errno),
+                    "); expected a file of five doubles a point, nx ny nz k1 k2, as `slim scan` writes "
+                    "beside its cloud"));
+    if (size % sizeof(PointTruth) != 0)
+        throw FormatError(
+            message(path, ": expected points of ", sizeof(PointTruth), " bytes, found ", size, " bytes"));
+    n_points_ = size / sizeof(PointTruth);
+}
+
+void TruthReader::read(std::size_t n, const std::string& cloud, std::vector<PointTruth>& out) {
+    if (n > n_left())
+        throw FormatError(
+            message(path_, ": holds ", n_points_, " points' truth, ", cloud, " has more points"));
+    out.resize(n);
+    if (!in_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(n * sizeof(PointTruth))))
+        throw IoError(message(path_, ": cannot be read: ", std::strerror(errno)));
+    n_read_ += n;
+}
+
+std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_points) {
+    TruthReader reader(path);
+    if (reader.n_points() != n_points)
         throw FormatError(message(path, ": expected ", n_points, " points of ", sizeof(PointTruth),
-                                  " bytes, found ", size, " bytes"));
-    std::vector<PointTruth> truth(n_points);
-    std::ifstream in(path, std::ios::binary);
-    if (!in.read(reinterpret_cast<char*>(truth.data()), static_cast<std::streamsize>(size)))
-        throw IoError(message(path, ": cannot be read: ", std::strerror(errno)));
+                                  " bytes, found ", reader.n_points() * sizeof(PointTruth), " bytes"));
+    std::vector<PointTruth> truth;
+    reader.read(n_points, path, truth);
     return truth;
 }
 

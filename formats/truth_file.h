@@ -4,6 +4,7 @@
 #include "slim/base/vec.h"
 
 #include <cstdint>
+#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,22 @@ public:
 
 private:
     AtomicFile file_;
+};
+
+/// Reads a truth file from its first point to its last, a part at a time.
+class TruthReader {
+public:
+    /// throws IoError if it cannot be opened; FormatError if it does not hold whole points of 40 bytes
+    explicit TruthReader(const std::string& path);
+    std::uint64_t n_points() const { return n_points_; }
+    std::uint64_t n_left() const { return n_points_ - n_read_; }
+    /// The next n points. throws FormatError naming the cloud where fewer are left; IoError
+    void read(std::size_t n, const std::string& cloud, std::vector<PointTruth>& out);
+
+private:
+    std::string path_;
+    std::ifstream in_;
+    std::uint64_t n_points_ = 0, n_read_ = 0;
 };
 
 /// throws FormatError if the file does not hold exactly n_points (40 bytes each); IoError

@@ -214,6 +214,7 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
                 {"points", totals.points},
                 {"bounds", bounds_json(totals.box)},
                 {"attributes", attributes},
+                {"colors", info.colors.empty() ? "no" : "yes, read by slim build --color"},
                 {"skipped", info.skipped},
                 {"normals", info.faces_turned         ? "from faces, turned outwards"
                             : info.normals_from_faces ? "from faces"

@@ -1,29 +1,16 @@
 #include "pipeline/job_views.h"
 
+#include "pipeline/config.h"
 #include "pipeline/contains.h"
 #include "pipeline/render_lights.h"
+#include "pipeline/render_uses.h"
 #include "pipeline/render_view.h"
 
 #include <fmt/format.h>
 
-#include <utility>
+#include <algorithm>
 
 namespace slim {
-namespace {
-
-/// Options and the AOV that takes them.
-constexpr std::pair<const char*, const char*> kOwners[] = {
-    {"--truth-shape=", "truth_distance"},
-    {"--offset=", "truth_distance"},
-    {"--environment=", "environment"},
-    {"--environment-turn=", "environment"},
-    {"--environment-behind", "environment"},
-    {"--matcap=", "matcap"},
-    {"--sun=", "hillshade"},
-    {"--contours=", "hillshade"},
-};
-
-}  // namespace
 
 std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
                                                  const std::string& name,
@@ -43,18 +30,25 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
     return files;
 }
 
-std::vector<std::string> options_for(const std::vector<std::string>& aovs,
-                                     std::vector<std::string> options,
-                                     const std::vector<std::string>& own) {
-    for (const std::string& word : own)
-        if (const std::size_t equals = word.find('='); equals != std::string::npos)
-            std::erase_if(options, [&](const std::string& text) {
-                return text.starts_with(word.substr(0, equals + 1));
-            });
-    for (const auto& [option, aov] : kOwners)
-        if (!contains(aovs, aov) && !contains(aovs, "all"))
-            std::erase_if(options,
-                          [&](const std::string& text) { return text.starts_with(option); });
+bool is_option(const std::string& word, const std::string& key) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    return word == "--" + name || word == "--no-" + name || word.starts_with("--" + name + "=");
+}
+
+std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options,
+                                     const std::set<std::string>& own, RenderConfig& config) {
+    const auto take_out = [&](const std::string& key) {
+        std::erase_if(options, [&](const std::string& word) { return is_option(word, key); });
+    };
+    for (const std::string& key : own) take_out(key);
+    RenderConfig usual;
+    const FieldList fields = fields_of(config), defaults = fields_of(usual);
+    for (const OptionUse& use : option_uses()) {
+        if (own.contains(use.key) || use.used(config, aovs)) continue;
+        take_out(use.key);
+        fields.find(use.key)->set(defaults.find(use.key)->items(), use.key);
+    }
     return options;
 }
 

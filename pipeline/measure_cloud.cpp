@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -99,18 +98,6 @@ private:
     double tolerance_;
 };
 
-/// A cloud's truth, all of it; empty if there is none.
-std::vector<PointTruth> truth_of(const std::string& file) {
-    if (file.empty()) return {};
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error)
-        throw IoError(fmt::format("{}: the truth cannot be read ({}); expected a file of five doubles "
-                                  "a point, nx ny nz k1 k2, as `slim scan` writes beside its cloud",
-                                  file, error.message()));
-    return read_truth(file, size / sizeof(PointTruth));
-}
-
 struct Distances {
     LogHistogram distance, angle;
 
@@ -164,18 +151,17 @@ void put_percentiles(const LogHistogram& distances, double diagonal, json& out) 
 json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, double tolerance,
                      StageContext& context) {
     const auto source = open_cloud(files.cloud);
-    const std::vector<PointTruth> truth = truth_of(files.truth);
+    std::optional<TruthReader> truth_file;
+    if (!files.truth.empty()) truth_file.emplace(files.truth);
     std::optional<PointsFile> written;
-    if (!files.per_point.empty()) written.emplace(files.per_point, source->info(), !truth.empty());
+    if (!files.per_point.empty()) written.emplace(files.per_point, source->info(), truth_file.has_value());
     Sums sums;
     Distances distances;
     PointChunk chunk;
+    std::vector<PointTruth> truth;  // of the chunk
     std::vector<PointFigures> figures;
-    std::uint64_t first = 0;
     while (source->read(chunk, kChunk)) {
-        if (!truth.empty() && first + chunk.size() > truth.size())
-            throw FormatError(fmt::format("{}: holds {} points' truth, {} has more points",
-                                          files.truth, truth.size(), files.cloud));
+        if (truth_file) truth_file->read(chunk.size(), files.cloud, truth);
         std::vector<Sums> partial((chunk.size() + kGrain - 1) / kGrain);
         figures.assign(chunk.size(), {});
         parallel_blocks(chunk.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -183,21 +169,20 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
             for (std::size_t i = begin; i < end; ++i)
                 figures[i] = meter.measure(
                     chunk.position[i], chunk.normal.empty() ? Vec3f{} : chunk.normal[i],
-                    truth.empty() ? nullptr : &truth[first + i], partial[begin / kGrain]);
+                    truth_file ? &truth[i] : nullptr, partial[begin / kGrain]);
         });
         for (const Sums& p : partial) sums.add(p);
         distances.add(figures);
         if (written) written->write(chunk, figures);
-        first += chunk.size();
         context.reporter.progress("measure", source->bytes_read(), source->info().file_size);
         context.check_stop();
     }
-    if (!truth.empty() && first != truth.size())
+    if (truth_file && truth_file->n_left() > 0)
         throw FormatError(fmt::format("{}: expected the truth of {} points, found {}", files.truth,
-                                      first, truth.size()));
+                                      truth_file->n_points() - truth_file->n_left(), truth_file->n_points()));
     if (sums.points == 0) throw DataError(files.cloud + ": no finite point to measure");
     if (written) written->commit();
-    return summary(sums, distances, surface, !truth.empty(), tolerance);
+    return summary(sums, distances, surface, truth_file.has_value(), tolerance);
 }
 
 }  // namespace slim

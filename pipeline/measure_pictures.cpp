@@ -2,12 +2,14 @@
 
 #include "formats/extension.h"
 #include "formats/image_io.h"
+#include "pipeline/picture_pair.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -15,36 +17,6 @@ namespace slim {
 namespace {
 
 using nlohmann::json;
-
-/// A picture as planes of numbers by name.
-struct Planes {
-    int width = 0, height = 0;
-    std::map<std::string, std::vector<double>> channel;
-};
-
-Planes planes_of_png(const std::string& path) {
-    const PngImage image = read_png(path);
-    Planes out{image.width, image.height, {}};
-    const char* names[] = {"R", "G", "B", "A"};
-    for (std::size_t c = 0; c < 4; ++c) {
-        std::vector<double>& plane = out.channel[names[c]];
-        for (std::size_t i = c; i < image.rgba.size(); i += 4) plane.push_back(image.rgba[i] / 255.0);
-    }
-    return out;
-}
-
-Planes planes_of(const std::string& path) {
-    if (lower_extension(path) == ".png") return planes_of_png(path);
-    const ExrImage image = read_exr(path);
-    Planes out{image.width, image.height, {}};
-    for (const auto& [name, channel] : image.channels) {
-        std::vector<double>& plane = out.channel[name];
-        plane.assign(channel.floats.begin(), channel.floats.end());
-        if (channel.type == ChannelType::uint32)
-            plane.assign(channel.integers.begin(), channel.integers.end());
-    }
-    return out;
-}
 
 /// Differences of one channel, or of all.
 struct Differences {
@@ -68,10 +40,10 @@ double difference_of(double a, double b) {
     return std::isfinite(d) ? d : std::numeric_limits<double>::infinity();
 }
 
-/// Adds one channel; `worst` keeps the greatest difference of every pixel.
-Differences compare(const std::vector<double>& a, const std::vector<double>& b, double threshold,
-                    std::vector<double>& worst) {
-    Differences out;
+/// Adds a band of one channel; `worst` keeps the greatest difference of every pixel of the band.
+void compare(const std::vector<double>& a, const std::vector<double>& b, double threshold,
+             std::vector<double>& worst, Differences& out) {
+    worst.resize(a.size(), 0);
     for (std::size_t i = 0; i < a.size(); ++i) {
         const double d = difference_of(a[i], b[i]);
         worst[i] = std::max(worst[i], d);
@@ -82,37 +54,73 @@ Differences compare(const std::vector<double>& a, const std::vector<double>& b, 
         }
         ++out.n, out.sum += d, out.squares += d * d, out.max = std::max(out.max, d);
     }
+}
+
+/// What the comparison of all bands came to.
+struct Comparison {
+    std::map<std::string, Differences> channels;
+    Differences all;      ///< `above` counts pixels
+    std::size_t at = 0;   ///< the first pixel of the greatest difference
+    bool equal() const { return all.max == 0 && all.not_finite == 0; }
+};
+
+Comparison compared(PicturePair& pair, double threshold) {
+    Comparison out;
+    std::vector<double> worst;
+    double greatest = 0;
+    const auto take = [&](const std::string& name, const auto& a, const auto& b) {
+        compare(a, b, threshold, worst, out.channels[name]);
+    };
+    pair.for_each_band(take, [&](std::size_t first, std::size_t n) {
+        for (std::size_t i = 0; i < n; ++i) {
+            out.all.above += worst[i] > threshold ? 1 : 0;
+            if (worst[i] > greatest) greatest = worst[i], out.at = first + i;
+        }
+        worst.clear();
+    });
+    for (const auto& [name, d] : out.channels) {
+        out.all.n += d.n, out.all.sum += d.sum, out.all.squares += d.squares,
+            out.all.not_finite += d.not_finite;
+        out.all.max = std::max(out.all.max, d.max);
+    }
     return out;
 }
 
-/// Grey by the square root of the share of `white`: small differences show.
-void draw(const std::string& path, const Planes& size, const std::vector<double>& worst,
-          double white) {
+std::string description_of(const Comparison& c) {
+    if (c.equal()) return "no difference between two pictures: black";
+    return fmt::format("difference of two pictures; white: {}, grey: square root of the share", c.all.max);
+}
+
+/// Grey by the square root of the share of the greatest: small differences show. Reads both once more.
+void draw(const std::string& path, PicturePair& pair, const Comparison& known) {
+    PngWriter file(path, pair.first().width(), pair.first().height(), true,
+                   {{"Description", description_of(known)}});
+    const double white = known.all.max;
+    std::vector<double> worst;
     std::vector<std::uint8_t> rgba;
-    rgba.reserve(4 * worst.size());
-    for (const double d : worst) {
-        const double share = white > 0 && std::isfinite(d) ? std::sqrt(d / white) : 0;
-        const auto grey = static_cast<std::uint8_t>(std::lround(255 * share));
-        const bool lone = std::isinf(d);
-        for (const std::uint8_t c : {lone ? std::uint8_t{255} : grey, grey, grey, std::uint8_t{255}})
-            rgba.push_back(c);
-    }
-    write_png_srgb8(path, size.width, size.height, rgba,
-                    {{"Description", fmt::format("difference of two pictures; white: {}, grey: "
-                                                 "square root of the share", white)}});
+    Differences again;
+    const auto take = [&](const std::string&, const auto& a, const auto& b) {
+        compare(a, b, 0, worst, again);
+    };
+    pair.for_each_band(take, [&](std::size_t, std::size_t) {
+        rgba.clear();
+        for (const double d : worst) {
+            const double share = white > 0 && std::isfinite(d) ? std::sqrt(d / white) : 0;
+            const auto grey = static_cast<std::uint8_t>(std::lround(255 * share));
+            const bool lone = std::isinf(d);
+            for (const std::uint8_t c : {lone ? std::uint8_t{255} : grey, grey, grey, std::uint8_t{255}})
+                rgba.push_back(c);
+        }
+        file.add_rows(rgba);
+        worst.clear();
+    });
+    file.commit();
 }
 
-void check_sizes(const std::string& first, const Planes& a, const std::string& second,
-                 const Planes& b) {
-    if (a.width != b.width || a.height != b.height)
-        throw DataError(fmt::format("{} has {}x{} pixels, {} {}x{}: expected two pictures of one size",
-                                    first, a.width, a.height, second, b.width, b.height));
-}
-
-json names_missing(const Planes& in, const Planes& from) {
+json names_missing(const PictureRows& in, const PictureRows& from) {
     json names = json::array();
-    for (const auto& [name, plane] : in.channel)
-        if (!from.channel.contains(name)) names.push_back(name);
+    for (const std::string& name : in.names())
+        if (!from.has(name)) names.push_back(name);
     return names;
 }
 
@@ -130,41 +138,28 @@ json compare_pictures(const std::string& first, const std::string& second,
                                       "mean the same", first, second));
     if (!difference.empty() && lower_extension(difference) != ".png")
         throw ConfigError(difference + ": the difference is a PNG; expected a name ending in .png");
-    const Planes a = planes_of(first), b = planes_of(second);
-    check_sizes(first, a, second, b);
-    std::vector<double> worst(static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.height));
-    const auto pixels = static_cast<double>(worst.size());
-    Differences all;
+    PicturePair pair(first, second);
+    const Comparison c = compared(pair, threshold);
+    const auto width = static_cast<std::size_t>(pair.first().width());
+    const std::size_t pixels = width * static_cast<std::size_t>(pair.first().height());
     json channels = json::object();
-    for (const auto& [name, plane] : a.channel) {
-        if (!b.channel.contains(name)) continue;
-        const Differences d = compare(plane, b.channel.at(name), threshold, worst);
-        channels[name] = d.to_json(pixels);
-        all.n += d.n, all.sum += d.sum, all.squares += d.squares, all.not_finite += d.not_finite;
-        all.max = std::max(all.max, d.max);
-    }
-    if (channels.empty())
-        throw DataError(fmt::format("{} and {} have no channel in common", first, second));
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < worst.size(); ++i) {
-        all.above += worst[i] > threshold ? 1 : 0;
-        if (worst[i] > worst[at]) at = i;
-    }
-    json out = all.to_json(pixels);
-    const json only_a = names_missing(a, b), only_b = names_missing(b, a);
-    const auto width = static_cast<std::size_t>(a.width);
-    out.update({{"width", a.width},
-                {"height", a.height},
-                {"pixels", worst.size()},
+    for (const auto& [name, d] : c.channels) channels[name] = d.to_json(static_cast<double>(pixels));
+    json out = c.all.to_json(static_cast<double>(pixels));
+    const json only_a = names_missing(pair.first(), pair.second()),
+               only_b = names_missing(pair.second(), pair.first());
+    out.update({{"width", pair.first().width()},
+                {"height", pair.first().height()},
+                {"pixels", pixels},
                 {"threshold", threshold},
-                {"max_at", {at % width, at / width}},
-                {"identical", all.max == 0 && all.not_finite == 0 && only_a.empty() && only_b.empty()},
+                {"max_at", {c.at % width, c.at / width}},
+                {"identical", c.equal() && only_a.empty() && only_b.empty()},
                 {"channels", std::move(channels)},
                 {"only_in_first", only_a},
                 {"only_in_second", only_b}});
     if (difference.empty()) return out;
-    draw(difference, a, worst, all.max);
-    out["difference"] = difference, out["difference_white"] = all.max;
+    PicturePair again(first, second);
+    draw(difference, again, c);
+    out["difference"] = difference, out["difference_white"] = c.all.max;
     return out;
 }
 

@@ -115,19 +115,30 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     return stamp.commit(outputs, std::move(result));
 }
 
+/// A difference picture without any is black: said in words.
+json said_if_equal(const MeasureConfig& config, json result, StageContext& context) {
+    if (result["max"] == 0.0 && result["not_finite"] == 0)
+        context.reporter.info(fmt::format(
+            "no difference between {} and {}{}{}", config.model, config.cloud,
+            result["identical"] == true ? "" : " in the channels that both have",
+            result.contains("difference") ? ": " + config.output + " is black" : ""));
+    return result;
+}
+
 json measure_pictures(const MeasureConfig& config, StageContext& context) {
     refuse_to_overwrite(config.output, {config.model, config.cloud});
     if (config.output.empty())
-        return compare_pictures(config.model, config.cloud, "", config.threshold);
+        return said_if_equal(config, compare_pictures(config.model, config.cloud, "", config.threshold),
+                             context);
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);
-    if (auto done = stamp.up_to_date()) return *done;
+    if (auto done = stamp.up_to_date()) return said_if_equal(config, *done, context);
     const bool draws = is_picture(config.output);
     json result = compare_pictures(config.model, config.cloud, draws ? config.output : "",
                                    config.threshold);
     if (!draws) write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return stamp.commit({config.output}, std::move(result));
+    return said_if_equal(config, stamp.commit({config.output}, std::move(result)), context);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "pipeline/contains.h"
 #include "pipeline/render_lights.h"
+#include "pipeline/render_uses.h"
 #include "pipeline/render_view.h"
 #include "slim/base/error.h"
 
@@ -23,20 +24,6 @@ void require_rays(const RenderConfig& config, const std::vector<std::string>& ao
     require(!config.add.empty(), "add (several models)");
     for (const Material& m : parse_materials(config.material))
         require(m.mirror > 0, "material mirror");
-}
-
-/// Options of what is not asked for.
-void refuse_idle(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    const RenderConfig usual;
-    const bool open = config.ao || contains(aovs, "ao");
-    if (!open && (config.ao_distance != usual.ao_distance || config.ao_samples != usual.ao_samples))
-        throw ConfigError(
-            "ao_distance and ao_samples are for ambient occlusion, which is not asked for: --ao or "
-            "--aov ao");
-    if (!config.ground &&
-        (config.ground_height != usual.ground_height || config.ground_color != usual.ground_color))
-        throw ConfigError(
-            "ground_height and ground_color are for the ground, which is not asked for: --ground");
 }
 
 }  // namespace
@@ -61,7 +48,7 @@ std::optional<Vec3f> ground_color(const RenderConfig& config) {
 
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs) {
     if (!is_traced(config)) require_rays(config, aovs);
-    refuse_idle(config, aovs);
+    refuse_unused(config, aovs);
     if (!config.add.empty() && contains(config.aov, "color"))
         throw ConfigError("aov color shows the colours of one model: leave out add");
     check_lights(config.light);
@@ -72,19 +59,6 @@ void check_tracing(const RenderConfig& config, const std::vector<std::string>& a
         throw ConfigError(
             fmt::format("material: expected at most one for each of {} model{}, found {}", n_models,
                         n_models == 1 ? "" : "s", n_materials));
-}
-
-std::vector<std::string> idle_lighting(const RenderConfig& config,
-                                       const std::vector<std::string>& aovs) {
-    std::vector<std::string> idle;
-    if (contains(aovs, "shaded")) return idle;
-    const RenderConfig usual;
-    if (config.ao) idle.push_back("ao");
-    if (config.ground && !contains(aovs, "ao")) idle.push_back("ground");
-    if (config.light != usual.light) idle.push_back("light");
-    if (config.material != usual.material) idle.push_back("material");
-    if (config.ambient != usual.ambient) idle.push_back("ambient");
-    return idle;
 }
 
 }  // namespace slim

@@ -17,12 +17,8 @@ std::optional<double> ground_height(const RenderConfig& config);
 /// --ground-color; none is "shadow". Throws ConfigError.
 std::optional<Vec3f> ground_color(const RenderConfig& config);
 
-/// Throws ConfigError for what only rays can do without --mode raytrace, for options of what is not
-/// asked for, and for lights and materials that are none.
+/// Throws ConfigError for what only rays can do without --mode raytrace, for options that no
+/// picture takes (refuse_unused), and for lights and materials that are none.
 void check_tracing(const RenderConfig& config, const std::vector<std::string>& aovs);
-
-/// Options of light that none of the pictures shows: jobs give them to all views alike.
-std::vector<std::string> idle_lighting(const RenderConfig& config,
-                                       const std::vector<std::string>& aovs);
 
 }  // namespace slim

@@ -5,6 +5,7 @@
 #include "pipeline/render_look.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_shadings.h"
+#include "pipeline/render_uses.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
@@ -175,21 +176,13 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     for (const std::string& aov : config.aov) {
         if (aov != "all") add(aov);
         else
-            for (const char* each :
-                 {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
-                  "mean",     "gauss", "k1",          "k2",      "dir1",       "dir2",
-                  "e1",       "e2",    "dk1_dt2",     "dk2_dt1", "normal",     "depth",
-                  "position", "id",    "error",       "level",   "coverage"})
+            for (const std::string& each : aovs_of_all())
                 add(each);
     }
     if (aovs.empty()) throw ConfigError("aov: expected at least one");
     const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
     if (truth && config.truth_shape.empty())
         throw ConfigError("aov truth_distance needs a truth_shape to measure against");
-    if (!truth && !config.truth_shape.empty())
-        throw ConfigError("truth_shape is for the aov truth_distance, which is not asked for");
-    if (!truth && !config.offset.empty())
-        throw ConfigError("offset is for the aov truth_distance, which is not asked for");
     return aovs;
 }
 
@@ -265,10 +258,12 @@ Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLo
                 light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, r.begin);
             return band;
         });
-    if (is_direction(aov))
-        return painted([&](const RowRange& r) {
-            return paint_directions(b, bounds.diagonal(), aov == "dir2", r);
-        });
+    if (is_direction(aov)) {
+        const PixelDiagonals diagonals = frame.diagonals.empty()
+                                             ? PixelDiagonals(bounds.diagonal())
+                                             : PixelDiagonals(frame.diagonals, frame.traced.model);
+        return painted([&](const RowRange& r) { return paint_directions(b, diagonals, aov == "dir2", r); });
+    }
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
     if (aov == "position")
         return painted([&](const RowRange& r) { return paint_positions(b, bounds, r); });

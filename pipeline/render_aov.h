@@ -16,7 +16,7 @@
 namespace slim {
 
 /// The AOVs to draw, without doubles, "all" replaced by every one a model alone can give. Throws
-/// ConfigError for truth_distance without a --truth-shape, or a shape without it.
+/// ConfigError for truth_distance without a --truth-shape.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
 
 /// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour
@@ -39,6 +39,7 @@ struct RenderedFrame {
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
     TracedPlanes traced;                ///< of a frame drawn by rays
+    std::vector<double> diagonals;      ///< L of each model, of a frame that several are drawn in; else empty
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
     TraceCounts light_counts;           ///< rays for light
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for

@@ -83,20 +83,23 @@ struct RenderConfig {
                       "e1",       "e2",    "dk1_dt2",     "dk2_dt1", "normal",     "depth",
                       "position", "id",    "error",       "level",   "coverage",   "ao",
                       "truth_distance",    "lines",       "all"});
-        field.choice("lines", lines,
-                     "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
-                     "x.lines.svg; crest needs a model of --degree 3",
-                     {"contour", "suggestive", "crest", "parabolic", "reflection"});
+        field.choice(
+            "lines", lines,
+            "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
+            "x.lines.svg; crest needs a model of --degree 3",
+            {"contour", "suggestive", "crest", "parabolic", "reflection"});
         field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
         field.path("lines_obj", lines_obj, "the lines in space as OBJ");
         field.choice("mode", mode,
                      "forward: fast; raytrace: shadows, mirrors, ambient occlusion; brute: the slow "
                      "reference in doubles",
                      {"forward", "raytrace", "brute"});
-        field("light", light,
-              "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or from=x,y,z), "
-              "point at=x,y,z, spot at= to= cone=, rect at= to= size=W,H, disc at= to= size=; all take power= "
-              "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= make soft shadows of samples= rays");
+        field(
+            "light", light,
+            "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or from=x,y,z), "
+            "point at=x,y,z, spot at= to= cone=, rect at= to= size=W,H, disc at= to= size=; all take power= "
+            "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= make soft shadows of samples= "
+            "rays");
         field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
         field("material", material,
               "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");
@@ -104,14 +107,16 @@ struct RenderConfig {
         field("bounces", bounces, "raytrace: mirror images within mirror images", 0, 16);
         field("ao", ao, "raytrace: ambient occlusion dims the ambient light (alone: --aov ao)");
         field("ao_distance", ao_distance,
-              "how near a surface shuts out ambient light, model units (0: a quarter of the diagonal)", 0, 1e30);
+              "how near a surface shuts out ambient light, model units (0: a quarter of the diagonal)", 0,
+              1e30);
         field("ao_samples", ao_samples, "rays per pixel for it, rounded up to a square", 1, 4096);
         field("ground", ground, "raytrace: a plane under the model, across --up, that takes shadows");
         field("ground_height", ground_height, "where it cuts the up axis, world (auto: under what is drawn)");
-        field("ground_color", ground_color, "#rrggbb, or shadow: only its shadows are seen, over the background");
+        field("ground_color", ground_color,
+              "#rrggbb, or shadow: only its shadows are seen, over the background");
         field.path("add", add, "raytrace: further models of the scene");
-        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never; forward only)", 0,
-              1e6);
+        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never; forward only)",
+              0, 1e6);
         field("loose", loose,
               "draw loose surfels too: small pieces that agree with no surface about them");
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
@@ -120,7 +125,9 @@ struct RenderConfig {
               "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI");
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
         field("legend", legend,
-              "legend bar in the maps (named cameras leave room) and beside them as SVG");
+              "legend bar in the maps and beside them as SVG; named cameras leave its room free in all "
+              "pictures, so "
+              "that they overlay (--no-legend: the model fills them)");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
         field("background", background,

@@ -35,11 +35,12 @@ float clearness(const GBuffer& b, double diagonal, std::size_t i) {
 
 }  // namespace
 
-void drop_undefined_directions(double diagonal, GBuffer& b) {
-    const auto flat = static_cast<float>(diagonal > 0 ? kFlat / diagonal : kFlat);
+void drop_undefined_directions(const PixelDiagonals& diagonals, GBuffer& b) {
     parallel_blocks(b.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const float k1 = b.k1[i], k2 = b.k2[i];
+            const double diagonal = diagonals.at(i);
+            const auto flat = static_cast<float>(diagonal > 0 ? kFlat / diagonal : kFlat);
             const bool umbilic = k1 - k2 < kUmbilic * std::abs(k1 + k2);
             if (umbilic || (std::abs(k1) < flat && std::abs(k2) < flat))
                 for (auto& plane : b.direction) plane[i] = 0;
@@ -59,7 +60,8 @@ std::array<std::vector<float>, 3> second_directions(const GBuffer& b) {
     return planes;
 }
 
-Picture paint_directions(const GBuffer& b, double diagonal, bool second, const RowRange& rows) {
+Picture paint_directions(const GBuffer& b, const PixelDiagonals& diagonals, bool second,
+                         const RowRange& rows) {
     Picture out(b.width, rows.end - rows.begin);
     const std::size_t first = b.index(0, rows.begin);
     parallel_blocks(out.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
@@ -67,7 +69,7 @@ Picture paint_directions(const GBuffer& b, double diagonal, bool second, const R
             const std::size_t i = first + k;
             if (!b.hit[i]) continue;
             const Vec3f t = second ? second_direction(b, i) : first_direction(b, i);
-            const float share = sq_length(t) > 0 ? clearness(b, diagonal, i) : 0;
+            const float share = sq_length(t) > 0 ? clearness(b, diagonals.at(i), i) : 0;
             float* p = &out.rgba[4 * k];
             for (std::size_t c = 0; c < 3; ++c)
                 p[c] = linear_from_srgb(std::abs(t[c]) * share + kUndefinedGrey * (1 - share));

@@ -36,6 +36,9 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
     frame.view = shade_view(job.camera, size, window.x, window.y);
     const RenderRequest request{job.camera, size.width, size.height,     wanted,
                                 lod,        window,     job.config.loose};
+    frame.diagonals.clear();
+    if (job.models().size() > 1)
+        for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
     return render_surface(job, request, frame);
 }
 
@@ -54,11 +57,14 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
         find_openness(light, frame);
     if (with_shading) shade_frame(light, factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
-    if (factor == 1) frame.lines = find_lines(job.camera, job.tree.header(), frame, job.lines);
+    if (factor == 1) frame.lines = find_lines(job.camera, job.models(), job.lines, frame);
     // Lines have a rule of their own for umbilics, so this comes after them.
     if ((job.wants("dir1") || job.wants("dir2")) &&
         frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
-        drop_undefined_directions(job.tree.header().diagonal, frame.buffer);
+        drop_undefined_directions(frame.diagonals.empty()
+                                      ? PixelDiagonals(job.tree.header().diagonal)
+                                      : PixelDiagonals(frame.diagonals, frame.traced.model),
+                                  frame.buffer);
     return stats;
 }
 
@@ -164,7 +170,7 @@ void choose_looks(RenderJob& job) {
     }
     for (const std::string& aov : job.plan.drawn)
         job.looks[aov] =
-            look_of(job.config, aov, reference, job.tree.header().diagonal, job.shadings.relief);
+            look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief);
 }
 
 }  // namespace slim

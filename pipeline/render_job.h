@@ -36,8 +36,12 @@ struct RenderJob {
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
     std::map<std::string, AovLook> looks = {};
 
-    /// Its bounds are those of all models of the picture.
+    /// Its bounds and, of several, its diagonal are those of all models of the picture.
     const ModelHeader& header() const { return traced ? traced->header() : tree.header(); }
+    /// Those of each model, in the order in which pixels number them.
+    std::vector<const ModelHeader*> models() const {
+        return traced ? traced->headers() : std::vector<const ModelHeader*>{&tree.header()};
+    }
     FrameLight light() const { return {config, header(), camera, traced}; }
     Channels channels(const std::vector<std::string>& of) const {
         return channels_of(of, config.light_maps) | light_channels(config, of);

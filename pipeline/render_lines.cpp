@@ -11,7 +11,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -81,10 +84,49 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
     return kinds;
 }
 
-std::vector<FeatureLine> find_lines(const Camera& camera, const ModelHeader& model,
-                                    const RenderedFrame& frame, std::span<const LineKind> kinds) {
+namespace {
+
+/// Lines that say where the surface ends or what it mirrors, not how it bends.
+bool is_of_the_picture(LineKind kind) { return line_degree(kind) == 1; }
+
+/// Lines of one model of several: the others' pixels count as background meanwhile.
+std::vector<FeatureLine> lines_of_model(const PixelView& view, std::size_t number, double diagonal,
+                                        int degree, std::span<const LineKind> kinds, RenderedFrame& frame) {
+    std::vector<std::uint8_t> hit = frame.buffer.hit;
+    for (std::size_t i = 0; i < hit.size(); ++i) hit[i] = hit[i] && frame.traced.model[i] == number ? 1 : 0;
+    std::swap(hit, frame.buffer.hit);
+    std::vector<FeatureLine> lines = extract_lines({frame.buffer, view, diagonal, degree}, kinds);
+    std::swap(hit, frame.buffer.hit);
+    return lines;
+}
+
+}  // namespace
+
+std::vector<FeatureLine> find_lines(const Camera& camera, std::span<const ModelHeader* const> models,
+                                    std::span<const LineKind> kinds, RenderedFrame& frame) {
     const PixelView view = pixel_view(camera, frame.size.width, frame.size.height);
-    return extract_lines({frame.buffer, view, model.diagonal, model.degree}, kinds);
+    const ModelHeader& first = *models[0];
+    if (models.size() == 1) return extract_lines({frame.buffer, view, first.diagonal, first.degree}, kinds);
+    std::vector<LineKind> whole;
+    std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(whole), is_of_the_picture);
+    double diagonal = 0;
+    for (const ModelHeader* model : models) diagonal = std::max(diagonal, model->diagonal);
+    std::vector<FeatureLine> lines = extract_lines({frame.buffer, view, diagonal, first.degree}, whole);
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        // The frame holds what the first one needs.
+        const int degree = std::min(first.degree, models[m]->degree);
+        std::vector<LineKind> own;
+        std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own),
+                     [&](LineKind kind) { return !is_of_the_picture(kind) && line_degree(kind) <= degree; });
+        const auto more = lines_of_model(view, m, models[m]->diagonal, degree, own, frame);
+        lines.insert(lines.end(), more.begin(), more.end());
+    }
+    const auto rank = [&](const FeatureLine& line) {
+        return std::find(kinds.begin(), kinds.end(), line.kind);
+    };
+    std::stable_sort(lines.begin(), lines.end(),
+                     [&](const FeatureLine& a, const FeatureLine& b) { return rank(a) < rank(b); });
+    return lines;
 }
 
 std::vector<std::filesystem::path> write_lines(const RenderConfig& config,

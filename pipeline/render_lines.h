@@ -25,9 +25,12 @@ void check_lines(const RenderConfig& config, const std::vector<std::string>& aov
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
                                    const ModelHeader& model, Reporter& reporter);
 
-/// The lines of a rendered frame of the picture's own size.
-std::vector<FeatureLine> find_lines(const Camera& camera, const ModelHeader& model,
-                                    const RenderedFrame& frame, std::span<const LineKind> kinds);
+/// The lines of a rendered frame of the picture's own size. Of several models contours and reflections are
+/// those of the picture; all else is found in each model by itself and measured by its own diagonal and
+/// degree, so that what is drawn of it does not depend on what stands beside it. (`frame` is changed and put
+/// back.)
+std::vector<FeatureLine> find_lines(const Camera& camera, std::span<const ModelHeader* const> models,
+                                    std::span<const LineKind> kinds, RenderedFrame& frame);
 
 /// Writes svg, and PLY and OBJ if the configuration names them; returns what was written.
 std::vector<std::filesystem::path> write_lines(const RenderConfig& config,

@@ -1,5 +1,6 @@
 #include "pipeline/render_look.h"
 
+#include "pipeline/config.h"
 #include "pipeline/render_directions.h"
 #include "pipeline/render_maps.h"
 
@@ -78,11 +79,12 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
            (aov == "hillshade" && config.contours != "none");
 }
 
-double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
-                   const PictureSize& size) {
+double legend_room(const RenderConfig& config, const PictureSize& size) {
     double share = 0;
     if (!config.legend) return share;
-    for (const std::string& aov : aovs)
+    RenderConfig any;
+    const FieldList fields = fields_of(any);
+    for (const std::string& aov : fields.find("aov")->choices)
         if (const auto legend = expected_legend(config, aov))
             share = std::max(share, legend_share(*legend, size.width, size.height));
     return share;

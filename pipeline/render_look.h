@@ -32,9 +32,9 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
-/// Share of the picture's width that the widest legend burned into these AOVs will take at the
-/// right; 0 without any. The numbers on it are not known yet: assumed to be of a usual length.
-double legend_room(const RenderConfig& config, const std::vector<std::string>& aovs,
-                   const PictureSize& size);
+/// Share of the picture's width that the widest legend of all AOVs would take at the right; 0 with
+/// --no-legend or where the picture is too small for one. The same whatever is asked for, so that pictures of
+/// one camera overlay. The numbers are not known yet: assumed to be of a usual length.
+double legend_room(const RenderConfig& config, const PictureSize& size);
 
 }  // namespace slim

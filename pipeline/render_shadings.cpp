@@ -27,9 +27,11 @@ std::optional<double> fixed_spacing(const RenderConfig& config) {
     double value = 0;
     const char* const end = config.contours.data() + config.contours.size();
     const auto [rest, error] = std::from_chars(config.contours.data(), end, value);
-    if (error == std::errc() && rest == end && value > 0 && std::isfinite(value)) return value;
-    throw ConfigError("contours: expected auto, none or a spacing > 0 in model units, found \"" +
-                      config.contours + "\"");
+    if (error == std::errc() && rest == end && value > 0 && std::isnormal(value)) return value;
+    // Smaller ones are denormal: heights over them are infinite.
+    throw ConfigError(
+        "contours: expected auto, none or a spacing of 2.3e-308 or more in model units, found \"" +
+        config.contours + "\"");
 }
 
 std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
@@ -84,19 +86,7 @@ bool is_shading(const std::string& aov) {
 
 bool is_color(const std::string& aov) { return aov == "shaded" || is_shading(aov); }
 
-void check_shadings(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    const auto needs = [&](bool given, const char* option, const char* aov) {
-        if (given && !contains(aovs, aov))
-            throw ConfigError(
-                fmt::format("{} is for the aov {}, which is not asked for", option, aov));
-    };
-    const RenderConfig usual;
-    needs(!config.environment.empty(), "environment", "environment");
-    needs(config.environment_turn != 0, "environment_turn", "environment");
-    needs(config.environment_behind, "environment_behind", "environment");
-    needs(!config.matcap.empty(), "matcap", "matcap");
-    needs(config.sun != usual.sun, "sun", "hillshade");
-    needs(config.contours != usual.contours, "contours", "hillshade");
+void check_shadings(const RenderConfig& config) {
     fixed_spacing(config);
     if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) ||
         !std::isfinite(config.sun[0]))

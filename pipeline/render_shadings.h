@@ -31,14 +31,13 @@ struct ShadingInputs {
     Relief relief;
 };
 
-/// throws ConfigError for an environment, matcap or sun that no AOV needs or that is none; IoError,
-/// FormatError for its file. The spacing of "auto" contours is not known yet: 0 until
-/// choose_contours.
+/// throws IoError, FormatError for the file of an environment or matcap. The spacing of "auto" contours is
+/// not known yet: 0 until choose_contours.
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
                             const ModelHeader& model);
 
 /// Of load_shadings what needs no model: before anything is opened.
-void check_shadings(const RenderConfig& config, const std::vector<std::string>& aovs);
+void check_shadings(const RenderConfig& config);
 
 /// The spacing of contour lines of a view: as configured, or by the heights of a frame with
 /// positions.

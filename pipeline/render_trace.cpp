@@ -144,11 +144,18 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
         header_.bounds.extend(tree.header().bounds.lo + offset);
         header_.bounds.extend(tree.header().bounds.hi + offset);
     }
+    if (!trees_.empty()) header_.diagonal = header_.bounds.diagonal();
     const auto start = std::chrono::steady_clock::now();
     scene_ = std::make_unique<TraceScene>(parts, config.loose);
     build_ms_ =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (config.ground) lowest_ = lowest_along(up_vector(up_axis(config)));
+}
+
+std::vector<const ModelHeader*> TracedModels::headers() const {
+    std::vector<const ModelHeader*> out;
+    for (const ScenePart& part : scene_->parts()) out.push_back(&part.tree->header());
+    return out;
 }
 
 double TracedModels::lowest_along(const Vec3d& up) const {

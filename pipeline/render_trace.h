@@ -25,8 +25,10 @@ public:
     TracedModels(const RenderConfig& config, const SurfelTree& first);
 
     const TraceScene& scene() const { return *scene_; }
-    /// The first model's header, its bounds those of all.
+    /// The first model's header, its bounds and, of several models, its diagonal those of all.
     const ModelHeader& header() const { return header_; }
+    /// Each model's own.
+    std::vector<const ModelHeader*> headers() const;
     double build_ms() const { return build_ms_; }
     /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
     /// (The outlines of single surfels reach lower still; under those a model would hover.)

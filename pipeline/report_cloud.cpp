@@ -116,31 +116,33 @@ private:
 class CloudInput {
 public:
     CloudInput(const std::string& path, bool truth) : source_(open_cloud(path)), path_(path) {
-        if (truth)
-            truth_ = read_truth(truth_path(path), std::filesystem::file_size(truth_path(path)) / sizeof(PointTruth));
+        if (truth) truth_file_.emplace(truth_path(path));
     }
     const CloudInfo& info() const { return source_->info(); }
     /// Calls take(values) for each point; x ... k2 are set.
     template <class Take>
     void for_each(Take&& take) {
         PointChunk chunk;
-        for (std::size_t first = 0; source_->read(chunk, kChunk); first += chunk.size())
+        std::vector<PointTruth> truth;  // of the chunk
+        while (source_->read(chunk, kChunk)) {
+            if (truth_file_) truth_file_->read(chunk.size(), path_, truth);
             for (std::size_t i = 0; i < chunk.size(); ++i) {
                 PointValues v{};
                 const Vec3d& p = chunk.position[i];
-                const Vec3d n = first + i < truth_.size() ? truth_[first + i].normal
-                                : chunk.normal.empty()    ? Vec3d{}
-                                                          : to_double(chunk.normal[i]);
+                const Vec3d n = truth_file_            ? truth[i].normal
+                                : chunk.normal.empty() ? Vec3d{}
+                                                       : to_double(chunk.normal[i]);
                 v[0] = p.x, v[1] = p.y, v[2] = p.z, v[3] = n.x, v[4] = n.y, v[5] = n.z;
-                if (first + i < truth_.size()) v[6] = truth_[first + i].k1, v[7] = truth_[first + i].k2;
+                if (truth_file_) v[6] = truth[i].k1, v[7] = truth[i].k2;
                 take(v);
             }
+        }
     }
 
 private:
     std::unique_ptr<PointSource> source_;
     std::string path_;
-    std::vector<PointTruth> truth_;
+    std::optional<TruthReader> truth_file_;
 };
 
 bool names_any(const std::vector<std::pair<std::string, Expression>>& formulas, const char* a,

@@ -117,7 +117,8 @@ ReportPlot plot_of(const TomlTable& table, const fs::path& file) {
     plot.log_y = scale == "loglog" || scale == "logy";
     if (plot.x_label.empty()) plot.x_label = plot.x.text();
     if (plot.y_label.empty()) plot.y_label = plot.y.text();
-    plot.slopes = plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() || !plot.most_slope.empty();
+    plot.slopes =
+        plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() || !plot.most_slope.empty();
     return plot;
 }
 
@@ -176,6 +177,7 @@ Experiment experiment_of(const TomlTable& table, const fs::path& file) {
           {"expected", &e.expected}, {"found", &e.found}, {"health", &e.health}, {"known", &e.known}})
         reader.text(key, *member);
     reader.formula("pass", e.pass);
+    reader.formula("when", e.when);
     reader.texts("needs", e.needs);
     reader.tables("grid", [&](const TomlTable& t) { read_grid(t, e); });
     reader.tables("columns", [&](const TomlTable& t) { e.columns = formulas_of(t, reader); });
@@ -190,10 +192,55 @@ Experiment experiment_of(const TomlTable& table, const fs::path& file) {
     return e;
 }
 
-}  // namespace
+/// [values] of a file.
+const TomlTable* values_of(const TomlTable& root) {
+    const auto found = std::find_if(root.tables.begin(), root.tables.end(),
+                                    [](const TomlTable& t) { return t.name == "values"; });
+    return found == root.tables.end() ? nullptr : &*found;
+}
 
-ReportFile read_report_file(const fs::path& file, const std::vector<std::string>& settings) {
-    TomlTable root = read_toml(file);
+bool has_value(const TomlTable& root, const std::string& key) {
+    const TomlTable* values = values_of(root);
+    return values && std::any_of(values->values.begin(), values->values.end(),
+                                 [&](const TomlValue& v) { return v.key == key; });
+}
+
+/// The KEY of "values.KEY=VALUE", which some file must have.
+std::string key_of_setting(const std::string& setting, const std::vector<TomlTable>& roots) {
+    constexpr std::string_view kTable = "values.";
+    const std::size_t equals = setting.find('=');
+    if (!setting.starts_with(kTable) || equals == std::string::npos)
+        throw ConfigError(
+            fmt::format("--set {}: expected values.KEY=VALUE, such as values.points=1000", setting));
+    const std::string key = setting.substr(kTable.size(), equals - kTable.size());
+    std::vector<std::string> known;
+    for (const TomlTable& root : roots) {
+        if (has_value(root, key)) return key;
+        if (const TomlTable* values = values_of(root))
+            for (const TomlValue& v : values->values) known.push_back(v.key);
+    }
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    throw ConfigError(fmt::format("--set {}: no report file has '{}' in its [values]{}; {}", setting, key,
+                                  suggestion(key, known),
+                                  known.empty() ? "they have none"
+                                                : fmt::format("they have {}", fmt::join(known, ", "))));
+}
+
+void read_values(const TomlTable& table, const TableReader& reader, ReportFile& out) {
+    for (const TomlValue& v : table.values) {
+        if (v.is_list || v.items.size() != 1)
+            throw ConfigError(fmt::format("{}: {}: expected one value, found '{}'", reader.place(v.line),
+                                          v.key, fmt::join(v.items, ", ")));
+        out.values.emplace_back(v.key, value_of(v, v.items[0]));
+    }
+    if (!table.tables.empty())
+        throw ConfigError(fmt::format("{}: [values] holds values, no table '{}'",
+                                      reader.place(table.tables[0].line), table.tables[0].name));
+}
+
+/// `settings`: those of this file.
+ReportFile report_of(const fs::path& file, TomlTable root, const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) set_value(root, setting);
     ReportFile out;
     out.file = file;
@@ -203,10 +250,7 @@ ReportFile read_report_file(const fs::path& file, const std::vector<std::string>
     TableReader reader(root, file);
     reader.text("title", out.title);
     reader.text("text", out.text);
-    reader.tables("values", [&](const TomlTable& t) {
-        for (const TomlValue& v : t.values)
-            if (!v.items.empty()) out.values.emplace_back(v.key, value_of(v, v.items[0]));
-    });
+    reader.tables("values", [&](const TomlTable& t) { read_values(t, reader, out); });
     reader.tables("experiment",
                   [&](const TomlTable& t) { out.experiments.push_back(experiment_of(t, file)); });
     reader.read();
@@ -216,6 +260,24 @@ ReportFile read_report_file(const fs::path& file, const std::vector<std::string>
             throw ConfigError(fmt::format("{}: the name '{}' is taken", e.where, e.name));
     if (out.experiments.empty()) throw ConfigError(file.string() + ": no [[experiment]]");
     for (const Experiment& e : out.experiments) check_formulas(e, out.values);
+    return out;
+}
+
+}  // namespace
+
+std::vector<ReportFile> read_report_files(const std::vector<std::string>& files,
+                                          const std::vector<std::string>& settings) {
+    std::vector<TomlTable> roots;
+    for (const std::string& file : files) roots.push_back(read_toml(file));
+    std::vector<std::string> keys;
+    for (const std::string& setting : settings) keys.push_back(key_of_setting(setting, roots));
+    std::vector<ReportFile> out;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        std::vector<std::string> own;
+        for (std::size_t k = 0; k < keys.size(); ++k)
+            if (has_value(roots[i], keys[k])) own.push_back(settings[k]);
+        out.push_back(report_of(files[i], roots[i], own));
+    }
     return out;
 }
 

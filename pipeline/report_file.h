@@ -58,6 +58,7 @@ struct Experiment {
     std::string row, expected, found, health, known;  ///< a case: has a verdict
     Expression pass;
     std::vector<std::string> needs;                   ///< files, else left out
+    Expression when;                                  ///< only these rows; of parameters and values
     std::vector<std::pair<std::string, std::vector<FigureValue>>> grid;
     std::vector<ReportStep> steps;
     std::vector<std::pair<std::string, Expression>> columns;
@@ -78,9 +79,11 @@ struct ReportFile {
     std::string hash;               ///< of the file and the settings
 };
 
-/// Reads a report file, changed by settings ("values.points=1000"). ConfigError with file:line for an unknown table or
-/// key (and the nearest name), a wrong type, a formula that is none, a name used twice, or nothing to do.
-ReportFile read_report_file(const std::filesystem::path& file,
-                            const std::vector<std::string>& settings = {});
+/// Reads report files, changed by settings ("values.points=1000"), each of which changes the files that have
+/// its key in [values]. ConfigError with file:line for an unknown table or key (and the nearest name), a
+/// wrong type, a formula that is none, a name used twice, or nothing to do; and for a setting whose key none
+/// of the files has.
+std::vector<ReportFile> read_report_files(const std::vector<std::string>& files,
+                                          const std::vector<std::string>& settings = {});
 
 }  // namespace slim

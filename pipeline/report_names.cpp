@@ -54,6 +54,7 @@ void check_formulas(const Experiment& e, const std::vector<std::pair<std::string
     std::vector<std::string> known = {"seed"};
     for (const auto& [name, value] : values) known.push_back(name);
     for (const auto& [name, choices] : e.grid) known.push_back(name);
+    NameCheck(known).formula(e.when, e.where);
     for (const ReportStep& step : e.steps) known.push_back(step.name);
     const NameCheck row(std::move(known));
     for (const ReportStep& step : e.steps) check_step_names(step, row);
@@ -66,7 +67,8 @@ void check_formulas(const Experiment& e, const std::vector<std::pair<std::string
     }
     for (const ReportPictures& p : e.pictures) row.formula(p.when, p.where), row.text(p.caption, p.where);
     for (const ReportCheck& c : e.checks)
-        for (const Expression* formula : {&c.value, &c.least, &c.most, &c.when}) row.formula(*formula, c.where);
+        for (const Expression* formula : {&c.value, &c.least, &c.most, &c.when})
+            row.formula(*formula, c.where);
     row.formula(e.pass, e.where);
     row.text(e.found, e.where);
     for (const std::string& file : e.needs) row.text(file, e.where);

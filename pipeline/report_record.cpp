@@ -47,7 +47,8 @@ void write_record(const fs::path& folder, const StepRecord& record) {
                          {"bytes", fs::file_size(file)},
                          {"hash", hash_file(file)}});
     const json text = {{"step", record.step},     {"run", record.run},         {"done", record.done},
-                       {"reason", record.reason}, {"figures", record.figures}, {"files", files}};
+                       {"reason", record.reason}, {"figures", record.figures}, {"files", files},
+                       {"run_started", record.run_started}};
     write_file_atomically(record_path(folder, record.name).string(),
                           text_of(text, 1) + "\n",
                           Outlasts::process);
@@ -64,7 +65,7 @@ std::optional<StepRecord> read_record(const fs::path& folder, const ReportStep& 
     record.step = step.name, record.run = step.run, record.name = name, record.output = output;
     record.done = text.value("done", false), record.reason = text.value("reason", "");
     record.figures = text.at("figures");
-    record.reused = true;
+    record.run_started = text.value("run_started", "");
     // Another row, or the file before it was changed, may have expected another code.
     const bool done = step.expects(record.figures.value("exit", 0));
     if (done != record.done) return std::nullopt;

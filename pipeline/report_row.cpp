@@ -114,6 +114,7 @@ std::vector<ReportRow> rows_of(const Experiment& experiment,
     // What the grid names wins over the file's values.
     for (ReportRow& row : rows)
         row.parameters.insert(row.parameters.end(), values.begin(), values.end());
+    std::erase_if(rows, [&](const ReportRow& row) { return !row.is_meant(experiment.when); });
     return rows;
 }
 

@@ -17,7 +17,7 @@ struct StepRecord {
     bool done = false;         ///< it ended with an expected code
     std::string reason;        ///< why not, for people
     bool absent = false;       ///< its program or an input is not there: nobody's failure
-    bool reused = false;       ///< from an earlier run of the report
+    std::string run_started;   ///< when the run of the report that ran it began; empty: not said
     nlohmann::json figures;    ///< what it printed, and exit seconds seconds_min ...
     std::string output;        ///< path; empty: none
     std::string name;          ///< "fit-3f2a..." of its files in the folder of steps
@@ -46,8 +46,8 @@ struct ReportRow {
     std::string text(const std::string& with_formulas, int digits, const std::string& where) const;
 };
 
-/// The rows of a grid, the last parameter running fastest. Values of the parameter `points` above the cap are left
-/// out (0: none).
+/// The rows of a grid, the last parameter running fastest, that the experiment's `when` holds for. Values of
+/// the parameter `points` above the cap are left out (0: none).
 std::vector<ReportRow> rows_of(const Experiment& experiment,
                                const std::vector<std::pair<std::string, FigureValue>>& values,
                                double cap);

@@ -39,7 +39,7 @@ ExperimentResult run_experiment(const Experiment& e, const ReportFile& file, con
     values.emplace_back("seed", FigureValue(static_cast<double>(config.seed)));
     result.rows = rows_of(e, values, static_cast<double>(config.cap));
     if (result.rows.empty())
-        result.left_out = "every row has more points than the cap";
+        result.left_out = "no row is within `when` and the cap of points";
     else
         result.left_out = missing_file(e, result.rows[0]);
     if (!result.left_out.empty())
@@ -71,7 +71,8 @@ std::vector<fs::path> write_report(const Report& report, const fs::path& folder)
     for (std::size_t i = 0; i < report.files.size(); ++i)
         for (const ExperimentResult& result : report.results[i])
             if (!result.experiment->columns.empty() && !result.rows.empty())
-                write(fmt::format("{}.{}.csv", report.files[i].name, result.experiment->name), rows_csv(result));
+                write(fmt::format("{}.{}.csv", report.files[i].name, result.experiment->name),
+                      rows_csv(result));
     return written;
 }
 
@@ -82,9 +83,9 @@ void fail_if_left(const Report& report, const std::string& page) {
     if (left.empty()) return;
     const std::size_t n = left.size();
     left.resize(std::min(n, kMostNamed));
-    throw NumericalError(fmt::format("{} of {} figures left their bands: {}{}; all are in {}", n,
-                                     report.checks().size(), fmt::join(left, "; "),
-                                     n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
+    throw NumericalError(fmt::format(
+        "{} of {} figures left their bands: {}{}; all are in {}", n, report.checks().size(),
+        fmt::join(left, "; "), n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
 }
 
 void check_files(const std::vector<ReportFile>& files) {
@@ -99,8 +100,7 @@ void check_files(const std::vector<ReportFile>& files) {
 
 json run_report(const ReportConfig& config, StageContext& context) {
     Report report;
-    for (const std::string& file : config.files)
-        report.files.push_back(read_report_file(file, config.settings));
+    report.files = read_report_files(config.files, config.settings);
     check_files(report.files);
     const fs::path folder = fs::absolute(config.output).lexically_normal();
     const FolderLock lock(folder.string());

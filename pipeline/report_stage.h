@@ -30,13 +30,14 @@ struct ReportConfig {
     }
 };
 
-/// Runs the experiments of report files (docs/report.md) as child processes beside this one, each step once whatever asks
-/// for it and not again if it is done, and writes DIR/index.html, DIR/report.json and DIR/<file>.<experiment>.csv.
-/// A step that fails leaves its row without figures and is named; the rest goes on.
+/// Runs the experiments of report files (docs/report.md) as child processes beside this one, each step once
+/// whatever asks for it and not again if it is done, and writes DIR/index.html, DIR/report.json and
+/// DIR/<file>.<experiment>.csv. A step that fails leaves its row without figures and is named; the rest goes
+/// on.
 ///
 /// returns  index, steps_run, steps_reused, passed, failed, known_failures, not_run
-/// throws   NumericalError (5) naming the figures that left their bands and the steps that failed, after all is
-///          written; ConfigError as read_report_file
+/// throws   NumericalError (5) naming the figures that left their bands and the steps that failed, after all
+///          is written; ConfigError as read_report_files
 nlohmann::json run_report(const ReportConfig& config, StageContext& context);
 
 }  // namespace slim

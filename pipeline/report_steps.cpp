@@ -8,6 +8,7 @@
 #include "pipeline/report_cloud.h"
 #include "pipeline/report_record.h"
 #include "pipeline/report_text.h"
+#include "pipeline/report_times.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
@@ -109,7 +110,7 @@ struct StepRunner::Planned {
 };
 
 StepRunner::StepRunner(StepSettings settings, StageContext& context)
-    : settings_(std::move(settings)), context_(context) {}
+    : settings_(std::move(settings)), context_(context), started_(run_stamp()) {}
 
 std::string StepRunner::program_path(const std::string& name) const {
     std::vector<std::string> folders = {program_folder().string()};
@@ -143,8 +144,8 @@ StepRunner::Planned StepRunner::plan(const ReportStep& step, const ReportRow& ro
         for (const std::string& word : step.from)
             out.from.push_back(filled(word, lookup, 17, step.where));
         if (!step.points.empty())
-            out.points = static_cast<std::uint64_t>(
-                std::max(0.0, Expression(filled(step.points, lookup, 17, step.where), step.where).number(lookup)));
+            out.points = static_cast<std::uint64_t>(std::max(
+                0.0, Expression(filled(step.points, lookup, 17, step.where), step.where).number(lookup)));
         if (step.run == "cloud")
             key += fmt::format(" seed {} points {} {}", settings_.seed, out.points, step.single);
         for (const auto& [target, formula] : step.point) {
@@ -248,9 +249,11 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
     record.figures["message"] = record.reason;
     record.done = step.expects(code);
     if (!record.done)
-        record.reason = fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
+        record.reason =
+            fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
     record.step = step.name, record.run = step.run;
     record.name = planned.name, record.output = planned.output;
+    record.run_started = started_;
     return record;
 }
 
@@ -301,7 +304,8 @@ void StepRunner::run(const Experiment& experiment, ReportRow& row) {
         row.steps.push_back(done(experiment, step, row));
     }
     for (const ReportStep& step : experiment.steps)
-        if (const StepRecord* record = step.transient ? row.step(step.name) : nullptr; record && !record->name.empty())
+        if (const StepRecord* record = step.transient ? row.step(step.name) : nullptr;
+            record && !record->name.empty())
             for (const fs::path& file : files_of_step(settings_.folder, record->name)) fs::remove(file);
 }
 

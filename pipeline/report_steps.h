@@ -18,11 +18,12 @@ struct StepSettings {
     std::vector<std::string> programs;    ///< folders to look for commands in, before PATH
 };
 
-/// Runs the steps of rows, one child process each, and keeps a record of every one: NAME-HASH.step.json beside its
-/// outputs NAME-HASH.*. The hash is of all that decides what comes out: verb, words (with the hashes of the steps whose
-/// outputs they name, and of the bytes of other files), program version and bytes, threads. So a step that two rows or
-/// experiments ask for is run once, and a report that was stopped goes on where it was. A record whose outputs
-/// are not as it says is run again; a step that failed where it must not is not recorded.
+/// Runs the steps of rows, one child process each, and keeps a record of every one: NAME-HASH.step.json
+/// beside its outputs NAME-HASH.*. The hash is of all that decides what comes out: verb, words (with the
+/// hashes of the steps whose outputs they name, and of the bytes of other files), program version and bytes,
+/// threads. So a step that two rows or experiments ask for is run once, and a report that was stopped goes on
+/// where it was. A record whose outputs are not as it says is run again; a step that failed where it must not
+/// is not recorded.
 class StepRunner {
 public:
     StepRunner(StepSettings settings, StageContext& context);
@@ -45,6 +46,7 @@ private:
 
     StepSettings settings_;
     StageContext& context_;
+    std::string started_;  // of this run of the report
     std::map<std::string, std::string> hashes_;  // of files outside the folder
     std::size_t n_run_ = 0, n_reused_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "pipeline/report_page.h"
 
 #include "pipeline/report_text.h"
+#include "pipeline/report_times.h"
 
 #include <fmt/format.h>
 
@@ -15,6 +16,8 @@ namespace slim {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kTimedIn = "timed in the run of";
 
 std::string csv_cell(const std::string& text) {
     if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -38,6 +41,7 @@ json row_json(const Experiment& e, const ReportRow& row) {
     json out = json::object();
     for (const auto& [name, values] : e.grid) out[name] = json_of(row.at(name));
     for (const auto& [heading, formula] : e.columns) out[heading] = json_of(row.value(formula));
+    if (has_times(e)) out[kTimedIn] = runs_timed(e, row);
     return out;
 }
 
@@ -55,7 +59,10 @@ json plot_json(const PlotResult& plot) {
         if (!plot.plot->broken.empty()) out["breaks_at"] = curve.breaks ? json(curve.breaks->x) : json();
         curves.push_back(std::move(out));
     }
-    return {{"title", plot.plot->title}, {"x", plot.plot->x_label}, {"y", plot.plot->y_label}, {"curves", curves}};
+    return {{"title", plot.plot->title},
+            {"x", plot.plot->x_label},
+            {"y", plot.plot->y_label},
+            {"curves", curves}};
 }
 
 json check_json(const CheckResult& check) {
@@ -73,7 +80,8 @@ json experiment_json(const ExperimentResult& result) {
     for (const CheckResult& check : result.checks) out["checks"].push_back(check_json(check));
     if (result.verdict) {
         out["case"] = check_json(*result.verdict);
-        out["case"].update({{"row", e.row}, {"expected", e.expected}, {"found", result.found}, {"health", result.health}});
+        out["case"].update(
+            {{"row", e.row}, {"expected", e.expected}, {"found", result.found}, {"health", result.health}});
     }
     return out;
 }
@@ -83,7 +91,8 @@ std::string first_of(const char* file, const std::string& key) {
     for (std::string line; std::getline(in, line);)
         if (line.starts_with(key)) {
             const std::size_t begin = line.find_first_not_of(" \t:=\"", key.size());
-            return begin == std::string::npos ? "" : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
+            return begin == std::string::npos ? ""
+                                              : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
         }
     return "";
 }
@@ -106,23 +115,26 @@ std::string rows_csv(const ExperimentResult& result) {
     bool first = true;
     for (const auto& [name, values] : e.grid) add(name, first), first = false;
     for (const auto& [heading, formula] : e.columns) add(heading, first), first = false;
+    if (has_times(e)) add(kTimedIn, first);
     out += "\n";
     for (const ReportRow& row : result.rows) {
         first = true;
         for (const auto& [name, values] : e.grid) add(exact(row.at(name)), first), first = false;
         for (const auto& [heading, formula] : e.columns) add(exact(row.value(formula)), first), first = false;
+        if (has_times(e)) add(fmt::format("{}", fmt::join(runs_timed(e, row), " ")), first);
         out += "\n";
     }
     return out;
 }
 
 json report_json(const Report& report) {
-    json out = {{"provenance", report.provenance}, {"files", json::array()}};
+    json out = {{"provenance", report.provenance}, {"runs", steps_by_run(report)}, {"files", json::array()}};
     for (const Verdict v : {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
         out["checks"][verdict_text(v)] = report.count(v);
     for (std::size_t i = 0; i < report.files.size(); ++i) {
         json experiments = json::array();
-        for (const ExperimentResult& result : report.results[i]) experiments.push_back(experiment_json(result));
+        for (const ExperimentResult& result : report.results[i])
+            experiments.push_back(experiment_json(result));
         out["files"].push_back({{"name", report.files[i].name}, {"title", report.files[i].title},
                                 {"experiments", experiments}});
     }

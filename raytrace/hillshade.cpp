@@ -19,9 +19,15 @@ Vec3f toward_sun(const Relief& r) {
     return r.axes[0] * east + r.axes[1] * static_cast<float>(std::sin(h)) + r.axes[2] * south;
 }
 
-/// Light on a slope: a level plane is a light grey, slopes away from the sun go to blue.
+/// Light on a slope: a level plane is a light grey, slopes away from the sun go to blue. In its shade the
+/// light goes on falling, so that the far side of what stands upright keeps its shape: t / (1 - t' / t c)
+/// with t and t' of cosine 0.
 Vec3f relief_color(float cosine) {
-    const float t = std::pow(std::clamp(0.18f + 0.82f * cosine, 0.0f, 1.0f), 1.15f);
+    constexpr float kAmbient = 0.18f, kPower = 1.15f;
+    constexpr float kAtTerminator = 0.13918f;  // kAmbient^kPower
+    constexpr float kFall = kPower * (1 - kAmbient) / kAmbient;  // t' / t
+    const float t = cosine >= 0 ? std::pow(std::min(kAmbient + (1 - kAmbient) * cosine, 1.0f), kPower)
+                                : kAtTerminator / (1 - kFall * cosine);
     return kShadow * (1 - t) + kLit * t;
 }
 
@@ -68,8 +74,12 @@ float line_cover(float distance, float width, float gap) {
 
 /// Cover of the contour line next to a height.
 float contour_cover(const Relief& r, double height, float change, float width) {
-    const double in_steps = height / r.spacing, nearest = std::round(in_steps);
-    const float step_px = static_cast<float>(r.spacing) / std::max(change, 1e-30f);
+    constexpr double kMostSteps = 1e15;  // beyond, a double no longer tells a line from the next
+    const double in_steps = height / r.spacing;
+    if (!(std::abs(in_steps) < kMostSteps)) return 0.7f * line_cover(0, width, 0);
+    const double nearest = std::round(in_steps);
+    const float step_px =
+        std::min(static_cast<float>(std::min(r.spacing, 1e30)) / std::max(change, 1e-30f), 1e30f);
     const auto distance = static_cast<float>(std::abs(in_steps - nearest)) * step_px;
     const bool is_index = std::fmod(std::abs(nearest), r.index_every) < 0.5;
     return line_cover(distance, is_index ? 2 * width : width, step_px) * (is_index ? 1.0f : 0.7f);

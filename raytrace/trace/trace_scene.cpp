@@ -113,13 +113,17 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     hits.gradient = LanesOfVec(Vec3f{});
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         const TraceModel& model = models_[m];
-        const FloatV before = hits.t;
+        // A root as far as an earlier model's does not come before it, whatever its number: none is below 0.
+        const FloatV before = hits.t, earlier = hits.record;
+        hits.record = FloatV(0.0f);
         counts.nodes_visited += for_leaves_along(model.bvh, rays, hits.t, [&](const BvhNode& leaf) {
             for (std::uint32_t k = 0; k < leaf.n_items; ++k)
                 if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits}))
                     counts.root_tests += kLanes;
         });
-        for (std::uint64_t bits = lane_bits(hits.t < before); bits != 0; bits &= bits - 1)
+        const auto won = hits.t < before;
+        hits.record = select<FloatV>(won, hits.record, earlier);
+        for (std::uint64_t bits = lane_bits(won); bits != 0; bits &= bits - 1)
             winner[static_cast<std::size_t>(std::countr_zero(bits))] = m;
     }
     // What has not come nearer than the far end is no hit.

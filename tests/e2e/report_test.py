@@ -241,6 +241,8 @@ program = "no_such_program_here"
                              (('x = "t"', 'x = "tt"'), "unknown name 'tt'")):
         done = report("small", SMALL.replace("MOST", "1").replace(*change, 1), "wrong")
         h.check(done.code == 2 and expected in done.err, f"{change[1]}: {done.code} {done.err[-200:]}")
+    done = report("small", SMALL.replace("MOST", "1"), "wrong", "--set", "values.pionts=5")
+    h.check(done.code == 2 and "did you mean 'points'?" in done.err, f"a value that no file has: {done.err[-300:]}")
 
 
 def test_cap():
@@ -248,6 +250,22 @@ def test_cap():
     done = report("cap", text, "cap", "--cap", "2000")
     lines = (h.folder / "cap/cap.sweep.csv").read_text().splitlines()
     h.check(done.code == 0 and len(lines) == 5, f"rows above the cap are left out: {done.err[-200:]} {lines}")
+    text = text.replace('title = "A sweep"', 'title = "A sweep"\nwhen = "points < 1500"')
+    done = report("cap", text, "cap")
+    lines = (h.folder / "cap/cap.sweep.csv").read_text().splitlines()
+    h.check(done.code == 0 and len(lines) == 3, f"rows that `when` does not mean are left out: {done.err[-200:]} {lines}")
+
+
+def test_earlier_times():
+    text = SMALL.replace("MOST", "1").replace('"text" =', '"fit, s" = "fit.seconds"\n"text" =')
+    report("times", text, "times")
+    time.sleep(1.1)  # runs are told apart by the second
+    report("times", text.replace("t = [0.1, 0.01]", "t = [0.1, 0.01, 0.05]"), "times")
+    lines = (h.folder / "times/times.sweep.csv").read_text().splitlines()
+    runs = [line.split(",")[-1] for line in lines[1:]]
+    h.check(lines[0].endswith(",timed in the run of") and runs[0] == runs[1] < runs[2], f"runs of the rows: {lines}")
+    page = (h.folder / "times/index.html").read_text()
+    h.check(page.count("&dagger;</span></td>") == 4, "times of the earlier run are marked, of four rows")
 
 
 PROBE = """<script>addEventListener('load', () => { const p = [...document.querySelectorAll('svg.plot')].filter(s =>
@@ -295,5 +313,6 @@ test_stale()
 test_bands()
 test_failures()
 test_cap()
+test_earlier_times()
 test_quick()
 h.end()

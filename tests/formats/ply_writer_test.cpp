@@ -34,8 +34,8 @@ TEST(PlyWriter, WritesWhatTheReaderReads) {
         EXPECT_EQ(points.scan[5], 60000);
         const auto source = open_cloud(folder.file("w.ply"));
         EXPECT_EQ(source->info().origin, layout.origin);
-        EXPECT_EQ(source->info().skipped,
-                  (std::vector<std::string>{"red", "green", "blue", "scalar_k1", "quality"}));
+        EXPECT_EQ(source->info().colors, (std::vector<std::string>{"red", "green", "blue"}));
+        EXPECT_EQ(source->info().skipped, (std::vector<std::string>{"scalar_k1", "quality"}));
     }
 }
 
@@ -66,6 +66,17 @@ TEST(TruthFile, RoundTripsAndHoldsItsLengthAgainstTheCloud) {
     EXPECT_NE(error_of([&] { read_truth(folder.file("c.truth"), 3); }).find("expected 3 points"),
               std::string::npos);
     EXPECT_NE(error_of([&] { read_truth(folder.file("none"), 3); }), "");
+    TruthReader parts(folder.file("c.truth"));
+    std::vector<PointTruth> part;
+    parts.read(1, "c.ply", part);
+    parts.read(1, "c.ply", part);
+    EXPECT_EQ(part[0].k1, 0.5);
+    EXPECT_EQ(parts.n_left(), 0u);
+    EXPECT_NE(error_of([&] { parts.read(1, "c.ply", part); }).find("c.ply has more points"),
+              std::string::npos);
+    folder.write("odd.truth", std::string(41, '\0'));
+    EXPECT_NE(error_of([&] { TruthReader(folder.file("odd.truth")); }).find("found 41 bytes"),
+              std::string::npos);
     EXPECT_EQ(truth_path("a/cloud.ply"), "a/cloud.truth");
     EXPECT_EQ(truth_path("a/cloud.xyz.gz"), "a/cloud.truth");
 }

@@ -1,5 +1,6 @@
 #include "formats/point_source.h"
 #include "pipeline/build_stage.h"
+#include "pipeline/info_stage.h"
 #include "raytrace/picture.h"
 #include "slim/base/error.h"
 #include "tests/pipeline/render_test_support.h"
@@ -51,6 +52,17 @@ protected:
         return run_build(config, context);
     }
 };
+
+TEST_F(ModelColor, InfoSaysThatTheyAreReadWhereTheyAreAskedFor) {
+    write_cloud("c.ply", {}), write_cloud("plain.ply", {}, false);
+    const auto info = [&](const char* name) {
+        StageContext context{reporter_, 1, true, "info", "", "", ""};
+        return run_info({file(name)}, context);
+    };
+    EXPECT_EQ(info("c.ply")["colors"], "yes, read by slim build --color");
+    EXPECT_EQ(info("c.ply")["skipped"], nlohmann::json::array());
+    EXPECT_EQ(info("plain.ply")["colors"], "no");
+}
 
 TEST_F(ModelColor, APictureHasTheColoursOfTheCloud) {
     const Vec3d origin{400000, 5000000, 100};

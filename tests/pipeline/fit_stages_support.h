@@ -16,11 +16,12 @@
 
 namespace slim::test {
 
-/// Keeps the warnings.
+/// Keeps what is said.
 class Listener : public Reporter {
 public:
+    void info(const std::string& text) override { infos.push_back(text); }
     void warn(const std::string& text) override { warnings.push_back(text); }
-    std::vector<std::string> warnings;
+    std::vector<std::string> infos, warnings;
 };
 
 /// Runs one stage as its main would.

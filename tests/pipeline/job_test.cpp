@@ -123,13 +123,44 @@ TEST(Job, BadLightsAreRefusedWithTheirLine) {
     EXPECT_NE(message("[[light]]\nkind = 'son'").find(":3: "), std::string::npos);
     EXPECT_NE(message("[[light]]\nkind = 'sun'\nheight = 3").find("'height'"), std::string::npos);
     EXPECT_NE(message("[render]\nlight = 'sonne'").find(":4: "), std::string::npos);
-    EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"), std::string::npos);
+    EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"),
+              std::string::npos);
     EXPECT_NE(message("[render]\nao = true").find("--mode raytrace"), std::string::npos);
+}
+
+TEST(Job, OptionsOfAllViewsGoToThoseThatTakeThemAndAreRefusedWhereNoneDoes) {
+    const std::string begin = "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\nao_samples = 9\n"
+                              "ground = true\nground_color = '#112233'\nambient = 2\n";
+    const std::string map = "[[view]]\nname = 'map'\naovs = ['mean']\n";
+    const Job job = read_job(
+        write_job(begin + map + "[[view]]\nname = 'a'\nao = true\n[[view]]\nname = 'b'\naovs = ['ao']\n"));
+    for (const char* option : {"--ao-samples=9", "--ground", "--ground-color=#112233", "--ambient=2"}) {
+        EXPECT_FALSE(has(job.steps[1], option)) << option;
+        EXPECT_TRUE(has(job.steps[2], option)) << option;
+    }
+    EXPECT_TRUE(has(job.steps[3], "--ao-samples=9"));
+    EXPECT_FALSE(has(job.steps[3], "--ambient=2"));
+    const auto message = [&](const std::string& text) {
+        try {
+            read_job(write_job(text));
+        } catch (const ConfigError& e) {
+            return std::string(e.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(message(begin + map).find(":8: no view takes it: ambient is for the aov shaded"),
+              std::string::npos)
+        << message(begin + map);
+    EXPECT_NE(message(begin + "[[view]]\n").find(":5: no view takes it: ao_samples"), std::string::npos);
+    EXPECT_NE(message("[input]\nfiles = ['a.ply']\n[[view]]\naovs = ['mean']\nambient = 2\n")
+                  .find("ambient is for"),
+              std::string::npos);
 }
 
 TEST(Job, SaysWhichRaysAreNotCast) {
     const auto left_out = [&](const std::string& render) {
-        const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render + "\n[[view]]\n"));
+        const Job job =
+            read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render + "\n[[view]]\n"));
         std::string all;
         for (const std::string& line : job.left_out) all += line + "\n";
         return all;

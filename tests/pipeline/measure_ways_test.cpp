@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -19,7 +20,8 @@ using nlohmann::json;
 
 class MeasureWays : public FitStages {
 protected:
-    json measured(const std::string& model, const std::string& cloud, const std::function<void(MeasureConfig&)>& change) {
+    json measured(const std::string& model, const std::string& cloud,
+                  const std::function<void(MeasureConfig&)>& change) {
         MeasureConfig c;
         c.model = model, c.cloud = cloud;
         change(c);
@@ -85,7 +87,8 @@ TEST_F(MeasureWays, FacesAreMeasuredExactly) {
         "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n");
     const json m = both_ways(model_, cube).at("model_to_cloud");
     EXPECT_EQ(m["to"], "faces");
-    EXPECT_NEAR(m["max"].get<double>() * std::sqrt(12.0), 1 - 1 / std::sqrt(3.0), 0.006);  // samples are 0.025 apart
+    EXPECT_NEAR(m["max"].get<double>() * std::sqrt(12.0), 1 - 1 / std::sqrt(3.0),
+                0.006);  // samples are 0.025 apart
 }
 
 TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused) {
@@ -94,7 +97,8 @@ TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused
         return folder_.write(
             "mesh.ply",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-            "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n0 1 0\n0 0 1\n" + faces);
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n0 1 0\n0 0 1\n" +
+                faces);
     };
     const json point = both_ways(model_, mesh("3 2 2 2\n")).at("model_to_cloud");
     EXPECT_NEAR(point["max"].get<double>() * std::sqrt(12.0), 2, 0.01);
@@ -123,7 +127,8 @@ TEST_F(MeasureWays, EveryPointHasItsFiguresInItsPlace) {
     one_off.positions[8] *= 0.99;                 // inside
     one_off.positions[9] += Vec3d{50, 0, 0};      // missed
     one_off.positions[10].x = std::nan("");
-    measured(model_, write(one_off, "one_off.ply"), [&](MeasureConfig& c) { c.per_point = file("points.ply"); });
+    measured(model_, write(one_off, "one_off.ply"),
+             [&](MeasureConfig& c) { c.per_point = file("points.ply"); });
     const std::string bytes = read_bytes(file("points.ply"));
     for (const char* name : {"scalar_distance", "scalar_normal_angle", "scalar_k1_error", "scalar_k2_error",
                              "scalar_mean_curvature_error", "quality"})
@@ -205,11 +210,88 @@ TEST_F(MeasureWays, ExrChannelsAreComparedAsTheyAre) {
     const json m = measured(a, exr("b.exr", other, "Z"), [](MeasureConfig&) {});
     EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 0.5);
     EXPECT_EQ(measured(a, exr("n.exr", nan, "Z"), [](MeasureConfig&) {})["not_finite"], 1);
-    write_exr(file("two.exr"), 2, 1, std::vector<ExrChannel>{{"Z", ChannelType::float32, z, {}}, {"k1", ChannelType::float32, z, {}}});
+    write_exr(
+        file("two.exr"), 2, 1,
+        std::vector<ExrChannel>{{"Z", ChannelType::float32, z, {}}, {"k1", ChannelType::float32, z, {}}});
     for (const auto& [first, second] : {std::pair{a, file("two.exr")}, std::pair{file("two.exr"), a}})
         EXPECT_EQ(measured(first, second, [](MeasureConfig&) {})["identical"], false);
     EXPECT_EQ(measured(a, a, [](MeasureConfig&) {})["identical"], true);
-    EXPECT_EQ(code_of([&] { measured(a, exr("c.exr", z, "k1"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
+    EXPECT_EQ(code_of([&] { measured(a, exr("c.exr", z, "k1"), [](MeasureConfig&) {}); }),
+              ExitCode::bad_data);
+}
+
+/// A picture of more rows than two bands hold.
+constexpr int kTall = 2000, kNarrow = 300;
+
+TEST_F(MeasureWays, TallPicturesAreComparedInBandsAsInOne) {
+    constexpr std::size_t n = std::size_t{kTall} * kNarrow;
+    std::vector<std::uint8_t> a(4 * n, 255), b;
+    for (std::size_t i = 0; i < n; ++i) a[4 * i] = static_cast<std::uint8_t>(i % 251);
+    b = a;
+    b[4 * 7] ^= 3, b[4 * (n / 2) + 1] ^= 64, b[4 * (n - 1) + 2] ^= 64;  // in three bands
+    write_png_srgb8(file("a.png"), kNarrow, kTall, a);
+    write_png_srgb8(file("b.png"), kNarrow, kTall, b);
+    const json m =
+        measured(file("a.png"), file("b.png"), [&](MeasureConfig& c) { c.output = file("d.png"); });
+    EXPECT_EQ(m["max_at"], json({0, 1000}));  // the first of the greatest
+    EXPECT_DOUBLE_EQ(m["above"].get<double>(), 3.0 / n);
+    EXPECT_NEAR(m["rms"].get<double>(), std::sqrt((9.0 + 2 * 64 * 64) / (4 * n)) / 255, 1e-12);
+    EXPECT_DOUBLE_EQ(m["channels"]["B"]["above"].get<double>(), 1.0 / n);
+    const PngImage d = read_png(file("d.png"));
+    EXPECT_EQ(std::count_if(d.rgba.begin(), d.rgba.end(), [](int v) { return v > 0; }),
+              std::ptrdiff_t{n + 9});
+    EXPECT_EQ(d.rgba[4 * (n / 2)], 255);
+    EXPECT_EQ(d.rgba[4 * 7], std::lround(255 * std::sqrt(3 / 64.0)));
+}
+
+TEST_F(MeasureWays, TallExrOfEveryTypeAreComparedInBands) {
+    constexpr std::size_t n = std::size_t{kTall} * kNarrow;
+    std::vector<float> half_values(n, 0.5f), values(n);
+    std::vector<std::uint32_t> ids(n);
+    for (std::size_t i = 0; i < n; ++i)
+        values[i] = static_cast<float>(i), ids[i] = static_cast<std::uint32_t>(i);
+    const auto exr = [&](const char* name) {
+        write_exr(file(name), kNarrow, kTall,
+                  std::vector<ExrChannel>{{"R", ChannelType::half_float, half_values, {}},
+                                          {"Z", ChannelType::float32, values, {}},
+                                          {"surfel.id", ChannelType::uint32, {}, ids}});
+        return file(name);
+    };
+    const std::string a = exr("a.exr");
+    half_values[n / 2] = 0.25f, values[n - 1] += 3, ids[5] += 2;
+    const json m = measured(a, exr("b.exr"), [](MeasureConfig&) {});
+    EXPECT_DOUBLE_EQ(m["channels"]["R"]["max"].get<double>(), 0.25);
+    EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 3);
+    EXPECT_DOUBLE_EQ(m["channels"]["surfel.id"]["max"].get<double>(), 2);
+    EXPECT_EQ(m["max_at"], json({kNarrow - 1, kTall - 1}));
+    EXPECT_EQ(measured(a, a, [](MeasureConfig&) {})["identical"], true);
+}
+
+TEST_F(MeasureWays, NoDifferenceIsSaidInWords) {
+    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
+    const json m = measured(a, a, [&](MeasureConfig& c) { c.output = file("d.png"); });
+    EXPECT_EQ(m["identical"], true);
+    ASSERT_EQ(listener_.infos.size(), 1u);
+    EXPECT_NE(listener_.infos[0].find("no difference between"), std::string::npos) << listener_.infos[0];
+    EXPECT_NE(listener_.infos[0].find("d.png is black"), std::string::npos) << listener_.infos[0];
+    EXPECT_NE(read_png(file("d.png")).metadata.at("ImageDescription").find("no difference"),
+              std::string::npos);
+    measured(a, png("b.png", {255, 0, 0, 255, 10, 21, 30, 255}), [](MeasureConfig&) {});
+    EXPECT_EQ(listener_.infos.size(), 1u);
+}
+
+TEST_F(MeasureWays, TruthGoesWithItsPointsThroughAllChunks) {
+    Cloud part = sampled("torus", 3001), many;  // no divisor of a chunk's length
+    for (int k = 0; k < 90; ++k) {
+        many.positions.insert(many.positions.end(), part.positions.begin(), part.positions.end());
+        many.normals.insert(many.normals.end(), part.normals.begin(), part.normals.end());
+        many.truth.insert(many.truth.end(), part.truth.begin(), part.truth.end());
+        many.scan_ids.insert(many.scan_ids.end(), part.scan_ids.begin(), part.scan_ids.end());
+    }
+    const json m = measured("shape:torus", write(many, "many.ply"), [](MeasureConfig&) {});
+    EXPECT_EQ(m["points"], 90 * 3001);
+    EXPECT_LT(m["k1_rms"].get<double>(), 1e-6);
+    EXPECT_LT(m["normal_rms_deg"].get<double>(), 1e-4);
 }
 
 TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {

@@ -1,8 +1,7 @@
 #include "pipeline/render_aov.h"
 #include "pipeline/render_directions.h"
-#include "pipeline/render_parts.h"
 #include "slim/base/error.h"
-#include "tests/pipeline/render_test_support.h"
+#include "tests/pipeline/render_outputs_support.h"
 
 #include <gtest/gtest.h>
 
@@ -14,35 +13,7 @@
 namespace slim {
 namespace {
 
-class RenderOutputs : public test::RenderTest {
-protected:
-    /// A torus about z, R = 1, r = 0.35.
-    void write_torus(int degree) {
-        write_model(file("m.slim"), test::torus_model(1, 0.35, 60, 24, degree), "{}");
-    }
-
-    /// A model whose front is smaller than its top.
-    void write_flat() {
-        auto model = test::sphere_model(1, 600);
-        model.header.bounds.lo.z = -3, model.header.bounds.hi.z = 3;
-        write_model(file("m.slim"), model, "{}");
-    }
-
-    ExrImage data_of(RenderConfig c) {
-        c.output = file("data.exr");
-        run(c, true);
-        return read_exr(c.output);
-    }
-
-    std::string error_of(const RenderConfig& c) {
-        try {
-            run(c);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "";
-    }
-};
+using test::RenderOutputs;
 
 TEST_F(RenderOutputs, PrincipalDirectionsOfATorusRunAlongTubeAndRing) {
     write_torus(2);
@@ -197,6 +168,7 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
          }},
         {"aov hillshade", [](RenderConfig& c) { c.contours = "3"; }},
         {"contours: expected", [](RenderConfig& c) { c.contours = "-3", c.aov = {"hillshade"}; }},
+        {"2.3e-308", [](RenderConfig& c) { c.contours = "1e-310", c.aov = {"hillshade"}; }},
         {"sun: expected",
          [](RenderConfig& c) {
              c.sun = {1, 91}, c.aov = {"hillshade"};
@@ -255,96 +227,6 @@ TEST_F(RenderOutputs, EveryOptionChangesThePicture) {
         each.change(c);
         EXPECT_NE(before, draw(c).rgba) << each.what;
     }
-}
-
-PngImage part_of(const PngImage& whole, int x0, int y0, int width, int height) {
-    PngImage out{width, height, 4, {}, {}};
-    for (int y = y0; y < y0 + height; ++y) {
-        const auto* row = &whole.rgba[4 * static_cast<std::size_t>(y * whole.width + x0)];
-        out.rgba.insert(out.rgba.end(), row, row + 4 * width);
-    }
-    return out;
-}
-
-TEST_F(RenderOutputs, ACropIsTheWholesBytesInEveryAov) {
-    write_torus(3);
-    for (const int supersample : {1, 2}) {
-        RenderConfig c = config("whole.png");
-        c.aov = {"all"}, c.size = "390x310", c.supersample = supersample, c.ortho = true,
-        c.scale_bar = true;
-        run(c);
-        c.output = file("part.png"), c.crop = "61,83,171,202";
-        run(c);
-        std::size_t n = 0;
-        for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-            const std::string name = entry.path().filename().string();
-            if (!name.starts_with("whole.") || entry.path().extension() != ".png") continue;
-            const PngImage part = read_png(file("part" + name.substr(5)));
-            EXPECT_EQ(part.rgba, part_of(read_png(entry.path()), 61, 83, 171, 202).rgba)
-                << name << supersample;
-            ++n;
-        }
-        EXPECT_EQ(n, 22u);
-    }
-}
-
-TEST_F(RenderOutputs, TilesMakeTheWhole) {
-    RenderConfig c = config("whole.png");
-    c.aov = {"mean"}, c.size = "300x271";
-    const PngImage whole = draw(c);
-    std::vector<std::uint8_t> rows;
-    for (int i = 1; i <= 4; ++i) {
-        c.tile = std::to_string(i) + "/4", c.output = file("tile" + std::to_string(i) + ".png");
-        const auto tile = draw(c).rgba;
-        rows.insert(rows.end(), tile.begin(), tile.end());
-    }
-    EXPECT_EQ(rows, whole.rgba);
-}
-
-TEST_F(RenderOutputs, ACropsDataLieWhereTheyBelong) {
-    RenderConfig c = config("x.exr");
-    c.aov = {"depth", "shaded"}, c.crop = "30,20,11,7";
-    const ExrImage part = data_of(c);
-    c.crop = "";
-    const ExrImage whole = data_of(c);
-    ASSERT_EQ(part.width, 11);
-    for (const char* channel : {"Z", "R", "A"})
-        for (int y = 0; y < 7; ++y)
-            for (int x = 0; x < 11; ++x)
-                ASSERT_EQ(part.channels.at(channel).floats[static_cast<std::size_t>(y * 11 + x)],
-                          whole.channels.at(channel)
-                              .floats[static_cast<std::size_t>((20 + y) * 80 + 30 + x)]);
-}
-
-TEST_F(RenderOutputs, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
-    const PictureSize size{16384, 16384};
-    const auto parts = picture_parts(size, {0, 0, 16384, 16384}, 50, false);
-    int next = 0;
-    for (const PicturePart& part : parts) {
-        EXPECT_EQ(part.wanted.y, next);
-        EXPECT_LE(50ull * static_cast<unsigned>(part.wanted.width * part.wanted.height),
-                  384ull << 20);
-        EXPECT_EQ(part.drawn.y % 32 + part.drawn.x % 32, 0);
-        EXPECT_LE(part.drawn.y, std::max(0, part.wanted.y - 82));
-        EXPECT_GE(part.drawn.y + part.drawn.height,
-                  std::min(16384, part.wanted.y + part.wanted.height + 82));
-        next += part.wanted.height;
-    }
-    EXPECT_EQ(next, 16384);
-    EXPECT_GT(parts.size(), 10u);
-    EXPECT_EQ(picture_parts(size, {0, 0, 16384, 16384}, 50, true).size(), 1u);
-}
-
-TEST_F(RenderOutputs, AViewOfAPartReadsThatPartOfTheModel) {
-    write_model(file("m.slim"), test::two_level_sphere(1, 100, 20000), "{}");
-    RenderConfig c = config("x.png");
-    const auto whole = run(c);
-    EXPECT_EQ(whole["model_bytes_read"], whole["model_bytes"]);
-    c.zoom = 30, c.lod = 0;
-    const auto part = run(c);
-    EXPECT_LT(part["nodes_visited"].get<double>(), 0.2 * part["nodes"].get<double>());
-    EXPECT_LT(part["model_bytes_read"].get<double>(), 0.4 * part["model_bytes"].get<double>());
-    EXPECT_GE(part["model_bytes_read"].get<double>(), 24 * part["nodes_visited"].get<double>());
 }
 
 TEST_F(RenderOutputs, ATurntableIsNumberedAndKeepsItsRange) {

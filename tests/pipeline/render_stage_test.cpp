@@ -306,9 +306,26 @@ TEST_F(RenderStage, ALegendHidesNothingOfANamedView) {
     // The same view without the legend.
     c.aov = {"mean"}, c.legend = false, c.output = file("bare.png"), c.camera = numbers;
     EXPECT_EQ(n_hidden(with, draw(c)), 0);
-    // A view that has no legend at all is centred, and larger.
-    c.aov = {"shaded"}, c.legend = true, c.output = file("alone.png"), c.camera = "front";
+    // Without any legend the model is centred, and larger.
+    c.aov = {"shaded"}, c.output = file("alone.png"), c.camera = "front";
     EXPECT_GT(run(c)["covered_pixels"].get<int>(), beside["covered_pixels"].get<int>());
+}
+
+TEST_F(RenderStage, PicturesOfOneCameraOverlayWhateverIsAskedFor) {
+    RenderConfig c = config("x.png");
+    const auto camera_of = [&](std::vector<std::string> aovs, const char* name) {
+        c.aov = std::move(aovs), c.output = file("x.png");
+        run(c);
+        return read_png(file(name)).metadata.at("slim:camera");
+    };
+    for (const char* size : {"500x500", "800x300", "64x48"}) {
+        c.size = size;
+        const std::string shaded = camera_of({"shaded"}, "x.png");
+        EXPECT_EQ(camera_of({"mean"}, "x.png"), shaded);
+        EXPECT_EQ(camera_of({"level"}, "x.png"), shaded);
+        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.shaded.png"), shaded);
+        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.error.png"), shaded);
+    }
 }
 
 TEST_F(RenderStage, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {

@@ -33,16 +33,6 @@ protected:
     }
 };
 
-TEST(IdleLighting, NamesWhatNoPictureShows) {
-    RenderConfig c;
-    c.ao = c.ground = true, c.light = "sun";
-    const std::vector<std::string> all{"ao", "ground", "light"}, openness{"ao", "light"};
-    EXPECT_EQ(idle_lighting(c, {"mean"}), all);
-    EXPECT_EQ(idle_lighting(c, {"mean", "ao"}), openness);  // a ground takes its light away, too
-    EXPECT_TRUE(idle_lighting(c, {"mean", "shaded"}).empty());
-    EXPECT_TRUE(idle_lighting(RenderConfig{}, {"mean"}).empty());
-}
-
 // Whatever an option is called: a picture that ignores it fails here.
 TEST_F(RenderTrace, EveryOptionChangesThePicture) {
     write("other.slim", 0.5, {1.2, 0, 0});
@@ -215,6 +205,11 @@ TEST_F(RenderTrace, BadOptionsAreNamed) {
         {"--mode raytrace", [](RenderConfig& c) { c.mode = "brute", c.add = {"x.slim"}; }},
         {"--ao", [](RenderConfig& c) { c.ao_distance = 1; }},
         {"--ao", [](RenderConfig& c) { c.ao_samples = 9; }},
+        {"ao is for the aov shaded", [](RenderConfig& c) { c.ao = true, c.aov = {"mean"}; }},
+        {"ground is for the aovs shaded and ao", [](RenderConfig& c) { c.ground = true, c.aov = {"mean"}; }},
+        {"light is for the aov shaded", [](RenderConfig& c) { c.light = "sun", c.aov = {"ao"}; }},
+        {"material is for", [](RenderConfig& c) { c.material = "color=#102030", c.aov = {"normal"}; }},
+        {"ambient is for", [](RenderConfig& c) { c.ambient = 0.5, c.aov = {"depth"}; }},
         {"--ground", [](RenderConfig& c) { c.ground_height = "1"; }},
         {"--ground", [](RenderConfig& c) { c.ground_color = "#112233"; }},
         {"ground_height", [](RenderConfig& c) { c.ground = true, c.ground_height = "low"; }},
@@ -281,6 +276,37 @@ TEST_F(RenderTrace, PositionsOfFurtherModelsHaveColoursOfTheirOwn) {
     }
     EXPECT_GT(hits, 500);
     EXPECT_LT(full, hits / 20);  // half of them if x ended with the first model
+}
+
+TEST_F(RenderTrace, LinesAndDirectionsOfAModelDoNotDependOnWhatStandsFirst) {
+    const auto torus = [&](const char* name, double size, const Vec3d& origin) {
+        auto model = test::torus_model(size, 0.4 * size, 60, 24, 2);
+        model.header.origin = origin;
+        for (TreeNode& node : model.nodes) node.fit_error = 1e-4f;
+        write_model(file(name), model, "{}");
+    };
+    torus("big.slim", 1, {0, 0, 0}), torus("small.slim", 0.02, {1.6, 0, 0});
+    RenderConfig c = traced("x.png");
+    c.camera = "1.2,-1.5,3,1.2,0,0", c.aov = {"shaded", "dir1"},
+    c.lines = {"contour", "suggestive", "parabolic"};
+    c.model = file("big.slim"), c.add = {file("small.slim")};
+    const auto one = run(c)["lines"];
+    const std::string directions = bytes("x.dir1.png");
+    c.model = file("small.slim"), c.add = {file("big.slim")};
+    const auto other = run(c)["lines"];
+    for (const char* kind : {"contour", "parabolic"}) {
+        EXPECT_GT(one[kind]["polylines"].get<int>(), 0) << kind;
+        EXPECT_EQ(one[kind]["polylines"], other[kind]["polylines"]) << kind;
+        const auto strength = one[kind]["strength"].get<double>();
+        EXPECT_NEAR(other[kind]["strength"].get<double>(), strength, 0.01 * strength) << kind;
+        EXPECT_NEAR(one[kind]["length"].get<double>(), other[kind]["length"].get<double>(), 0.01) << kind;
+    }
+    int n_far = 0;
+    const PngImage a = read_png(file("x.dir1.png"));
+    std::ofstream(file("y.png"), std::ios::binary) << directions;
+    const PngImage b = read_png(file("y.png"));
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) n_far += std::abs(a.rgba[i] - b.rgba[i]) > 8;
+    EXPECT_LT(n_far, 100);
 }
 
 TEST_F(RenderTrace, AnAddedFileThatIsNoModelIsNamed) {

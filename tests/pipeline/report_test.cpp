@@ -5,7 +5,8 @@
 #include "pipeline/report_row.h"
 #include "pipeline/report_text.h"
 #include "pipeline/svg_plot.h"
-#include "tests/formats/format_support.h"
+#include "pipeline/report_times.h"
+#include "tests/formats/file_support.h"
 
 #include <gtest/gtest.h>
 
@@ -97,13 +98,19 @@ TEST(ReportRows, AreTheProductOfTheGridUpToTheCap) {
     EXPECT_EQ(rows[0].at("other").number, 7);
     EXPECT_EQ(rows_of(e, {}, 20).size(), 4u);
     EXPECT_TRUE(rows_of(e, {}, 5).empty());
+    Experiment some = grid_of({10, 20, 30});
+    some.when = formula("points <= largest && degree == 2");
+    const auto meant = rows_of(some, {{"largest", 20.0}}, 0);
+    ASSERT_EQ(meant.size(), 2u);
+    EXPECT_EQ(meant[1].label(some), "degree 2, points 20");
 }
 
 ReportRow row_with(double x, double y) {
     ReportRow row;
     row.parameters = {{"x", x}};
     StepRecord step;
-    step.step = "m", step.done = true, step.figures = {{"y", y}, {"deep", {{"list", {1, 2, 5}}}}, {"null", nullptr}};
+    step.step = "m", step.done = true,
+    step.figures = {{"y", y}, {"deep", {{"list", {1, 2, 5}}}}, {"null", nullptr}};
     row.steps.push_back(step);
     return row;
 }
@@ -210,6 +217,41 @@ TEST(ReportPages, LeaveOutAPictureWhoseConditionLacksItsFigure) {
     EXPECT_NE(page.find("</html>"), std::string::npos);
 }
 
+TEST(ReportPages, TimesOfAnEarlierRunAreMarked) {
+    Report report;
+    report.files.resize(1);
+    report.files[0].experiments.resize(1);
+    Experiment& e = report.files[0].experiments[0];
+    e.grid = {{"x", {1.0, 2.0}}};
+    e.columns = {{"s", formula("m.seconds")}, {"error", formula("m.y")}};
+    ReportPlot plot;
+    plot.title = "time", plot.x = formula("x"), plot.y = formula("m.seconds");
+    e.plots = {plot};
+    std::vector<ReportRow> rows = {row_with(1, 5), row_with(2, 6)};
+    const auto dated = [&](const char* first, const char* second) {
+        const char* runs[] = {first, second};
+        for (std::size_t i = 0; i < 2; ++i) {
+            StepRecord& step = rows[i].steps[0];
+            step.name = "m-" + std::to_string(i), step.run_started = runs[i], step.figures["seconds"] = 3.0;
+        }
+        report.results = {{judged(e, rows)}};
+        return report_page(report);
+    };
+    EXPECT_EQ(dated("2026-01-02T00:00:00Z", "2026-01-02T00:00:00Z").find("&dagger;"), std::string::npos);
+    const std::string page = dated("2026-01-01T00:00:00Z", "2026-01-02T00:00:00Z");
+    EXPECT_NE(page.find("<tr><td>1</td><td>3<span class=\"none\">&dagger;</span></td><td>5</td></tr>"),
+              std::string::npos);
+    EXPECT_NE(page.find("<tr><td>2</td><td>3</td><td>6</td></tr>"), std::string::npos);
+    EXPECT_NE(page.find("1 of 2 points timed in an earlier run"), std::string::npos);
+    EXPECT_EQ(rows_csv(report.results[0][0]), "x,s,error,timed in the run of\n1,3,5,2026-01-01T00:00:00Z\n"
+                                              "2,3,6,2026-01-02T00:00:00Z\n");
+    const auto json = report_json(report);
+    EXPECT_EQ(json["runs"]["2026-01-01T00:00:00Z"], 1);
+    EXPECT_EQ(json["files"][0]["experiments"][0]["rows"][1]["timed in the run of"][0],
+              "2026-01-02T00:00:00Z");
+    EXPECT_NE(dated("", "2026-01-02T00:00:00Z").find("(unknown) (1 steps), 2026-01-02"), std::string::npos);
+}
+
 TEST(ReportResults, ABandHoldsItsEndsAndNoNan) {
     Experiment e;
     e.grid = {{"x", {1.0}}};
@@ -261,7 +303,8 @@ TEST_F(ReportClouds, AreMadeOfNothingByFormulas) {
 TEST_F(ReportClouds, GoOneBehindTheOtherWithTheirTruth) {
     const std::string a = folder_.file("a.ply"), b = folder_.file("b.ply");
     make_cloud({}, 4, formulas({{"x", "i"}, {"nz", "1"}, {"k1", "2"}, {"k2", "i"}}), lookup, 1, false, a);
-    const auto said = make_cloud({a, a}, 0, formulas({{"x", "x + 10*file"}, {"k1", "k1/2"}}), lookup, 1, true, b);
+    const auto said =
+        make_cloud({a, a}, 0, formulas({{"x", "x + 10*file"}, {"k1", "k1/2"}}), lookup, 1, true, b);
     EXPECT_EQ(said.at("points"), 8);
     const PointChunk points = read_all(b);
     EXPECT_EQ(points.position[5].x, 11);
@@ -297,14 +340,35 @@ TEST(ReportPlots, KeepEveryPointInTheFrame) {
 TEST(ReportFiles, AllReadyOnesAreUnderstood) {
     std::size_t n = 0;
     for (const auto& entry : std::filesystem::directory_iterator(SLIM_SOURCE_DIR "/configs/report")) {
-        EXPECT_NO_THROW(read_report_file(entry.path())) << entry.path();
+        EXPECT_NO_THROW(read_report_files({entry.path().string()})) << entry.path();
         ++n;
     }
     EXPECT_EQ(n, 6u);
 }
 
+TEST(ReportFiles, ASettingChangesTheFilesThatHaveItsKeyAndIsRefusedWhereNoneHas) {
+    const TempFolder folder;
+    const std::string experiment = "[[experiment]]\nname = \"e\"\n";
+    const std::string a = folder.file("a.toml"), b = folder.file("b.toml");
+    folder.write("a.toml", "[values]\npoints = 10\nshape = \"torus\"\n" + experiment);
+    folder.write("b.toml", "[values]\nnoise = 0.5\n" + experiment);
+    const auto files = read_report_files({a, b}, {"values.points=20"});
+    EXPECT_EQ(files.at(0).values.at(1).second.number, 20);
+    EXPECT_EQ(files.at(1).values.size(), 1u);
+    EXPECT_EQ(files.at(1).hash, read_report_files({b}).at(0).hash);
+    for (const auto& [setting, expected] :
+         {std::pair{"values.pionts=20", "'pionts' in its [values] (did you mean 'points'?)"},
+          {"values.nosuch=1", "they have noise, points, shape"},
+          {"experiment.name=x", "expected values.KEY=VALUE"},
+          {"values.points=[1, 2]", "expected one value"},
+          {"values.points", "expected values.KEY=VALUE"}}) {
+        const std::string said = error_of([&, s = setting] { read_report_files({a, b}, {s}); });
+        EXPECT_NE(said.find(expected), std::string::npos) << setting << ": " << said;
+    }
+}
+
 TEST(ReportFiles, TheExtremesHaveEveryRow) {
-    const ReportFile file = read_report_file(SLIM_SOURCE_DIR "/configs/report/extremes.toml");
+    const ReportFile file = read_report_files({SLIM_SOURCE_DIR "/configs/report/extremes.toml"}).at(0);
     for (int row = 1; row <= 44; ++row)
         EXPECT_TRUE(std::any_of(file.experiments.begin(), file.experiments.end(), [&](const Experiment& e) {
             return e.row == std::to_string(row) && e.is_case();

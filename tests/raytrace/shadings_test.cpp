@@ -184,6 +184,19 @@ TEST(Hillshade, ContourLinesLieAtTheirHeightsOnePixelWide) {
     EXPECT_LT(with.pixel(50, 50)[0], with.pixel(58, 50)[0]);
 }
 
+TEST(Hillshade, ContoursOfAnySpacingAreNumbers) {
+    ShadeView shade;
+    shade.orthographic = true;
+    Camera camera;
+    camera.eye = {0, 0, 10}, camera.orthographic = true, camera.width = 9;
+    for (const double spacing : {1e-300, 2.3e-308, 1e-20, 1e300}) {
+        const Relief relief{{Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 5e9, 315, 45, spacing, 5};
+        const Picture picture =
+            paint_relief(slope(9, 0.5), pixel_view(camera, 9, 9), shade, {0, 9}, relief, 1);
+        for (const float v : picture.rgba) ASSERT_TRUE(v >= 0 && v <= 1) << spacing;
+    }
+}
+
 TEST(Hillshade, TheSunIsWhereItsAzimuthSays) {
     const int n = 9;
     ShadeView shade;
@@ -196,6 +209,9 @@ TEST(Hillshade, TheSunIsWhereItsAzimuthSays) {
             {Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 0, azimuth, 45, 0, 5};
         return paint_relief(slope(n, slope_x), view, shade, {0, n}, relief, 1).pixel(4, 4)[1];
     };
+    // Its shade keeps the shape of what stands upright: no two slopes are alike.
+    for (const double steep : {0.5, 1.0, 2.0, 4.0, 8.0})
+        EXPECT_LT(light(2 * steep, 90), light(steep, 90) - 0.001f) << steep;
     // A slope that rises to the east looks west.
     EXPECT_GT(light(0.7, 270), light(0.7, 90) + 0.3f);
     EXPECT_GT(light(-0.7, 90), light(-0.7, 270) + 0.3f);

@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace slim {
 namespace {
 
@@ -160,6 +163,28 @@ TEST(TraceRenderer, OfSeveralModelsTheNearestIsSeen) {
         ++(planes.model[i] ? n_small : n_big);
     }
     EXPECT_NEAR(static_cast<double>(n_small) / (n_small + n_big), 0.16, 0.02);
+}
+
+TEST(TraceRenderer, OfEquallyNearModelsTheFirstIsSeen) {
+    // A sheet, and half of it again: coordinates that floats hold from any origin, so that roots are equal.
+    std::vector<Surfel> sheet, half;
+    for (int i = -8; i <= 8; ++i)
+        for (int k = -8; k <= 8; ++k) {
+            sheet.push_back({{0.125 * i, 0.125 * k, 0}, 0.25, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+            if (i > 0) half.push_back(sheet.back());
+        }
+    const auto whole = test::flat_tree(sheet, 2), again = test::flat_tree(half, 2);
+    const SurfelTree a = whole.view(), b = again.view();
+    const ScenePart parts[] = {{&a, {}}, {&b, {}}};
+    const RenderRequest request = request_for(whole, "front", false, 120);
+    GBuffer both;
+    TracedPlanes planes;
+    render_traced(TraceScene(parts, false), request, both, &planes);
+    const GBuffer alone = traced(whole, request);
+    EXPECT_EQ(both.surfel_id, alone.surfel_id);
+    EXPECT_EQ(both.normal[0], alone.normal[0]);
+    EXPECT_EQ(both.depth, alone.depth);
+    EXPECT_EQ(std::count_if(planes.model.begin(), planes.model.end(), [](int m) { return m != 0; }), 0);
 }
 
 TEST(TraceRenderer, OnlyWhatIsWantedIsThere) {

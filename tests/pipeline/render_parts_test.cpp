@@ -1,0 +1,125 @@
+#include "pipeline/render_parts.h"
+
+#include "tests/pipeline/render_outputs_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+// Parts of pictures: crops, tiles, bands, and what of a model is read for them.
+
+namespace slim {
+namespace {
+
+using RenderParts = test::RenderOutputs;
+
+PngImage part_of(const PngImage& whole, int x0, int y0, int width, int height) {
+    PngImage out{width, height, 4, {}, {}};
+    for (int y = y0; y < y0 + height; ++y) {
+        const auto* row = &whole.rgba[4 * static_cast<std::size_t>(y * whole.width + x0)];
+        out.rgba.insert(out.rgba.end(), row, row + 4 * width);
+    }
+    return out;
+}
+
+TEST_F(RenderParts, ACropIsTheWholesBytesInEveryAov) {
+    write_torus(3);
+    for (const int supersample : {1, 2}) {
+        RenderConfig c = config("whole.png");
+        c.aov = {"all"}, c.size = "390x310", c.supersample = supersample, c.ortho = true,
+        c.scale_bar = true;
+        run(c);
+        c.output = file("part.png"), c.crop = "61,83,171,202";
+        run(c);
+        std::size_t n = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with("whole.") || entry.path().extension() != ".png") continue;
+            const PngImage part = read_png(file("part" + name.substr(5)));
+            EXPECT_EQ(part.rgba, part_of(read_png(entry.path()), 61, 83, 171, 202).rgba)
+                << name << supersample;
+            ++n;
+        }
+        EXPECT_EQ(n, 22u);
+    }
+}
+
+TEST_F(RenderParts, TilesMakeTheWhole) {
+    RenderConfig c = config("whole.png");
+    c.aov = {"mean"}, c.size = "300x271";
+    const PngImage whole = draw(c);
+    std::vector<std::uint8_t> rows;
+    for (int i = 1; i <= 4; ++i) {
+        c.tile = std::to_string(i) + "/4", c.output = file("tile" + std::to_string(i) + ".png");
+        const auto tile = draw(c).rgba;
+        rows.insert(rows.end(), tile.begin(), tile.end());
+    }
+    EXPECT_EQ(rows, whole.rgba);
+}
+
+TEST_F(RenderParts, ACropsDataLieWhereTheyBelong) {
+    RenderConfig c = config("x.exr");
+    c.aov = {"depth", "shaded"}, c.crop = "30,20,11,7";
+    const ExrImage part = data_of(c);
+    c.crop = "";
+    const ExrImage whole = data_of(c);
+    ASSERT_EQ(part.width, 11);
+    for (const char* channel : {"Z", "R", "A"})
+        for (int y = 0; y < 7; ++y)
+            for (int x = 0; x < 11; ++x)
+                ASSERT_EQ(part.channels.at(channel).floats[static_cast<std::size_t>(y * 11 + x)],
+                          whole.channels.at(channel)
+                              .floats[static_cast<std::size_t>((20 + y) * 80 + 30 + x)]);
+}
+
+TEST_F(RenderParts, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
+    const PictureSize size{16384, 16384};
+    const auto parts = picture_parts(size, {0, 0, 16384, 16384}, 50, false);
+    int next = 0;
+    for (const PicturePart& part : parts) {
+        EXPECT_EQ(part.wanted.y, next);
+        EXPECT_LE(50ull * static_cast<unsigned>(part.wanted.width * part.wanted.height),
+                  384ull << 20);
+        EXPECT_EQ(part.drawn.y % 32 + part.drawn.x % 32, 0);
+        EXPECT_LE(part.drawn.y, std::max(0, part.wanted.y - 82));
+        EXPECT_GE(part.drawn.y + part.drawn.height,
+                  std::min(16384, part.wanted.y + part.wanted.height + 82));
+        next += part.wanted.height;
+    }
+    EXPECT_EQ(next, 16384);
+    EXPECT_GT(parts.size(), 10u);
+    EXPECT_EQ(picture_parts(size, {0, 0, 16384, 16384}, 50, true).size(), 1u);
+}
+
+TEST_F(RenderParts, AViewOfAPartReadsThatPartOfTheModel) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 250000), "{}");
+    ASSERT_GT(std::filesystem::file_size(file("m.slim")), std::uintmax_t{16} << 20);
+    RenderConfig c = config("x.png");
+    const auto whole = run(c);
+    EXPECT_EQ(whole["model_bytes_read"], whole["model_bytes"]);
+    c.zoom = 30, c.lod = 0;
+    const auto part = run(c);
+    EXPECT_LT(part["nodes_visited"].get<double>(), 0.2 * part["nodes"].get<double>());
+    EXPECT_LT(part["model_bytes_read"].get<double>(), 0.4 * part["model_bytes"].get<double>());
+    EXPECT_GE(part["model_bytes_read"].get<double>(), 24 * part["nodes_visited"].get<double>());
+}
+
+TEST_F(RenderParts, AViewOfAPartOfASmallModelSeesDamageElsewhere) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 20000), "{}");
+    RenderConfig c = config("x.png");
+    c.zoom = 30, c.lod = 0;
+    const auto sound = run(c);
+    EXPECT_EQ(sound["model_bytes_read"], sound["model_bytes"]);
+    std::string damaged = bytes("m.slim");
+    damaged[damaged.size() * 9 / 10] ^= 1;  // a record of the far side
+    std::ofstream(file("m.slim"), std::ios::binary) << damaged;
+    EXPECT_THROW(run(c, true), FormatError);  // the manifest knows the table alone
+}
+
+}  // namespace
+}  // namespace slim

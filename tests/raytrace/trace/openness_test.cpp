@@ -1,0 +1,85 @@
+#include "tests/raytrace/trace/light_stage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace slim {
+namespace {
+
+using test::camera_at, test::good_model, test::good_sphere, test::Stage;
+
+TEST(Openness, NothingNearMeansFullyOpen) {
+    std::vector<Surfel> leaves;
+    for (int i = -6; i <= 6; ++i)
+        for (int k = -6; k <= 6; ++k)
+            leaves.push_back(
+                {{0.2 * i, 0.2 * k, 0}, 0.4, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+    const Stage stage(good_model(leaves), camera_at({0.3, 0.2, 5}, {0, 0, 0}, 20));
+    for (std::size_t i = 0; i < stage.buffer.n_pixels(); ++i)
+        if (stage.buffer.hit[i]) {
+            ASSERT_EQ(stage.openness(10, 16)[i], 1);
+            break;
+        }
+    const auto open = stage.openness(10, 16);
+    for (std::size_t i = 0; i < open.size(); ++i) ASSERT_EQ(open[i], stage.buffer.hit[i] ? 1 : 0);
+}
+
+// Of a half-space of ground, a surface whose normal makes the angle a with the vertical sees the
+// share (1 - cos a) / 2.
+TEST(Openness, OpennessOfASphereAboveTheGroundIsTheViewFactor) {
+    Stage stage(good_sphere(), camera_at({0, 1, 6}, {0, 0, 0}));
+    stage.look.ground = GroundPlane{{0, 1, 0}, -1, {}};
+    const auto open = stage.openness(1e4, 64);
+    double sum = 0, sq = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        if (!stage.buffer.hit[i]) continue;
+        const double off = static_cast<double>(open[i]) - 0.5 * (1 + stage.normal(i).y);
+        sum += off, sq += off * off, ++n;
+    }
+    EXPECT_GT(n, 2000);
+    EXPECT_NEAR(sum / n, 0, 0.005);
+    EXPECT_LT(std::sqrt(sq / n), 0.05);
+    // Only what is within the distance counts.
+    const auto near = stage.openness(0.05, 16);
+    for (std::size_t i = 0; i < near.size(); ++i)
+        if (stage.buffer.hit[i] && stage.position(i).y > -0.9) {
+            ASSERT_EQ(near[i], 1);
+        }
+}
+
+// The same sphere as a neighbour: against directions cast at the sphere itself.
+TEST(Openness, OpennessBesideASphereIsThatOfManyRays) {
+    auto leaves = test::sphere_leaves(1, 600, 6, 2);
+    for (const Surfel& s : test::sphere_leaves(1, 600, 6, 2)) {
+        leaves.push_back(s);
+        leaves.back().center.x += 2.2;
+    }
+    const Stage stage(good_model(leaves), camera_at({1.1, 0.5, 6}, {1.1, 0, 0}), 60);
+    const auto open = stage.openness(3, 64);
+    double sum = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < open.size(); i += 7) {
+        if (!stage.buffer.hit[i]) continue;
+        const Vec3d p = stage.position(i), other = p.x < 1.1 ? Vec3d{2.2, 0, 0} : Vec3d{};
+        const Frame<double> frame = frame_from_normal(stage.normal(i));
+        int free = 0;
+        for (int k = 0; k < 2000; ++k) {
+            const double r2 = (k + 0.5) / 2000, a = 2 * std::numbers::pi * kGoldenRatio * k;
+            const double r = std::sqrt(r2);
+            const Vec3d d =
+                frame.world_from_local({r * std::cos(a), r * std::sin(a), std::sqrt(1 - r2)});
+            const double along = dot(other - p, d), sq = 1 - sq_length(p + d * along - other);
+            free += !(sq > 0 && along - std::sqrt(sq) > 0 && along - std::sqrt(sq) < 3);
+        }
+        sum += static_cast<double>(open[i]) - free / 2000.0, ++n;
+    }
+    EXPECT_GT(n, 100);
+    EXPECT_NEAR(sum / n, 0, 0.01);
+}
+
+}  // namespace
+}  // namespace slim
