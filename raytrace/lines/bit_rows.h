@@ -2,6 +2,7 @@
 
 #include "slim/base/simd.h"
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -53,11 +54,6 @@ private:
     std::size_t margin_, stride_;
     std::vector<std::uint8_t> bytes_;
 };
-
-/// The lanes of some bits.
-[[gnu::always_inline]] inline FloatV::mask_type lanes_of_bits(std::uint32_t bits) {
-    return FloatV::mask_type::__from_bitset(bits);
-}
 
 /// visit(k) for each bit that is set, lowest first.
 template <class Visit>

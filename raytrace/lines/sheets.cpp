@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace slim {
 namespace {
@@ -15,18 +14,6 @@ constexpr std::size_t kRowGrain = 16;
 std::size_t blur_reach(const GBuffer& g) {
     constexpr double kReachAt1000 = 3;
     return static_cast<std::size_t>(std::max(1.0, std::round(kReachAt1000 * std::min(g.width, g.height) / 1000)));
-}
-
-/// Bits of n bytes that are 0 or 1.
-std::uint32_t bits_of_bytes(const std::uint8_t* bytes, std::size_t n) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < n; k += 8) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, bytes + k, std::min<std::size_t>(8, n - k));
-        // Byte j goes to bit 56 + j.
-        bits |= static_cast<std::uint32_t>((word * 0x0102040810204080u) >> 56) << k;
-    }
-    return bits;
 }
 
 void find_hits(const GBuffer& g, BitRows& hit) {
