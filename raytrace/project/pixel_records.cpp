@@ -128,7 +128,7 @@ template <int Degree>
     put_grid(form, r);
     r.radius = floats_of(s.radius);
     r.inv_radius = floats_of(1.0 / s.radius);
-    r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
+    if constexpr (Degree != 2) r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
     for (std::size_t k = 0; k < r.a.size(); ++k) r.a[k] = floats_of(s.a[k]);
     const LocalForm local(s, form);
     for (std::size_t k = 0; k < 3; ++k) {
