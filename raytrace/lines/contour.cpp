@@ -25,7 +25,8 @@ CrossingField contour_crossings(const LineScene& s, const Sheets& sheets) {
     const auto may = [&sheets](bool down, std::size_t y, std::size_t x) {
         const auto row = static_cast<std::ptrdiff_t>(y), column = static_cast<std::ptrdiff_t>(x);
         const std::uint32_t other = sheets.hit.at(row + (down ? 1 : 0), column + (down ? 0 : 1));
-        return (sheets.hit.at(row, column) | other) & ~sheets.to(down).unbroken.at(row, column) & sheets.pairs(down, y, x);
+        const std::uint32_t seen = sheets.hit.at(row, column) | other;
+        return seen & ~sheets.to(down).unbroken.at(row, column) & sheets.pairs(down, y, x);
     };
     return find_crossings(s, may, [=, &s](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
         const bool hit_a = s.hit(a), hit_b = s.hit(b);

@@ -124,14 +124,16 @@ struct CrestRow {
 /// How far the directions of two neighbours may turn.
 constexpr float kLeastTurn = 0.7f;
 
-/// Bits of the pixels x, x + 1, ... of row `a` that bend as those of row `b` from column x_b on do, and where dk/dt changes its
-/// sign between them.
+/// Bits of the pixels x, x + 1, ... of row `a` that bend as those of row `b` from column x_b on do, and where
+/// dk/dt changes its sign between them.
 std::uint32_t sign_changes(const CrestRow& a, std::size_t x, const CrestRow& b, std::size_t x_b) {
     std::uint32_t bits = a.bends[x / kLanes];
     const std::uint64_t both = b.bends[x_b / kLanes] | std::uint64_t{b.bends[x_b / kLanes + 1]} << kLanes;
     bits &= static_cast<std::uint32_t>(both >> (x_b % kLanes));
     if (bits == 0) return 0;
-    const auto load = [](const std::vector<float>& row, std::size_t at) { return FloatV(row.data() + at, stdx::element_aligned); };
+    const auto load = [](const std::vector<float>& row, std::size_t at) {
+        return FloatV(row.data() + at, stdx::element_aligned);
+    };
     const auto t = [&](const CrestRow& row, std::size_t at) {
         return LanesOfVec(load(row.direction[0], at), load(row.direction[1], at), load(row.direction[2], at));
     };
@@ -156,9 +158,9 @@ std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec
     return EdgeHit{at, k, sharp};
 }
 
-/// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t, is averaged over some
-/// pixels of a sheet: within one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth derivative is not
-/// there) and jumps back to the next: the average takes the saw's teeth out of the lines.
+/// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t, is averaged
+/// over some pixels of a sheet: within one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth
+/// derivative is not there) and jumps back to the next: the average takes the saw's teeth out of the lines.
 void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std::size_t begin, std::size_t end) {
     const std::size_t width = sheets.width;
     CrestRow above(width), own(width);
@@ -204,7 +206,7 @@ void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std:
 
 CrossingField crest_crossings(const LineScene& s, const Sheets& sheets, bool ridges) {
     const Family family{s, ridges};
-    return search_rows(s, kBlurBand, [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
+    return search_rows(s, blur_band(sheets), [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
         search_band(family, sheets, rows, begin, end);
     });
 }

@@ -46,10 +46,10 @@ struct CrossingField {
 /// Crossings of some rows as they are found.
 class RowCrossings {
 public:
-    RowCrossings(const LineScene& scene, std::size_t begin, std::size_t end) : scene_(scene), row_start_(end - begin + 1) {}
+    RowCrossings(const LineScene& scene, std::size_t n_rows) : scene_(scene), row_start_(n_rows + 1) {}
 
-    /// Row y, `begin` first: find(a, b) -> optional<EdgeHit> for the pairs whose bit is set, right(x) and down(x) being
-    /// those of pixels x, x + 1, ... with the next and with the one below.
+    /// Row y, one after the other: find(a, b) -> optional<EdgeHit> for the pairs whose bit is set, right(x) and
+    /// down(x) being those of pixels x, x + 1, ... with the next and with the one below.
     template <class Right, class Down, class Find>
     void look(std::size_t y, const Right& right, const Down& down, const Find& find) {
         const auto width = static_cast<std::size_t>(scene_.buffer.width);
@@ -83,7 +83,7 @@ template <class Search>
 CrossingField search_rows(const LineScene& scene, std::size_t grain, const Search& search) {
     const auto height = static_cast<std::size_t>(scene.buffer.height);
     std::vector<RowCrossings> bands;
-    for (std::size_t y = 0; y < height; y += grain) bands.emplace_back(scene, y, std::min(height, y + grain));
+    for (std::size_t y = 0; y < height; y += grain) bands.emplace_back(scene, std::min(height, y + grain) - y);
     parallel_blocks(height, grain,
                     [&](std::size_t begin, std::size_t end) { search(bands[begin / grain], begin, end); });
     return joined_rows(scene, std::move(bands));

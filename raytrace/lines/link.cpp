@@ -14,7 +14,7 @@ namespace {
 constexpr std::int32_t kNobody = -1;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/// The two neighbours of every crossing on its line: first that in the upper or left one of the two cells its edge is of.
+/// The two neighbours of every crossing on its line: first that in the upper or left one of its edge's two cells.
 using Links = std::vector<std::array<std::int32_t, 2>>;
 
 /// What it costs to link two crossings of a cell: their squared distance; never across sheets.
@@ -107,7 +107,9 @@ private:
     }
 
     void link(const CellCrossings& c, std::size_t a, std::size_t b) {
-        const auto of = [&](std::size_t k) -> std::int32_t& { return links_[static_cast<std::size_t>(c.id[k])][c.slot[k]]; };
+        const auto of = [&](std::size_t k) -> std::int32_t& {
+            return links_[static_cast<std::size_t>(c.id[k])][c.slot[k]];
+        };
         of(a) = c.id[b], of(b) = c.id[a];
     }
 

@@ -9,7 +9,7 @@ namespace slim {
 std::vector<float> blurred(const Sheets& sheets, const std::vector<float>& plane) {
     std::vector<float> out(plane.size());
     const std::size_t width = sheets.width;
-    parallel_blocks(sheets.height, kBlurBand, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(sheets.height, blur_band(sheets), [&](std::size_t begin, std::size_t end) {
         RowBlur<1> blur(sheets);
         blur.run(
             begin, end,

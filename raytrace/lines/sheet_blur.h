@@ -7,21 +7,21 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 namespace slim {
 
-/// Means over (2 r + 1)^2 pixels of the sheet around each hit, r = Sheets::reach: along rows, then along columns, up to
-/// where the sheet ends (joined). A NaN spoils the pixels around it. Rows pass by one after the other: of what is
-/// averaged, C numbers a pixel, 2 r + 1 rows are held at a time. cost O(pixels x r x C), in lanes
+/// Means over (2 r + 1)^2 pixels of the sheet around each hit, r = Sheets::reach: along rows, then along columns,
+/// up to where the sheet ends (joined). A NaN spoils the pixels around it. Rows pass by one after the other: of
+/// what is averaged, C numbers a pixel, 2 r + 1 rows are held at a time. cost O(pixels x r x C), in lanes
 template <std::size_t C>
 class RowBlur {
 public:
-    /// Of one row: C numbers for each of its pixels, for columns -kPad on.
+    /// C numbers for each pixel of a row, from `pad` columns before it to as many after.
     class Row {
     public:
-        Row(std::size_t width, std::size_t pad) : pad_(pad), stride_(width + 2 * pad + kLanes), v_(C * stride_, 0.0f) {}
+        Row(std::size_t width, std::size_t pad)
+            : pad_(pad), stride_(width + 2 * pad + kLanes), v_(C * stride_, 0.0f) {}
         FloatV load(std::size_t c, std::ptrdiff_t x) const { return FloatV(place(c, x), stdx::element_aligned); }
         void store(std::size_t c, std::ptrdiff_t x, const FloatV& lanes) {
             lanes.copy_to(const_cast<float*>(place(c, x)), stdx::element_aligned);
@@ -36,10 +36,13 @@ public:
     };
 
     explicit RowBlur(const Sheets& sheets)
-        : sheets_(sheets), raw_(sheets.width, sheets.reach), rows_(window(), Row(sheets.width, sheets.reach)), around_(window()) {}
+        : sheets_(sheets),
+          raw_(sheets.width, sheets.reach),
+          rows_(window(), Row(sheets.width, sheets.reach)),
+          around_(window()) {}
 
-    /// For each row y of [begin, end) in turn sink(y, mean), where mean(x) is an array of C FloatV, the means of pixels x,
-    /// x + 1, ...; source(y, x) gives what is averaged in the same form, and is asked where a pixel is hit only.
+    /// For each row y of [begin, end) in turn sink(y, mean), where mean(x) is an array of C FloatV, the means of
+    /// pixels x, x + 1, ...; source(y, x) gives what is averaged in the same form, and is asked where one is hit only.
     template <class Source, class Sink>
     void run(std::size_t begin, std::size_t end, const Source& source, const Sink& sink) {
         const std::size_t reach = sheets_.reach, first = begin > reach ? begin - reach : 0;
@@ -75,21 +78,22 @@ private:
             Means mean = zeros();
             if (sheets_.hit.at(at, column) != 0)
                 mean = means([&](Signed k) { return joined(column + k); },
-                             [&](std::size_t c, Signed k) __attribute__((always_inline)) { return raw_.load(c, column + k); });
+                             [&](std::size_t c, Signed k) __attribute__((always_inline)) {
+                                 return raw_.load(c, column + k);
+                             });
             for (std::size_t c = 0; c < C; ++c) out.store(c, column, mean[c]);
         }
     }
 
     [[gnu::always_inline]] Means mean_down(std::size_t y, std::size_t x) {
-        const auto column = static_cast<Signed>(x);
-        return means([&](Signed k) { return sheets_.down.joined.at(static_cast<Signed>(y) + k, column); },
-                     [&](std::size_t c, Signed k) __attribute__((always_inline)) {
-                         return around_[static_cast<std::size_t>(k + static_cast<Signed>(sheets_.reach))]->load(c, column);
-                     });
+        const auto row = static_cast<Signed>(y), column = static_cast<Signed>(x);
+        const Row* const* own = around_.data() + sheets_.reach;
+        return means([&](Signed k) { return sheets_.down.joined.at(row + k, column); },
+                     [&](std::size_t c, Signed k) __attribute__((always_inline)) { return own[k]->load(c, column); });
     }
 
-    /// joined(k): bits of the pixels k steps on that go on to the next; at(c, k): their values. The whole windows' sums, and
-    /// of those that the sheet's end cuts what there is of them.
+    /// joined(k): bits of the pixels k steps on that go on to the next; at(c, k): their values. The whole windows'
+    /// sums, and of those that the sheet's end cuts what there is of them.
     template <class Joined, class At>
     [[gnu::always_inline]] Means means(const Joined& joined, const At& at) const {
         const auto reach = static_cast<Signed>(sheets_.reach);
@@ -139,7 +143,7 @@ private:
 };
 
 /// Rows that a RowBlur works on in one go: fewer would pass the rows around them again and again.
-inline constexpr std::size_t kBlurBand = 64;
+inline std::size_t blur_band(const Sheets& sheets) { return std::max<std::size_t>(64, 8 * sheets.reach); }
 
 /// The means of a whole plane, of pixels without a hit 0. Parallel; the same for any number of threads.
 std::vector<float> blurred(const Sheets& sheets, const std::vector<float>& plane);

@@ -16,7 +16,7 @@ struct SheetEdges {
     BitRows creased;   ///< unbroken, and N turns by 30 degrees or more: an edge within the pixel
 };
 
-/// Where the sheets of a view end, looked up once for all kinds of lines. cost O(pixels), in lanes, parallel over rows.
+/// Where the sheets of a view end, looked up once for all kinds of lines. cost O(pixels), in lanes, parallel by rows
 struct Sheets {
     explicit Sheets(const LineScene& scene);
 

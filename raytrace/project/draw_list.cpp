@@ -149,7 +149,8 @@ private:
             return stdx::min(s.radius, whole.support(toward, forth) + kBelongs * s.radius);
         };
         const DoubleV& z = s.center.z;
-        const DoubleV near_hit = z - core.support(toward, false), near_blend = z - blended(false), far_blend = z + blended(true);
+        const DoubleV near_hit = z - core.support(toward, false);
+        const DoubleV near_blend = z - blended(false), far_blend = z + blended(true);
         for (std::size_t k = 0; k < batch_.size(); ++k) {
             DrawItem& item = list_.items[entry_[k]];
             item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];

@@ -9,7 +9,7 @@
 
 namespace slim {
 
-/// Polynomials of degree D in (s, t, tau), one per lane, their coefficients in the order of PixelRecord::f; of degree 1 those of
+/// Polynomials of degree D in (s, t, tau), one per lane; their coefficients in the order of PixelRecord::f; of degree 1 those of
 /// 1, s, t, tau.
 template <int D>
 struct Form {

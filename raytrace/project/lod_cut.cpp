@@ -111,13 +111,13 @@ private:
     const CutRules& rules_;
 };
 
-/// Walks of the nodes below the root, level by level until they are many, each in its place of the order: ended, or with a node
-/// that is still to be entered.
+/// A part of the walk in its place of the order: ended, or with a node that is still to be entered.
 struct Branch {
     CutWalk walk;
     std::optional<std::uint32_t> node;
 };
 
+/// The root's, level by level until they are many.
 std::vector<Branch> branches_of(const CutWalk& none) {
     constexpr std::size_t kMany = 64;
     constexpr int kDeepest = 12;
@@ -133,7 +133,8 @@ std::vector<Branch> branches_of(const CutWalk& none) {
             const TreeNode& node = none.tree().node(*b.node);
             const bool enters = b.walk.enters(*b.node);
             below.push_back({std::move(b.walk), std::nullopt});
-            for (std::uint32_t c = 0; enters && c < node.n_children; ++c) below.push_back({none, node.first_child + c});
+            for (std::uint32_t c = 0; enters && c < node.n_children; ++c)
+                below.push_back({none, node.first_child + c});
             deeper = deeper || enters;
         }
         branches = std::move(below);

@@ -78,7 +78,8 @@ struct Extents {
 
 using Ints = LanesOfDouble<int>;
 
-/// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end): first ones and those after the last.
+/// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end): first ones and
+/// those after the last.
 void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int* first, int* last) {
     const auto within = [&](const DoubleV& x) {
         return stdx::static_simd_cast<Ints>(stdx::min(stdx::max(x, DoubleV(double(begin))), DoubleV(double(end))));
@@ -101,9 +102,10 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int*
     const DoubleV shift = c.b1 / c.c2 * e.s.half;
     const std::array<DoubleV, 7> numbers{c.b0 * inverse, c.b1 * inverse, c.c0 * inverse, c.c1 * inverse,
                                          c.c2 * inverse, e.t.middle + shift, e.t.middle - shift};
-    for (std::size_t k = 0; k < numbers.size(); ++k) floats_of(numbers[k]).copy_to(numbers_[k], stdx::element_aligned);
-    const DoubleV per_px = 1.0 / form.step, x = form.origin_x + e.s.middle * per_px, y = form.origin_y + e.t.middle * per_px;
-    const DoubleV half_x = e.s.half * per_px, half_y = e.t.half * per_px;
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        floats_of(numbers[k]).copy_to(numbers_[k], stdx::element_aligned);
+    const DoubleV per_px = 1.0 / form.step, half_x = e.s.half * per_px, half_y = e.t.half * per_px;
+    const DoubleV x = form.origin_x + e.s.middle * per_px, y = form.origin_y + e.t.middle * per_px;
     pixel_ranges(x - half_x, x + half_x, window.x, window.x + window.width, sides_[0], sides_[2]);
     pixel_ranges(y - half_y, y + half_y, window.y, window.y + window.height, sides_[1], sides_[3]);
 }

@@ -19,7 +19,8 @@ struct Outline {
 class OutlinedRects {
 public:
     /// Of the least ellipsoids of revolution about the patches, as seen. For centres farther off than 4 radii.
-    OutlinedRects(const PixelWindow& window, const RayForm& form, const SurfelLanes& surfels, const PatchBounds& patches);
+    OutlinedRects(const PixelWindow& window, const RayForm& form, const SurfelLanes& surfels,
+                  const PatchBounds& patches);
     Outline outline(std::size_t lane) const {
         const auto of = [&](std::size_t k) { return numbers_[k][lane]; };
         return {of(0), of(1), of(2), of(3), of(4), of(5), of(6)};

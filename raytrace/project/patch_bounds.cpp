@@ -30,7 +30,9 @@ PatchBounds patch_bounds(const SurfelLanes& s, double share) {
     const DoubleV either = share * (tilt + sq_share * third) + 1e-4;
     const DoubleV low = a[0] - either + sq_share * stdx::min(zero, mean - spread);
     const DoubleV high = a[0] + either + sq_share * stdx::max(zero, mean + spread);
-    const auto within = [&](const DoubleV& x) { return stdx::min(stdx::max(x, DoubleV(-share)), DoubleV(share)) * s.radius; };
+    const auto within = [&](const DoubleV& x) {
+        return stdx::min(stdx::max(x, DoubleV(-share)), DoubleV(share)) * s.radius;
+    };
     return {share * s.radius, within(low), within(high)};
 }
 

@@ -98,7 +98,8 @@ template <int Degree>
 void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
     // Records of floats and of lanes have the same members in the same order.
     constexpr std::size_t kNumbers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
-    static_assert(kNumbers * sizeof(float) <= sizeof(PixelRecord<Degree>) && sizeof(Floats) == kSurfelLanes * sizeof(float));
+    static_assert(kNumbers * sizeof(float) <= sizeof(PixelRecord<Degree>));
+    static_assert(sizeof(Floats) == kSurfelLanes * sizeof(float));
     std::array<float, kNumbers * kSurfelLanes> from;
     std::memcpy(from.data(), &lanes, sizeof from);
     for (std::size_t lane = 0; lane < kSurfelLanes; ++lane) {

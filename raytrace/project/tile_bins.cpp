@@ -34,9 +34,11 @@ TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
     TileBins bins;
     bins.columns = (window.width + kTileSize - 1) / kTileSize;
     bins.rows = (window.height + kTileSize - 1) / kTileSize;
-    const std::size_t n_tiles = bins.n_tiles(), grain = std::max(kLeastPart, (order.size() + kMostParts - 1) / kMostParts);
+    const std::size_t n_tiles = bins.n_tiles();
+    const std::size_t grain = std::max(kLeastPart, (order.size() + kMostParts - 1) / kMostParts);
     const std::size_t n_parts = (order.size() + grain - 1) / grain;
-    const auto for_parts = [&](const auto& visit) {  // visit(part and tile, entry), parts in parallel, each in its order
+    // visit(part and tile, entry), parts in parallel, each in its order.
+    const auto for_parts = [&](const auto& visit) {
         parallel_blocks(order.size(), grain, [&](std::size_t begin, std::size_t end) {
             for (const std::uint32_t i : order.subspan(begin, end - begin))
                 for_each_tile(window, bins.columns, rects[i],

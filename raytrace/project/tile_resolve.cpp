@@ -34,7 +34,8 @@ struct Target {
         const int x = t.x0 + column * kBlockWidth, y = t.y0 + row * kBlockHeight;
         if (whole) {
             T* out = to + in_buffer(x, y);
-            for (int k = 0; k < kBlockHeight; ++k, out += window.width) std::copy_n(lanes + k * kBlockWidth, kBlockWidth, out);
+            for (int k = 0; k < kBlockHeight; ++k, out += window.width)
+                std::copy_n(lanes + k * kBlockWidth, kBlockWidth, out);
             return;
         }
         const int x_0 = std::max(x, t.clip.x0), x_1 = std::min(x + kBlockWidth, t.clip.x1);

@@ -135,8 +135,10 @@ inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c,
     };
     const __m512d ab_lo = lo(a, b), ab_hi = hi(a, b), cd_lo = lo(c, d), cd_hi = hi(c, d);
     // Quarter q of p_k holds entry 4 q + k.
-    const __m512 p_0 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_lo, cd_lo)), p_1 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_lo, cd_lo));
-    const __m512 p_2 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_hi, cd_hi)), p_3 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_hi, cd_hi));
+    const __m512 p_0 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_lo, cd_lo));
+    const __m512 p_1 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_lo, cd_lo));
+    const __m512 p_2 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_hi, cd_hi));
+    const __m512 p_3 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_hi, cd_hi));
     const __m512 even_01 = _mm512_shuffle_f32x4(p_0, p_1, 0x88), even_23 = _mm512_shuffle_f32x4(p_2, p_3, 0x88);
     const __m512 odd_01 = _mm512_shuffle_f32x4(p_0, p_1, 0xdd), odd_23 = _mm512_shuffle_f32x4(p_2, p_3, 0xdd);
     _mm512_storeu_ps(out, _mm512_shuffle_f32x4(even_01, even_23, 0x88));
@@ -144,7 +146,8 @@ inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c,
     _mm512_storeu_ps(out + 32, _mm512_shuffle_f32x4(even_01, even_23, 0xdd));
     _mm512_storeu_ps(out + 48, _mm512_shuffle_f32x4(odd_01, odd_23, 0xdd));
 #else
-    for (std::size_t k = 0; k < kLanes; ++k) out[4 * k] = a[k], out[4 * k + 1] = b[k], out[4 * k + 2] = c[k], out[4 * k + 3] = d[k];
+    for (std::size_t k = 0; k < kLanes; ++k)
+        out[4 * k] = a[k], out[4 * k + 1] = b[k], out[4 * k + 2] = c[k], out[4 * k + 3] = d[k];
 #endif
 }
 

@@ -198,9 +198,9 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     const CrossingField exact = suggestive_crossings({buffer, view, 3, 3}, sheets);
     const CrossingField differences = suggestive_crossings({buffer, view, 3, 2}, sheets);
     const auto by_edge = [](const CrossingField& field) {
-        std::map<std::pair<int, std::uint32_t>, float> evidence;
-        for (int y = 0; y < field.height; ++y)
-            for (std::size_t i = field.row_start[static_cast<std::size_t>(y)]; i < field.row_start[static_cast<std::size_t>(y) + 1]; ++i)
+        std::map<std::pair<std::size_t, std::uint32_t>, float> evidence;
+        for (std::size_t y = 0; y + 1 < field.row_start.size(); ++y)
+            for (std::size_t i = field.row_start[y]; i < field.row_start[y + 1]; ++i)
                 evidence[{y, field.crossings[i].edge}] = field.crossings[i].evidence;
         return evidence;
     };
