@@ -19,6 +19,9 @@ struct LanesOfVec {
     [[gnu::always_inline]] FloatV dot(const LanesOfVec& b) const {
         return x * b.x + y * b.y + z * b.z;
     }
+    [[gnu::always_inline]] LanesOfVec cross(const LanesOfVec& b) const {
+        return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+    }
     [[gnu::always_inline]] LanesOfVec operator+(const LanesOfVec& b) const {
         return {x + b.x, y + b.y, z + b.z};
     }

@@ -168,18 +168,15 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
 /// Some pixels of a row: their places, normals in camera axes and directions to the eye.
 struct PixelLanes {
     int x, y, n;
-    FloatV hit;  ///< 1 or 0
+    std::uint32_t hit;  ///< a bit each
     Vec3V normal, toward_eye;
 };
 
-/// The first n of some floats or bytes; zeros then.
-template <class T>
-FloatV load_some(const T* from, int n) {
-    alignas(64) std::array<float, kLanes> in;
-    if (n == kLanes)
-        for (std::size_t k = 0; k < kLanes; ++k) in[k] = from[k];
-    else
-        for (int k = 0; k < kLanes; ++k) in[static_cast<std::size_t>(k)] = k < n ? from[k] : 0;
+/// The first n of some floats; zeros then.
+FloatV load_some(const float* from, int n) {
+    if (n == kLanes) return FloatV(from, stdx::element_aligned);
+    alignas(64) std::array<float, kLanes> in{};
+    std::copy_n(from, n, in.begin());
     return FloatV(in.data(), stdx::vector_aligned);
 }
 
@@ -187,8 +184,8 @@ PixelLanes load_lanes(const Surface& surface, int x, int y) {
     const std::size_t i = surface.index(x, y);
     PixelLanes p;  // without a hit the vectors stay as they are: setting them first cost a quarter of the time
     p.x = x, p.y = y, p.n = std::min(kLanes, surface.width - x);
-    p.hit = load_some(&surface.hit[i], p.n);
-    if (stdx::none_of(p.hit > 0.0f)) return p;
+    p.hit = bits_of_bytes(&surface.hit[i], static_cast<std::size_t>(p.n));
+    if (p.hit == 0) return p;
     const NormalPlanes& n = surface.normals;
     p.normal = unit_lanes(surface.frame.from_world(
         Vec3V{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}));
@@ -200,8 +197,8 @@ PixelLanes load_lanes(const Surface& surface, int x, int y) {
 
 /// Silhouettes are few: one by one.
 void turn_to_eye(const Surface& surface, PixelLanes& p) {
-    const auto away = p.hit > 0.0f && p.normal.dot(p.toward_eye) < 0.0f;
-    for (std::uint64_t bits = lane_bits(away); bits != 0; bits &= bits - 1) {
+    const auto away = static_cast<std::uint32_t>(lane_bits(p.normal.dot(p.toward_eye) < 0.0f));
+    for (std::uint32_t bits = away & p.hit; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
         p.normal.set(lane, surface.eye_normal(p.x + lane, p.y, p.normal.at(lane), p.toward_eye.at(lane)));
     }
@@ -222,36 +219,29 @@ Vec3V reflected(const Lighting& l, const PixelLanes& p) {
     const FloatV key = stdx::max(FloatV(0.0f), at_key);
     const FloatV fill = stdx::max(FloatV(0.0f), p.normal.dot(l.fill.toward));
     const FloatV shine = highlight(l, p, at_key);
+    const auto hit = lanes_of_bits(p.hit);
     const auto channel = [&](std::size_t c) {
         const FloatV diffuse = upward * l.sky[c] + downward * l.ground[c] + key * l.key.color[c] + fill * l.fill.color[c];
-        return select<FloatV>(p.hit > 0.0f, l.albedo[c] * diffuse + l.key.color[c] * shine, FloatV(0.0f));
+        return select<FloatV>(hit, l.albedo[c] * diffuse + l.key.color[c] * shine, FloatV(0.0f));
     };
     return {channel(0), channel(1), channel(2)};
 }
 
 void store_lanes(const Vec3V& color, const FloatV& alpha, int n, float* rgba) {
-    alignas(64) std::array<std::array<float, kLanes>, 4> out;
-    color.x.copy_to(out[0].data(), stdx::vector_aligned);
-    color.y.copy_to(out[1].data(), stdx::vector_aligned);
-    color.z.copy_to(out[2].data(), stdx::vector_aligned);
-    alpha.copy_to(out[3].data(), stdx::vector_aligned);
-    const auto put = [&](std::size_t k) {
-        rgba[4 * k] = out[0][k], rgba[4 * k + 1] = out[1][k], rgba[4 * k + 2] = out[2][k], rgba[4 * k + 3] = out[3][k];
-    };
-    if (n == kLanes)
-        for (std::size_t k = 0; k < kLanes; ++k) put(k);
-    else
-        for (int k = 0; k < n; ++k) put(static_cast<std::size_t>(k));
+    if (n == kLanes) return store_interleaved(color.x, color.y, color.z, alpha, rgba);
+    std::array<float, 4 * kLanes> some;
+    store_interleaved(color.x, color.y, color.z, alpha, some.data());
+    std::copy_n(some.begin(), 4 * n, rgba);
 }
 
 [[gnu::flatten]] void shade_lanes(const Surface& surface, const Lighting& lighting, int x, int y, float* rgba) {
     PixelLanes p = load_lanes(surface, x, y);
-    if (stdx::none_of(p.hit > 0.0f)) {
-        const FloatV zero(0.0f);
+    if (p.hit == 0) {
+        const FloatV zero(0.0f);  // stored as colours are: g++ 12 makes a slow string instruction of a fill
         return store_lanes({zero, zero, zero}, zero, p.n, rgba);
     }
     turn_to_eye(surface, p);
-    store_lanes(reflected(lighting, p), p.hit, p.n, rgba);
+    store_lanes(reflected(lighting, p), select<FloatV>(lanes_of_bits(p.hit), FloatV(1.0f), FloatV(0.0f)), p.n, rgba);
 }
 
 }  // namespace

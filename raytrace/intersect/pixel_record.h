@@ -15,22 +15,23 @@ constexpr std::size_t power_start(int degree, int p) { return p == 0 ? 0 : power
 /// ray's offset at the centre's depth, (X, Y, 1) the centre's own ray, kappa rho over the centre's depth, and
 /// tau = (z - z_c) / rho z_c / z, in orthographic views kappa = 0. As Q and h are linear in (s, t, tau), h^Degree f is a
 /// polynomial of degree Degree in all three, and h^2 (|q|^2 - R^2) one of degree 2. All are of the order of 1 near the
-/// ball at any distance. Not for balls near the eye or far off the axis.
-template <int Degree>
+/// ball at any distance. Not for balls near the eye or far off the axis. F: float, or lanes of some surfels.
+template <int Degree, class F = float>
 struct alignas(64) PixelRecord {
-    float pixel_x, pixel_y;  ///< whole numbers: x - pixel_x is exact
-    float base_x, base_y, step;  ///< s = base_x + (x - pixel_x) step, t likewise in y
-    float radius, inv_radius, kappa;
-    float ball_s, ball_t, ball_tau;  ///< |Q|^2 = s^2 + t^2 + tau (ball_s s + ball_t t) + ball_tau tau^2
-    std::array<float, 3> u, v;       ///< of h u and h v: coefficients of s, t, tau
+    F pixel_x, pixel_y;  ///< whole numbers: x - pixel_x is exact
+    F base_x, base_y, step;  ///< s = base_x + (x - pixel_x) step, t likewise in y
+    F radius, inv_radius, kappa;
+    F ball_s, ball_t, ball_tau;  ///< |Q|^2 = s^2 + t^2 + tau (ball_s s + ball_t t) + ball_tau tau^2
+    std::array<F, 3> u, v;       ///< of h u and h v: coefficients of s, t, tau
     /// h^Degree f: for each power p of tau n_planar(Degree - p) coefficients in s and t.
-    std::array<float, power_start(Degree, Degree + 1)> f;
-    std::array<float, 3> u_axis, v_axis, normal;  ///< camera axes
+    std::array<F, power_start(Degree, Degree + 1)> f;
+    /// Camera axes; degree 2 has its gradient instead, and needs no more of the height field.
+    std::array<F, Degree == 2 ? 0 : 3> u_axis, v_axis, normal;
     /// Degree 2: h grad f rho, each component's coefficients of 1, s, t, tau.
-    std::array<std::array<float, 4>, Degree == 2 ? 3 : 0> gradient;
+    std::array<std::array<F, 4>, Degree == 2 ? 3 : 0> gradient;
     /// Hess f rho: xx, xy, xz, yy, yz, zz; of cubics the part without u and v, then that of u, then of v.
-    std::array<std::array<float, 6>, Degree == 3 ? 3 : 1> hessian;
-    std::array<float, 10> a;  ///< the height field
+    std::array<std::array<F, 6>, Degree == 3 ? 3 : 1> hessian;
+    std::array<F, Degree == 2 ? 0 : 10> a;  ///< the height field
 };
 
 }  // namespace slim

@@ -19,13 +19,17 @@ float beyond_last(const LineScene& s, std::size_t last, std::size_t before, bool
 
 }  // namespace
 
-CrossingField contour_crossings(const LineScene& s) {
+CrossingField contour_crossings(const LineScene& s, const Sheets& sheets) {
     const auto width = static_cast<std::size_t>(s.buffer.width), n = s.buffer.n_pixels();
     const auto weight = static_cast<float>(1 / s.diagonal);
-    return find_crossings(s, [=, &s](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+    const auto may = [&sheets](bool down, std::size_t y, std::size_t x) {
+        const auto row = static_cast<std::ptrdiff_t>(y), column = static_cast<std::ptrdiff_t>(x);
+        const std::uint32_t other = sheets.hit.at(row + (down ? 1 : 0), column + (down ? 0 : 1));
+        const std::uint32_t seen = sheets.hit.at(row, column) | other;
+        return seen & ~sheets.to(down).unbroken.at(row, column) & sheets.pairs(down, y, x);
+    };
+    return find_crossings(s, may, [=, &s](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
         const bool hit_a = s.hit(a), hit_b = s.hit(b);
-        if (!hit_a && !hit_b) return std::nullopt;
-        if (hit_a && hit_b && !breaks_off(s, a, b)) return std::nullopt;
         const bool a_is_near = hit_a && (!hit_b || s.depth(a) < s.depth(b));
         const bool down = b != a + 1;
         const std::size_t step = down ? width : 1;

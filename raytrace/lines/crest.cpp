@@ -15,35 +15,26 @@ struct Family {
     bool ridges;
 
     float k(std::size_t i) const { return ridges ? s.buffer.k1[i] : -s.buffer.k2[i]; }
-    float other(std::size_t i) const { return ridges ? s.buffer.k2[i] : s.buffer.k1[i]; }
-    float e(std::size_t i) const { return ridges ? s.buffer.third[0][i] : -s.buffer.third[3][i]; }
     Vec3f direction(std::size_t i) const {
         const auto& t = s.buffer.direction;
         const Vec3f t1{t[0][i], t[1][i], t[2][i]};
         return ridges ? t1 : cross(s.normal(i), t1);
     }
-    /// More curved than the other way, so that the direction means something.
-    bool bends(std::size_t i) const { return k(i) > std::fabs(other(i)); }
-};
 
-/// v = e t, which does not change with the sign of t, averaged over some pixels of a sheet. Within
-/// one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth derivative is not there)
-/// and jumps back to the next: the average takes the saw's teeth out of the lines.
-std::array<std::vector<float>, 3> smooth_rises(const Family& f, const SheetBlur& blur) {
-    const LineScene& s = f.s;
-    std::array<std::vector<float>, 3> rise;
-    for (auto& plane : rise) plane.assign(s.buffer.n_pixels(), 0.0f);
-    const auto width = static_cast<std::size_t>(s.buffer.width);
-    parallel_blocks(s.buffer.n_pixels(), width, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (!s.hit(i)) continue;
-            const Vec3f v = f.direction(i) * f.e(i);
-            for (std::size_t axis = 0; axis < 3; ++axis) rise[axis][i] = v[axis];
-        }
-    });
-    blur(rise);
-    return rise;
-}
+    /// The same of pixels i, i + 1, ...
+    LanesOfVec directions(std::size_t i) const {
+        const LanesOfVec t1 = lanes_at(s.buffer.direction, i);
+        return ridges ? t1 : lanes_at(s.buffer.normal, i).cross(t1);
+    }
+    FloatV rates(std::size_t i) const {
+        return ridges ? lanes_at(s.buffer.third[0], i) : -lanes_at(s.buffer.third[3], i);
+    }
+    /// Bits of those more curved than the other way, so that the direction means something.
+    std::uint32_t bends(std::size_t i) const {
+        const FloatV k1 = lanes_at(s.buffer.k1, i), k2 = lanes_at(s.buffer.k2, i);
+        return static_cast<std::uint32_t>(lane_bits(ridges ? k1 > stdx::abs(k2) : -k2 > stdx::abs(k1)));
+    }
+};
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -88,12 +79,7 @@ float sharpness(const Family& f, std::size_t i, float k) {
 }
 
 /// An edge that the view shows within a pixel (a sheet of sharp surfels against the next, or too
-/// fine a rounding): N turns by 30 degrees or more there. No derivative tells it; its k is the turn
-/// over the way.
-bool is_crease(const LineScene& s, std::size_t a, std::size_t b) {
-    return s.hit(a) && s.hit(b) && dot(s.normal(a), s.normal(b)) < 0.866f && !breaks_off(s, a, b);
-}
-
+/// fine a rounding): no derivative tells it; its k is the turn over the way.
 std::optional<EdgeHit> crease(const Family& f, std::size_t a, std::size_t b) {
     constexpr float kSharp = 4;  // as the sharpest of crest lines
     const Vec3f na = f.s.normal(a), nb = f.s.normal(b), d = f.s.point(b) - f.s.point(a);
@@ -104,31 +90,124 @@ std::optional<EdgeHit> crease(const Family& f, std::size_t a, std::size_t b) {
     return EdgeHit{at, std::acos(std::clamp(dot(na, nb), -1.0f, 1.0f)) / length(d), kSharp};
 }
 
+/// A row of pixels as the search sees it.
+struct CrestRow {
+    std::vector<std::uint32_t> bends;             ///< bits of kLanes pixels
+    std::array<std::vector<float>, 3> direction;  ///< t, of pixels that bend
+    std::vector<float> rise;                      ///< dk/dt, averaged
+
+    explicit CrestRow(std::size_t width)
+        : bends(width / kLanes + 2, 0), rise(width + 2 * kLanes, 0.0f) {
+        for (auto& plane : direction) plane.assign(rise.size(), 0.0f);
+    }
+    Vec3f t(std::size_t x) const { return {direction[0][x], direction[1][x], direction[2][x]}; }
+
+    /// mean(x): v of the pixels x, x + 1, ..., averaged.
+    template <class Mean>
+    void fill(const Family& f, const Sheets& sheets, std::size_t y, const Mean& mean) {
+        for (std::size_t x = 0; x < sheets.width; x += kLanes) {
+            const std::size_t i = y * sheets.width + x;
+            const std::uint32_t hit = sheets.hit.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
+            std::uint32_t& bits = bends[x / kLanes];
+            bits = hit != 0 ? f.bends(i) & hit : 0;
+            if (bits == 0) continue;
+            const LanesOfVec t = f.directions(i);
+            const auto v = mean(x);
+            LanesOfVec(v[0], v[1], v[2]).dot(t).copy_to(rise.data() + x, stdx::element_aligned);
+            t.x.copy_to(direction[0].data() + x, stdx::element_aligned);
+            t.y.copy_to(direction[1].data() + x, stdx::element_aligned);
+            t.z.copy_to(direction[2].data() + x, stdx::element_aligned);
+        }
+    }
+};
+
+/// How far the directions of two neighbours may turn.
+constexpr float kLeastTurn = 0.7f;
+
+/// Bits of the pixels x, x + 1, ... of row `a` that bend as those of row `b` from column x_b on do, and where
+/// dk/dt changes its sign between them.
+std::uint32_t sign_changes(const CrestRow& a, std::size_t x, const CrestRow& b, std::size_t x_b) {
+    std::uint32_t bits = a.bends[x / kLanes];
+    const std::uint64_t both = b.bends[x_b / kLanes] | std::uint64_t{b.bends[x_b / kLanes + 1]} << kLanes;
+    bits &= static_cast<std::uint32_t>(both >> (x_b % kLanes));
+    if (bits == 0) return 0;
+    const auto load = [](const std::vector<float>& row, std::size_t at) {
+        return FloatV(row.data() + at, stdx::element_aligned);
+    };
+    const auto t = [&](const CrestRow& row, std::size_t at) {
+        return LanesOfVec(load(row.direction[0], at), load(row.direction[1], at), load(row.direction[2], at));
+    };
+    const FloatV turn = t(a, x).dot(t(b, x_b)), rise_a = load(a.rise, x), rise_b = load(b.rise, x_b);
+    const auto same = (rise_a > 0.0f) == (select<FloatV>(turn < 0.0f, -rise_b, rise_b) > 0.0f);
+    return bits & static_cast<std::uint32_t>(lane_bits(stdx::abs(turn) > kLeastTurn && !same));
+}
+
+/// A crest line between two neighbours where the sign changes; what each row knows of its own.
+std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec3f& ta, std::size_t b, float rise_b,
+                             const Vec3f& across) {
+    const float sign = std::copysign(1.0f, dot(ta, across)), eb = rise_b * sign;
+    const Vec3f tb = across * sign, d = f.s.point(b) - f.s.point(a);
+    // k rises from both sides towards a ridge. An edge that runs along it cannot tell; its
+    // neighbours can.
+    const float along = dot(ta + tb, d);
+    const bool tells = along * along > 0.36f * sq_length(d);
+    if (tells && !(ea * along > 0)) return std::nullopt;
+    const float at = ea / (ea - eb), k = f.k(a) * (1 - at) + f.k(b) * at;
+    const float sharp = sharpness(f, at < 0.5f ? a : b, k);
+    if (!(sharp > -0.5f)) return std::nullopt;
+    return EdgeHit{at, k, sharp};
+}
+
+/// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t, is averaged
+/// over some pixels of a sheet: within one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth
+/// derivative is not there) and jumps back to the next: the average takes the saw's teeth out of the lines.
+void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std::size_t begin, std::size_t end) {
+    const std::size_t width = sheets.width;
+    CrestRow above(width), own(width);
+    const auto bits_of = [&](const BitRows& bits, std::size_t y, std::size_t x) {
+        return bits.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
+    };
+    const auto look = [&](std::size_t y) {  // at row y, `above`, and at what leads to the next, `own`
+        const auto to = [&](bool down) {
+            return [&, down](std::size_t x) {
+                const SheetEdges& edges = sheets.to(down);
+                const std::uint32_t joined = bits_of(edges.joined, y, x), creased = bits_of(edges.creased, y, x);
+                const std::uint32_t change =
+                    joined == 0 ? 0 : sign_changes(above, x, down ? own : above, down ? x : x + 1);
+                return creased | (joined & change);
+            };
+        };
+        rows.look(y, to(false), to(true), [&](std::size_t a, std::size_t b) {
+            const bool down = b != a + 1;
+            const std::size_t x = a - y * width, x_b = down ? x : x + 1;
+            if (bits_of(sheets.to(down).creased, y, x) & 1) return crease(f, a, b);
+            const CrestRow& other = down ? own : above;
+            return crest(f, a, above.rise[x], above.t(x), b, other.rise[x_b], other.t(x_b));
+        });
+    };
+    RowBlur<3> blur(sheets);
+    const std::size_t last = std::min(end, sheets.height - 1);
+    blur.run(
+        begin, last + 1,
+        [&](std::size_t y, std::size_t x) {
+            const std::size_t i = y * width + x;
+            const LanesOfVec v = f.directions(i) * f.rates(i);
+            return std::array<FloatV, 3>{v.x, v.y, v.z};
+        },
+        [&](std::size_t y, const auto& mean) {
+            std::swap(above, own);
+            own.fill(f, sheets, y, mean);
+            if (y > begin) look(y - 1);
+        });
+    if (last < end) std::swap(above, own), look(last);
+}
+
 }  // namespace
 
-CrossingField crest_crossings(const LineScene& s, const SheetBlur& blur, bool ridges) {
-    const Family f{s, ridges};
-    const auto rises = smooth_rises(f, blur);
-    const auto rise = [&](std::size_t i) { return Vec3f{rises[0][i], rises[1][i], rises[2][i]}; };
-    return find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
-        if (is_crease(s, a, b)) return crease(f, a, b);
-        if (!f.bends(a) || !f.bends(b)) return std::nullopt;
-        const Vec3f ta = f.direction(a), across = f.direction(b);
-        const float turn = dot(ta, across);
-        if (!(std::fabs(turn) > 0.7f)) return std::nullopt;
-        const Vec3f tb = across * std::copysign(1.0f, turn);
-        const float ea = dot(rise(a), ta), eb = dot(rise(b), tb);
-        if ((ea > 0) == (eb > 0) || !one_sheet(s, a, b)) return std::nullopt;
-        // k rises from both sides towards a ridge. An edge that runs along it cannot tell; its
-        // neighbours can.
-        const Vec3f d = s.point(b) - s.point(a);
-        const float along = dot(ta + tb, d);
-        const bool tells = along * along > 0.36f * sq_length(d);
-        if (tells && !(ea * along > 0)) return std::nullopt;
-        const float at = ea / (ea - eb), k = f.k(a) * (1 - at) + f.k(b) * at;
-        const float sharp = sharpness(f, at < 0.5f ? a : b, k);
-        if (!(sharp > -0.5f)) return std::nullopt;
-        return EdgeHit{at, k, sharp};
+CrossingField crest_crossings(const LineScene& s, const Sheets& sheets, bool ridges) {
+    const Family family{s, ridges};
+    return search_rows(s, blur_band(sheets), [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
+        search_band(family, sheets, rows, begin, end);
     });
 }
 

@@ -1,13 +1,15 @@
 #pragma once
 
 #include "raytrace/lines/line_scene.h"
-#include "raytrace/lines/sheet_blur.h"
+#include "raytrace/lines/sheets.h"
 #include "slim/base/parallel.h"
 #include "slim/base/vec.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -30,6 +32,7 @@ struct Crossing {
     Vec3f point;         ///< on the surface, frame of the job
     float weight = 0, evidence = 0;
     std::uint32_t pixel = 0;  ///< that its surface was seen in
+    std::uint32_t edge = 0;   ///< twice the column of the edge's upper or left pixel, and 1 if it leads down
 };
 
 /// All crossings of one kind of line, in the order of rows, each pixel's right edge before its
@@ -37,46 +40,75 @@ struct Crossing {
 struct CrossingField {
     int width = 0, height = 0;
     std::vector<Crossing> crossings;
-    std::vector<std::int32_t> right, down;  ///< per pixel: crossing of that edge, -1 for none
+    std::vector<std::size_t> row_start;  ///< height + 1 offsets: those of edges that begin in a row
 };
 
-/// Entry point of a found edge into the picture.
-Crossing place_crossing(const LineScene& scene, std::size_t a, std::size_t b, const EdgeHit& hit);
+/// Crossings of some rows as they are found.
+class RowCrossings {
+public:
+    RowCrossings(const LineScene& scene, std::size_t n_rows) : scene_(scene), row_start_(n_rows + 1) {}
 
-/// Asks find(a, b) -> optional<EdgeHit> for every pair of neighbours, b to the right of a or below
-/// it. Parallel over rows; the same for any number of threads. Cost: O(pixels).
-template <class Find>
-CrossingField find_crossings(const LineScene& scene, const Find& find) {
-    const GBuffer& g = scene.buffer;
-    const auto width = static_cast<std::size_t>(g.width),
-               height = static_cast<std::size_t>(g.height);
-    struct Found {
-        Crossing crossing;
-        std::size_t pixel;
-        bool down;
-    };
-    std::vector<std::vector<Found>> rows(height);
-    parallel_blocks(height, 1, [&](std::size_t y, std::size_t) {
-        const auto look = [&](std::size_t a, std::size_t b, bool down) {
-            if (const std::optional<EdgeHit> hit = find(a, b))
-                rows[y].push_back({place_crossing(scene, a, b, *hit), a, down});
-        };
-        for (std::size_t x = 0; x < width; ++x) {
-            const std::size_t a = y * width + x;
-            if (x + 1 < width) look(a, a + 1, false);
-            if (y + 1 < height) look(a, a + width, true);
+    /// Row y, one after the other: find(a, b) -> optional<EdgeHit> for the pairs whose bit is set, right(x) and
+    /// down(x) being those of pixels x, x + 1, ... with the next and with the one below.
+    template <class Right, class Down, class Find>
+    void look(std::size_t y, const Right& right, const Down& down, const Find& find) {
+        const auto width = static_cast<std::size_t>(scene_.buffer.width);
+        for (std::size_t x = 0; x < width; x += kLanes) {
+            const std::uint32_t to_right = right(x), to_below = down(x);
+            for_each_bit(to_right | to_below, [&](std::size_t k) {
+                const std::size_t a = y * width + x + k;
+                if (to_right >> k & 1) add(a, a + 1, find(a, a + 1));
+                if (to_below >> k & 1) add(a, a + width, find(a, a + width));
+            });
         }
+        row_start_[++n_rows_] = crossings_.size();
+    }
+
+    friend CrossingField joined_rows(const LineScene& scene, std::vector<RowCrossings> bands);
+
+private:
+    void add(std::size_t a, std::size_t b, const std::optional<EdgeHit>& hit);
+
+    const LineScene& scene_;
+    std::vector<Crossing> crossings_;
+    std::vector<std::size_t> row_start_;
+    std::size_t n_rows_ = 0;
+};
+
+/// The crossings of all rows; bands of rows follow each other.
+CrossingField joined_rows(const LineScene& scene, std::vector<RowCrossings> bands);
+
+/// search(rows, begin, end) for bands of rows, in parallel; the same for any number of threads.
+template <class Search>
+CrossingField search_rows(const LineScene& scene, std::size_t grain, const Search& search) {
+    const auto height = static_cast<std::size_t>(scene.buffer.height);
+    std::vector<RowCrossings> bands;
+    for (std::size_t y = 0; y < height; y += grain) bands.emplace_back(scene, std::min(height, y + grain) - y);
+    parallel_blocks(height, grain,
+                    [&](std::size_t begin, std::size_t end) { search(bands[begin / grain], begin, end); });
+    return joined_rows(scene, std::move(bands));
+}
+
+/// Asks find(a, b) -> optional<EdgeHit> for pairs of neighbours, b to the right of a or below it: those that
+/// may(down, y, x) has bits for, of pixels x, x + 1, ... and their neighbours. Parallel over rows. Cost: O(pixels).
+template <class May, class Find>
+CrossingField find_crossings(const LineScene& scene, const May& may, const Find& find) {
+    constexpr std::size_t kGrain = 16;
+    return search_rows(scene, kGrain, [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y)
+            rows.look(
+                y, [&](std::size_t x) { return may(false, y, x); }, [&](std::size_t x) { return may(true, y, x); },
+                find);
     });
-    CrossingField field{g.width, g.height, {}, {}, {}};
-    field.right.assign(g.n_pixels(), -1);
-    field.down.assign(g.n_pixels(), -1);
-    for (const auto& row : rows)
-        for (const Found& f : row) {
-            (f.down ? field.down : field.right)[f.pixel] =
-                static_cast<std::int32_t>(field.crossings.size());
-            field.crossings.push_back(f.crossing);
-        }
-    return field;
+}
+
+/// The same for all pairs on one sheet.
+template <class Find>
+CrossingField find_on_sheets(const LineScene& scene, const Sheets& sheets, const Find& find) {
+    const auto joined = [&](bool down, std::size_t y, std::size_t x) {
+        return sheets.to(down).joined.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
+    };
+    return find_crossings(scene, joined, find);
 }
 
 /// The crossings of each kind, by NUMERICS 5.4. Weights and evidence:
@@ -87,10 +119,10 @@ CrossingField find_crossings(const LineScene& scene, const Find& find) {
 ///     valley      -k2; the same for -k2 along t2
 ///     parabolic   the curvature that does not vanish; 1
 ///     reflection  1 / L; 1
-CrossingField contour_crossings(const LineScene& scene);
-CrossingField suggestive_crossings(const LineScene& scene, const SheetBlur& blur);
-CrossingField crest_crossings(const LineScene& scene, const SheetBlur& blur, bool ridges);
-CrossingField parabolic_crossings(const LineScene& scene, const SheetBlur& blur);
-CrossingField reflection_crossings(const LineScene& scene);
+CrossingField contour_crossings(const LineScene& scene, const Sheets& sheets);
+CrossingField suggestive_crossings(const LineScene& scene, const Sheets& sheets);
+CrossingField crest_crossings(const LineScene& scene, const Sheets& sheets, bool ridges);
+CrossingField parabolic_crossings(const LineScene& scene, const Sheets& sheets);
+CrossingField reflection_crossings(const LineScene& scene, const Sheets& sheets);
 
 }  // namespace slim

@@ -4,63 +4,55 @@
 #include "raytrace/lines/link.h"
 #include "raytrace/lines/select.h"
 #include "slim/base/check.h"
+#include "slim/base/parallel.h"
 
-#include <optional>
+#include <algorithm>
+#include <iterator>
 
 namespace slim {
 namespace {
 
 constexpr int kSmoothingPasses = 8;
 
-/// What kinds of lines of one scene share.
-class Crossings {
-public:
-    explicit Crossings(const LineScene& scene) : scene_(scene) {}
-
-    CrossingField of(LineKind kind) {
-        switch (kind) {
-            case LineKind::contour:
-                return contour_crossings(scene_);
-            case LineKind::suggestive:
-                return suggestive_crossings(scene_, blur());
-            case LineKind::ridge:
-                return crest_crossings(scene_, blur(), true);
-            case LineKind::valley:
-                return crest_crossings(scene_, blur(), false);
-            case LineKind::parabolic:
-                return parabolic_crossings(scene_, blur());
-            case LineKind::reflection:
-                break;
-        }
-        return reflection_crossings(scene_);
+CrossingField crossings_of(LineKind kind, const LineScene& scene, const Sheets& sheets) {
+    switch (kind) {
+        case LineKind::contour:
+            return contour_crossings(scene, sheets);
+        case LineKind::suggestive:
+            return suggestive_crossings(scene, sheets);
+        case LineKind::ridge:
+            return crest_crossings(scene, sheets, true);
+        case LineKind::valley:
+            return crest_crossings(scene, sheets, false);
+        case LineKind::parabolic:
+            return parabolic_crossings(scene, sheets);
+        case LineKind::reflection:
+            break;
     }
+    return reflection_crossings(scene, sheets);
+}
 
-private:
-    const SheetBlur& blur() {
-        if (!blur_) blur_.emplace(scene_);
-        return *blur_;
+std::vector<FeatureLine> lines_of(LineKind kind, const LineScene& scene, const Sheets& sheets) {
+    std::vector<FeatureLine> lines =
+        select_lines(link_crossings(scene, crossings_of(kind, scene, sheets), kind),
+                     line_rules(kind, scene.buffer.width, scene.buffer.height));
+    for (FeatureLine& line : lines) {
+        smooth_line(line, kSmoothingPasses);
+        measure_line(line);
     }
-
-    const LineScene& scene_;
-    std::optional<SheetBlur> blur_;
-};
+    return lines;
+}
 
 }  // namespace
 
 std::vector<FeatureLine> extract_lines(const LineScene& scene, std::span<const LineKind> kinds) {
     SLIM_CHECK(scene.buffer.has(line_channels(kinds, scene.degree)), ==, true);
+    if (kinds.empty()) return {};
+    const Sheets sheets(scene);
+    std::vector<std::vector<FeatureLine>> of(kinds.size());
+    parallel_blocks(kinds.size(), 1, [&](std::size_t k, std::size_t) { of[k] = lines_of(kinds[k], scene, sheets); });
     std::vector<FeatureLine> out;
-    Crossings crossings(scene);
-    for (const LineKind kind : kinds) {
-        std::vector<FeatureLine> lines =
-            select_lines(link_crossings(scene, crossings.of(kind), kind),
-                         line_rules(kind, scene.buffer.width, scene.buffer.height));
-        for (FeatureLine& line : lines) {
-            smooth_line(line, kSmoothingPasses);
-            measure_line(line);
-            out.push_back(std::move(line));
-        }
-    }
+    for (auto& lines : of) std::move(lines.begin(), lines.end(), std::back_inserter(out));
     return out;
 }
 

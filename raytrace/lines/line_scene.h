@@ -40,6 +40,10 @@ struct LineScene {
     float facing(std::size_t a) const { return dot(normal(a), normalized(toward_eye(a))); }
 };
 
+inline constexpr float kSheetGap = 2;          ///< footprints
+inline constexpr float kSheetTurn = 0.5f;      ///< N_a . N_b of one sheet is above
+inline constexpr float kCreaseTurn = 0.866f;   ///< and below this at an edge within a pixel: 30 degrees
+
 /// Whether the surface breaks off between two hits beside each other: each lies off the other's
 /// tangent plane by more than it can bend away in a pixel: 2 footprints, or one where N.v changes
 /// its sign.
@@ -48,17 +52,16 @@ struct LineScene {
 /// than 63 degrees would be a contour. On a sphere the last pixel before the limb lies at most one
 /// footprint off the tangent plane of the one before, whatever the gap.
 inline bool breaks_off(const LineScene& s, std::size_t a, std::size_t b) {
-    constexpr float kGap = 2;
     const Vec3f d = s.point(b) - s.point(a);
     const float width = s.footprint(a), sq_gap = sq_length(d);
-    if (sq_gap <= kGap * kGap * width * width) return false;
+    if (sq_gap <= kSheetGap * kSheetGap * width * width) return false;
     const float off = std::fmax(std::fabs(dot(d, s.normal(a))), std::fabs(dot(d, s.normal(b))));
-    return off > kGap * width || (off > width && (s.facing(a) > 0) != (s.facing(b) > 0));
+    return off > kSheetGap * width || (off > width && (s.facing(a) > 0) != (s.facing(b) > 0));
 }
 
 /// Whether two neighbours lie on one sheet without an edge between them (N_a . N_b > 0.5).
 inline bool one_sheet(const LineScene& s, std::size_t a, std::size_t b) {
-    return s.hit(a) && s.hit(b) && dot(s.normal(a), s.normal(b)) > 0.5f && !breaks_off(s, a, b);
+    return s.hit(a) && s.hit(b) && dot(s.normal(a), s.normal(b)) > kSheetTurn && !breaks_off(s, a, b);
 }
 
 }  // namespace slim

@@ -1,8 +1,12 @@
 #include "raytrace/lines/link.h"
 
+#include "slim/base/parallel.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -10,15 +14,8 @@ namespace {
 constexpr std::int32_t kNobody = -1;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/// The two neighbours of every crossing on its line.
+/// The two neighbours of every crossing on its line: first that in the upper or left one of its edge's two cells.
 using Links = std::vector<std::array<std::int32_t, 2>>;
-
-void link(Links& links, std::int32_t a, std::int32_t b) {
-    for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
-        auto& own = links[static_cast<std::size_t>(from)];
-        own[own[0] == kNobody ? 0 : 1] = to;
-    }
-}
 
 /// What it costs to link two crossings of a cell: their squared distance; never across sheets.
 /// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
@@ -32,13 +29,37 @@ float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const 
     return sq + 4;  // after any pair that is surely on one sheet
 }
 
-/// The crossings of one cell: top, left, right, bottom.
+/// The crossings of one cell: top, left, right, bottom; of the upper two this cell is the second one.
 struct CellCrossings {
     std::array<std::int32_t, 4> id{};
+    std::array<std::uint8_t, 4> slot{};
     std::size_t n = 0;
-    void add(std::int32_t crossing) {
-        if (crossing != kNobody) id[n++] = crossing;
+    void add(std::int32_t crossing, std::uint8_t own_slot) {
+        if (crossing != kNobody) id[n] = crossing, slot[n] = own_slot, ++n;
     }
+};
+
+/// The crossings of a row's edges by column, and which of its cells have any.
+class RowIndex {
+public:
+    explicit RowIndex(std::size_t width) : right(width + 1, kNobody), down(width + 1, kNobody) {}
+    std::vector<std::int32_t> right, down;
+
+    /// Puts in those of row y, after taking out those of the row that was there.
+    void move_to(const CrossingField& field, std::size_t y) {
+        for (const std::uint32_t edge : edges_) place(edge) = kNobody;
+        edges_.clear();
+        for (std::size_t i = field.row_start[y]; i < field.row_start[y + 1]; ++i) {
+            const std::uint32_t edge = field.crossings[i].edge;
+            place(edge) = static_cast<std::int32_t>(i);
+            edges_.push_back(edge);
+        }
+    }
+    std::span<const std::uint32_t> edges() const { return edges_; }
+
+private:
+    std::int32_t& place(std::uint32_t edge) { return (edge & 1 ? down : right)[edge / 2]; }
+    std::vector<std::uint32_t> edges_;
 };
 
 class Linker {
@@ -49,20 +70,49 @@ public:
           kind_(kind),
           links_(field.crossings.size(), {kNobody, kNobody}) {}
 
+    /// Cells in parallel by rows: each writes its own links.
     Links run() {
-        const auto width = static_cast<std::size_t>(field_.width);
-        for (std::size_t y = 0; y + 1 < static_cast<std::size_t>(field_.height); ++y)
-            for (std::size_t x = 0; x + 1 < width; ++x) {
-                const std::size_t i = y * width + x;
-                CellCrossings cell;
-                cell.add(field_.right[i]), cell.add(field_.down[i]);
-                cell.add(field_.down[i + 1]), cell.add(field_.right[i + width]);
-                if (cell.n >= 2) link_cell(cell);
+        constexpr std::size_t kGrain = 32;
+        const auto height = static_cast<std::size_t>(field_.height);
+        parallel_blocks(height > 0 ? height - 1 : 0, kGrain, [&](std::size_t begin, std::size_t end) {
+            const auto width = static_cast<std::size_t>(field_.width);
+            RowIndex top(width), bottom(width);
+            bottom.move_to(field_, begin);
+            for (std::size_t y = begin; y < end; ++y) {
+                std::swap(top, bottom);
+                bottom.move_to(field_, y + 1);
+                link_row(top, bottom);
             }
+        });
         return std::move(links_);
     }
 
 private:
+    /// Every cell with two crossings or more once: from its upper edge, or else its left, or else its right one.
+    void link_row(const RowIndex& top, const RowIndex& bottom) {
+        const auto width = static_cast<std::size_t>(field_.width);
+        const auto look = [&](std::size_t x) {
+            if (x + 1 >= width) return;
+            CellCrossings cell;
+            cell.add(top.right[x], 1), cell.add(top.down[x], 1);
+            cell.add(top.down[x + 1], 0), cell.add(bottom.right[x], 0);
+            if (cell.n >= 2) link_cell(cell);
+        };
+        for (const std::uint32_t edge : top.edges()) {
+            const std::size_t x = edge / 2;
+            const bool down = edge & 1;
+            if (!down || top.right[x] == kNobody) look(x);
+            if (down && x > 0 && top.right[x - 1] == kNobody && top.down[x - 1] == kNobody) look(x - 1);
+        }
+    }
+
+    void link(const CellCrossings& c, std::size_t a, std::size_t b) {
+        const auto of = [&](std::size_t k) -> std::int32_t& {
+            return links_[static_cast<std::size_t>(c.id[k])][c.slot[k]];
+        };
+        of(a) = c.id[b], of(b) = c.id[a];
+    }
+
     float cost(const CellCrossings& c, std::size_t a, std::size_t b) const {
         return link_cost(scene_, kind_, field_.crossings[static_cast<std::size_t>(c.id[a])],
                          field_.crossings[static_cast<std::size_t>(c.id[b])]);
@@ -77,7 +127,7 @@ private:
         for (std::size_t a = 0; a < c.n; ++a)
             for (std::size_t b = a + 1; b < c.n; ++b)
                 if (const float now = cost(c, a, b); now < best) best = now, best_a = a, best_b = b;
-        if (best < kNever) link(links_, c.id[best_a], c.id[best_b]);
+        if (best < kNever) link(c, best_a, best_b);
     }
 
     void link_four(const CellCrossings& c) {
@@ -92,7 +142,7 @@ private:
         }
         for (const std::size_t first : {0u, 2u}) {
             const std::size_t a = kPairs[best][first], b = kPairs[best][first + 1];
-            if (cost(c, a, b) < kNever) link(links_, c.id[a], c.id[b]);
+            if (cost(c, a, b) < kNever) link(c, a, b);
         }
     }
 
@@ -131,7 +181,7 @@ std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingFi
     // Open lines from their ends, then what is left: loops.
     for (const bool open : {true, false})
         for (std::size_t i = 0; i < links.size(); ++i) {
-            if (used[i] || (open && links[i][1] != kNobody)) continue;
+            if (used[i] || (open && links[i][0] != kNobody && links[i][1] != kNobody)) continue;
             FeatureLine line = follow(field, links, static_cast<std::int32_t>(i), kind, used);
             line.closed = !open && line.points.size() > 2;
             if (line.points.size() > 1) lines.push_back(std::move(line));

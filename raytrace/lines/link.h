@@ -11,7 +11,7 @@ namespace slim {
 /// and follows them: two of a cell belong together; of three or four the pairs that lie closest.
 /// Crossings seen on different sheets are not linked. Lengths and strengths are not filled in. Each
 /// crossing is a point of at most one line; lines come in the order of their first crossings. cost
-/// O(pixels); the same for any number of threads
+/// O(pixels); the cells in parallel; the same for any number of threads
 std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field,
                                         LineKind kind);
 

@@ -1,5 +1,6 @@
 #include "raytrace/lines/crossings.h"
 #include "raytrace/stripes.h"
+#include "slim/base/parallel.h"
 
 #include <cmath>
 #include <numbers>
@@ -18,7 +19,7 @@ float stripe_at(const LineScene& s, std::size_t i) {
 
 }  // namespace
 
-CrossingField reflection_crossings(const LineScene& s) {
+CrossingField reflection_crossings(const LineScene& s, const Sheets& sheets) {
     std::vector<float> stripe(s.buffer.n_pixels());
     const auto width = static_cast<std::size_t>(s.buffer.width);
     parallel_blocks(stripe.size(), width, [&](std::size_t begin, std::size_t end) {
@@ -26,17 +27,13 @@ CrossingField reflection_crossings(const LineScene& s) {
             if (s.hit(i)) stripe[i] = stripe_at(s, i);
     });
     const auto weight = static_cast<float>(1 / s.diagonal);
-    return find_crossings(s,
-                          [=, &s, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
-                              // Half a stripe off, so that no edge lies where the angle jumps from
-                              // pi to -pi.
-                              const float fa = stripe[a] + 0.5f, fb = stripe[b] + 0.5f;
-                              const float level = std::fmax(std::floor(fa), std::floor(fb));
-                              if (std::floor(fa) == std::floor(fb) || std::fabs(fa - fb) > 1)
-                                  return std::nullopt;
-                              if (!one_sheet(s, a, b)) return std::nullopt;
-                              return EdgeHit{(level - fa) / (fb - fa), weight};
-                          });
+    return find_on_sheets(s, sheets, [=, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+        // Half a stripe off, so that no edge lies where the angle jumps from pi to -pi.
+        const float fa = stripe[a] + 0.5f, fb = stripe[b] + 0.5f;
+        const float level = std::fmax(std::floor(fa), std::floor(fb));
+        if (std::floor(fa) == std::floor(fb) || std::fabs(fa - fb) > 1) return std::nullopt;
+        return EdgeHit{(level - fa) / (fb - fa), weight};
+    });
 }
 
 }  // namespace slim

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -119,16 +119,15 @@ float typical_curvature(const LineScene& scene) {
 
 }  // namespace
 
-CrossingField suggestive_crossings(const LineScene& s, const SheetBlur& blur) {
-    std::vector<float> kappa = radial_curvature(s);
-    blur(std::span(&kappa, 1));  // seams between surfels make it jagged
+CrossingField suggestive_crossings(const LineScene& s, const Sheets& sheets) {
+    const std::vector<float> kappa = blurred(sheets, radial_curvature(s));  // seams between surfels make it jagged
     const SlopeByDifferences differences(s, kappa);
     const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
     const bool exact = s.degree >= 3;
-    return find_crossings(
-        s, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+    return find_on_sheets(
+        s, sheets, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
             const float ka = kappa[a], kb = kappa[b];
-            if (!(ka * kb <= 0) || (ka > 0) == (kb > 0) || !one_sheet(s, a, b)) return std::nullopt;
+            if (!(ka * kb <= 0) || (ka > 0) == (kb > 0)) return std::nullopt;
             const float at = ka / (ka - kb);
             const float slope = exact ? exact_slope(s, a) * (1 - at) + exact_slope(s, b) * at
                                       : differences(a) * (1 - at) + differences(b) * at;

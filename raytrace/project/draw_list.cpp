@@ -4,6 +4,7 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -106,30 +107,66 @@ void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c
     item.near_blend = c.z - radius, item.far_blend = c.z + radius;
 }
 
+/// Surfels of the cut that have records, worked out side by side.
 template <int Degree>
-void bound_patch(const PixelView& view, const PixelWindow& window, const Surfel& s, const Vec3d& c,
-                 const RayForm& form, std::size_t i, DrawList<Degree>& list) {
-    const Vec3d normal = view.rotate_to_camera(s.frame.normal);
-    const double radius = s.support_radius;
-    if (c.z + radius < view.near_plane) return;
-    const PatchBounds whole = patch_bounds(radius, 1, s.polynomial);
-    const OutlinedRect full = patch_outline(window, form, normal, radius, whole);
-    list.full[i] = full.rect, list.full_outline[i] = full.outline;
-    if (full.rect.empty()) return;
-    const PatchBounds core = patch_bounds(radius, kHitTrim, s.polynomial);
-    const OutlinedRect trimmed = patch_outline(window, form, normal, radius, core);
-    list.trimmed[i] = trimmed.rect, list.trimmed_outline[i] = trimmed.outline;
-    const Heading toward(normal, {0, 0, 1});
-    DrawItem& item = list.items[i];
-    item.near_hit = c.z - core.support(toward, false);
-    // q^ lies in the ball and no farther than kBelongs from the surface.
-    item.near_blend = c.z - std::min(radius, whole.support(toward, false) + kBelongs * radius);
-    item.far_blend = c.z + std::min(radius, whole.support(toward, true) + kBelongs * radius);
-}
+class RecordBatch {
+public:
+    RecordBatch(const PixelView& view, const PixelWindow& window, DrawList<Degree>& list)
+        : view_(view), window_(window), list_(list) {}
+
+    /// Entry i of the list; `c` is the surfel's centre in camera coordinates.
+    void add(const Vec3d& c, const Surfel& s, std::size_t i) {
+        entry_[batch_.size()] = i;
+        batch_.add(c, s);
+        if (batch_.full()) work_out();
+    }
+    /// Those added since the last full batch.
+    void work_out() {
+        if (batch_.size() == 0) return;
+        const SurfelLanes s = batch_.lanes(view_);
+        const RayForm form = ray_form(view_, s);
+        const PatchBounds whole = patch_bounds(s, 1), core = patch_bounds(s, kHitTrim);
+        put_outlines(OutlinedRects(window_, form, s, whole), list_.full, list_.full_outline.get());
+        put_outlines(OutlinedRects(window_, form, s, core), list_.trimmed, list_.trimmed_outline.get());
+        put_depths(s, whole, core);
+        std::array<PixelRecord<Degree>*, kSurfelLanes> records{};
+        bool any = false;
+        for (std::size_t k = 0; k < batch_.size(); ++k)
+            if (!list_.full[entry_[k]].empty()) records[k] = &list_.records[entry_[k]], any = true;
+        if (any) fill_pixel_records<Degree>(s, form, records);
+        batch_.clear();
+    }
+
+private:
+    void put_outlines(const OutlinedRects& lanes, std::vector<ScreenRect>& rects, Outline* outlines) const {
+        for (std::size_t k = 0; k < batch_.size(); ++k)
+            rects[entry_[k]] = lanes.rect(k), outlines[entry_[k]] = lanes.outline(k);
+    }
+    void put_depths(const SurfelLanes& s, const PatchBounds& whole, const PatchBounds& core) const {
+        const Heading toward(s.e_w);
+        // q^ lies in the ball and no farther than kBelongs from the surface.
+        const auto blended = [&](bool forth) {
+            return stdx::min(s.radius, whole.support(toward, forth) + kBelongs * s.radius);
+        };
+        const DoubleV& z = s.center.z;
+        const DoubleV near_hit = z - core.support(toward, false);
+        const DoubleV near_blend = z - blended(false), far_blend = z + blended(true);
+        for (std::size_t k = 0; k < batch_.size(); ++k) {
+            DrawItem& item = list_.items[entry_[k]];
+            item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];
+        }
+    }
+
+    const PixelView& view_;
+    const PixelWindow& window_;
+    DrawList<Degree>& list_;
+    SurfelBatch batch_;
+    std::array<std::size_t, kSurfelLanes> entry_{};
+};
 
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                std::uint32_t node, std::size_t i, DrawList<Degree>& list) {
+                std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
     const Surfel s = tree.surfel(node);
     const Vec3d c = view.camera_from_local(s.center);
     DrawItem& item = list.items[i];
@@ -139,9 +176,7 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
         item.general = 0;
         return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
     }
-    const RayForm form = ray_form(view, c, s.support_radius);
-    bound_patch(view, window, s, c, form, i, list);
-    if (!list.full[i].empty()) fill_pixel_record(view, s, form, list.records[i]);
+    if (c.z + s.support_radius >= view.near_plane) batch.add(c, s, i);
 }
 
 /// What the general kernels draw, in order.
@@ -179,8 +214,10 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        RecordBatch<Degree> batch(view, window, list);
+        for (std::size_t i = begin; i < end; ++i) fill_entry(view, window, tree, cut[i], i, list, batch);
+        batch.work_out();
         for (std::size_t i = begin; i < end; ++i) {
-            fill_entry(view, window, tree, cut[i], i, list);
             double& near = list.items[i].near_hit;
             const float key = float_below(near - z_root);
             keys[i] = ordered_bits(key);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/intersect/pixel_record.h"
+#include "raytrace/project/surfel_lanes.h"
 
 #include <array>
 #include <cstddef>
@@ -8,12 +9,12 @@
 
 namespace slim {
 
-/// A polynomial of degree D in (s, t, tau), its coefficients in the order of PixelRecord::f; of degree 1 those of
+/// Polynomials of degree D in (s, t, tau), one per lane; their coefficients in the order of PixelRecord::f; of degree 1 those of
 /// 1, s, t, tau.
 template <int D>
 struct Form {
     static constexpr std::size_t kSize = power_start(D, D + 1);
-    std::array<double, kSize> c{};
+    std::array<DoubleV, kSize> c{};
 };
 using Linear = Form<1>;
 
@@ -28,8 +29,8 @@ Form<D> operator-(Form<D> a, const Form<D>& b) {
     return a;
 }
 template <int D>
-Form<D> operator*(double f, Form<D> a) {
-    for (double& c : a.c) c *= f;
+Form<D> operator*(const DoubleV& f, Form<D> a) {
+    for (DoubleV& c : a.c) c *= f;
     return a;
 }
 

@@ -1,10 +1,14 @@
 #include "raytrace/project/lod_cut.h"
 
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -54,35 +58,113 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
     return 2 * radius * view.focal_px / distance;
 }
 
+namespace {
+
+/// Walks down from some nodes.
+class CutWalk {
+public:
+    CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume, const CutRules& rules)
+        : tree_(tree), view_(view), volume_(volume), rules_(rules) {}
+
+    std::vector<std::uint32_t> cut, visited;
+    std::uint64_t loose_hidden = 0;
+
+    const SurfelTree& tree() const { return tree_; }
+
+    /// All below a node and itself, depth first.
+    void walk(std::uint32_t root) {
+        std::vector<std::uint32_t> stack{root};
+        while (!stack.empty()) {
+            const std::uint32_t i = stack.back();
+            stack.pop_back();
+            const TreeNode& node = tree_.node(i);
+            if (enters(i))
+                for (std::uint32_t c = node.n_children; c-- > 0;) stack.push_back(node.first_child + c);
+        }
+    }
+    /// Takes a node to the cut, or says whether to go on to its children.
+    bool enters(std::uint32_t i) {
+        if (visited.size() >= tree_.n_nodes())
+            throw FormatError("tree node " + std::to_string(i) + ": has another parent too");
+        visited.push_back(i);
+        const TreeNode& node = tree_.node(i);
+        const Vec3d center = view_.camera_from_local(tree_.center(i));
+        const double radius = tree_.support_radius(i);
+        if (!volume_.may_see(center, std::max<double>(node.bound_radius, radius))) return false;
+        const bool small = i != 0 && projected_diameter(view_, center, radius) <= rules_.lod_px;
+        if (node.is_leaf() || (small && node.n_children > 0)) {
+            if (!volume_.may_see(center, radius)) return false;
+            if (rules_.loose || !node.is_loose()) cut.push_back(i);
+            else
+                ++loose_hidden;
+            return false;
+        }
+        if (node.n_children == 0) return false;
+        check_children(tree_, i);
+        return true;
+    }
+
+private:
+    const SurfelTree& tree_;
+    const PixelView& view_;
+    const ViewVolume& volume_;
+    const CutRules& rules_;
+};
+
+/// A part of the walk in its place of the order: ended, or with a node that is still to be entered.
+struct Branch {
+    CutWalk walk;
+    std::optional<std::uint32_t> node;
+};
+
+/// The root's, level by level until they are many.
+std::vector<Branch> branches_of(const CutWalk& none) {
+    constexpr std::size_t kMany = 64;
+    constexpr int kDeepest = 12;
+    std::vector<Branch> branches{{none, 0}};
+    for (int level = 0; level < kDeepest && branches.size() < kMany; ++level) {
+        std::vector<Branch> below;
+        bool deeper = false;
+        for (Branch& b : branches) {
+            if (!b.node) {
+                below.push_back(std::move(b));
+                continue;
+            }
+            const TreeNode& node = none.tree().node(*b.node);
+            const bool enters = b.walk.enters(*b.node);
+            below.push_back({std::move(b.walk), std::nullopt});
+            for (std::uint32_t c = 0; enters && c < node.n_children; ++c)
+                below.push_back({none, node.first_child + c});
+            deeper = deeper || enters;
+        }
+        branches = std::move(below);
+        if (!deeper) break;
+    }
+    return branches;
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
                                    const PixelWindow& window, const CutRules& rules,
                                    CutCounts& counts) {
     std::vector<std::uint32_t> cut;
     if (tree.n_nodes() == 0) return cut;
     const ViewVolume volume(view, window);
-    std::vector<std::uint32_t> stack{0};
-    for (std::size_t n_met = 1; !stack.empty(); ++n_met) {
-        const std::uint32_t i = stack.back();
-        stack.pop_back();
-        if (n_met > tree.n_nodes())
-            throw FormatError("tree node " + std::to_string(i) + ": has another parent too");
-        ++counts.nodes_visited;
-        if (counts.visited) counts.visited->push_back(i);
-        const TreeNode& node = tree.node(i);
-        const Vec3d center = view.camera_from_local(tree.center(i));
-        const double radius = tree.support_radius(i);
-        if (!volume.may_see(center, std::max<double>(node.bound_radius, radius))) continue;
-        const bool small = i != 0 && projected_diameter(view, center, radius) <= rules.lod_px;
-        if (node.is_leaf() || (small && node.n_children > 0)) {
-            if (!volume.may_see(center, radius)) continue;
-            if (rules.loose || !node.is_loose()) cut.push_back(i);
-            else
-                ++counts.loose_hidden;
-            continue;
-        }
-        if (node.n_children == 0) continue;
-        check_children(tree, i);
-        for (std::uint32_t c = node.n_children; c-- > 0;) stack.push_back(node.first_child + c);
+    const CutWalk none(tree, view, volume, rules);
+    std::vector<Branch> branches = branches_of(none);
+    parallel_blocks(branches.size(), 1, [&](std::size_t k, std::size_t) {
+        if (branches[k].node) branches[k].walk.walk(*branches[k].node);
+    });
+    std::uint64_t visited = 0;
+    for (const Branch& b : branches) visited += b.walk.visited.size();
+    if (visited > tree.n_nodes()) CutWalk(none).walk(0);  // says which node is met twice
+    counts.nodes_visited += visited;
+    for (const Branch& b : branches) {
+        const CutWalk& walk = b.walk;
+        cut.insert(cut.end(), walk.cut.begin(), walk.cut.end());
+        counts.loose_hidden += walk.loose_hidden;
+        if (counts.visited) counts.visited->insert(counts.visited->end(), walk.visited.begin(), walk.visited.end());
     }
     return cut;
 }

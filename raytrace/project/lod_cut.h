@@ -36,13 +36,13 @@ struct CutRules {
 struct CutCounts {
     std::uint64_t nodes_visited = 0;
     std::uint64_t loose_hidden = 0;  ///< loose surfels that the cut would hold otherwise
-    std::vector<std::uint32_t>* visited = nullptr;  ///< if set: gets the nodes, as they are visited
+    std::vector<std::uint32_t>* visited = nullptr;  ///< if set: gets the nodes visited
 };
 
 /// The surfels to draw (Ohtake 2005, sec. 3, "view dependent refinement"): from the root down while
 /// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever they
 /// are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below it.
-/// Order: depth first, children in order. Adds to the counts. Throws FormatError on a child that
+/// Order: depth first, children in order; branches in parallel. Adds to the counts. Throws FormatError on a child that
 /// does not come after its parent (a cycle) or lies outside the tree, and where nodes are met
 /// twice.
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,

@@ -2,24 +2,26 @@
 
 #include "raytrace/camera.h"
 #include "raytrace/intersect/pixel_record.h"
-#include "slim/model/surfel.h"
+#include "raytrace/project/surfel_lanes.h"
+
+#include <array>
 
 namespace slim {
 
-/// The rays of the pixels about a surfel, as in PixelRecord.
+/// The rays of the pixels about some surfels, as in PixelRecord.
 struct RayForm {
-    Vec3d mu;                   ///< (X, Y, 1)
-    double kappa;
-    double origin_x, origin_y;  ///< pixel coordinates where s = t = 0
-    double step;                ///< of s and t a pixel
+    Vec3D mu;                    ///< (X, Y, 1)
+    DoubleV kappa;
+    DoubleV origin_x, origin_y;  ///< pixel coordinates where s = t = 0
+    DoubleV step;                ///< of s and t a pixel
 };
 
-/// `c` is the surfel's centre in camera coordinates.
-RayForm ray_form(const PixelView& view, const Vec3d& c, double radius);
+RayForm ray_form(const PixelView& view, const SurfelLanes& surfels);
 
-/// A smooth surfel, or the first sheet of a sharp one, as a function of the pixel; `view` in doubles, floats out.
-/// Cost: about 150 products for degree 2, 400 for degree 3.
+/// Surfels as functions of the pixel, lane k to *out[k] unless that is null: doubles inside, floats out.
+/// Cost: about 150 products a surfel for degree 2, 400 for degree 3.
 template <int Degree>
-void fill_pixel_record(const PixelView& view, const Surfel& surfel, const RayForm& form, PixelRecord<Degree>& out);
+void fill_pixel_records(const SurfelLanes& surfels, const RayForm& form,
+                        const std::array<PixelRecord<Degree>*, kSurfelLanes>& out);
 
 }  // namespace slim

@@ -1,7 +1,15 @@
 #include "raytrace/project/tile_bins.h"
 
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <utility>
+
 namespace slim {
 namespace {
+
+/// Parts of the order, each with counts of its own: no more than a few, whatever the model.
+constexpr std::size_t kLeastPart = 2048, kMostParts = 16;
 
 template <class Visit>
 void for_each_tile(const PixelWindow& window, int columns, const ScreenRect& r, Visit&& visit) {
@@ -26,15 +34,28 @@ TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
     TileBins bins;
     bins.columns = (window.width + kTileSize - 1) / kTileSize;
     bins.rows = (window.height + kTileSize - 1) / kTileSize;
-    bins.start.assign(bins.n_tiles() + 1, 0);
-    for (const std::uint32_t i : order)
-        for_each_tile(window, bins.columns, rects[i], [&](std::size_t t) { ++bins.start[t + 1]; });
-    for (std::size_t t = 0; t < bins.n_tiles(); ++t) bins.start[t + 1] += bins.start[t];
+    const std::size_t n_tiles = bins.n_tiles();
+    const std::size_t grain = std::max(kLeastPart, (order.size() + kMostParts - 1) / kMostParts);
+    const std::size_t n_parts = (order.size() + grain - 1) / grain;
+    // visit(part and tile, entry), parts in parallel, each in its order.
+    const auto for_parts = [&](const auto& visit) {
+        parallel_blocks(order.size(), grain, [&](std::size_t begin, std::size_t end) {
+            for (const std::uint32_t i : order.subspan(begin, end - begin))
+                for_each_tile(window, bins.columns, rects[i],
+                              [&](std::size_t t) { visit(begin / grain * n_tiles + t, i); });
+        });
+    };
+    std::vector<std::uint32_t> next(n_parts * n_tiles, 0);  // of a part in a tile: first how many, then where
+    for_parts([&](std::size_t at, std::uint32_t) { ++next[at]; });
+    bins.start.assign(n_tiles + 1, 0);
+    for (std::size_t t = 0; t < n_tiles; ++t) {
+        std::size_t start = bins.start[t];
+        for (std::size_t part = 0; part < n_parts; ++part)
+            start += std::exchange(next[part * n_tiles + t], static_cast<std::uint32_t>(start));
+        bins.start[t + 1] = start;
+    }
     bins.entries.resize(bins.start.back());
-    std::vector<std::size_t> next(bins.start.begin(), bins.start.end() - 1);
-    for (const std::uint32_t i : order)
-        for_each_tile(window, bins.columns, rects[i],
-                      [&](std::size_t t) { bins.entries[next[t]++] = i; });
+    for_parts([&](std::size_t at, std::uint32_t i) { bins.entries[next[at]++] = i; });
     return bins;
 }
 

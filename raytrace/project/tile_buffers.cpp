@@ -1,7 +1,8 @@
 #include "raytrace/project/tile_buffers.h"
 
+#include "raytrace/project/surfel_lanes.h"
+
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace slim {
@@ -45,20 +46,25 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
 
 /// Offsets from the axis are taken in doubles.
 void TileBuffers::fill_directions(const PixelView& view) {
-    for (int y = 0; y < kTileSize; ++y)
-        for (int x = 0; x < kTileSize; ++x) {
-            const std::size_t i = pixel_entry(x, y);
-            double ray_x = 0, ray_y = 0, len = 1;
-            if (!view.orthographic) {
-                ray_x = (x0 + x + 0.5 - view.center_x) / view.focal_px;
-                ray_y = (y0 + y + 0.5 - view.center_y) / view.focal_px;
-                len = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);
-            }
-            dx.v[i] = static_cast<float>(ray_x / len);
-            dy.v[i] = static_cast<float>(ray_y / len);
-            dz.v[i] = static_cast<float>(1 / len);
-            inv_dz.v[i] = static_cast<float>(len);
+    constexpr std::size_t kHalf = DoubleV::size();
+    static_assert(kLanes % kHalf == 0);
+    const DoubleV lane([](auto k) { return static_cast<double>(static_cast<int>(k)); });
+    const double per_px = view.orthographic ? 0 : 1 / view.focal_px;
+    for (std::size_t part = 0; part < kLanes; part += kHalf) {  // of every block
+        const DoubleV k = lane + static_cast<double>(part), row = stdx::floor(k / double{kBlockWidth});
+        const DoubleV x = k - row * double{kBlockWidth} + (x0 + 0.5 - view.center_x);
+        const DoubleV y = row + (y0 + 0.5 - view.center_y);
+        for (int block = 0; block < kTileBlocks; ++block) {
+            const DoubleV ray_x = (x + double(block % kBlockColumns * kBlockWidth)) * per_px;
+            const DoubleV ray_y = (y + double(block / kBlockColumns * kBlockHeight)) * per_px;
+            const DoubleV len = stdx::sqrt(ray_x * ray_x + ray_y * ray_y + 1.0), share = 1.0 / len;
+            const std::size_t i = static_cast<std::size_t>(block) * kLanes + part;
+            floats_of(ray_x * share).copy_to(dx.v + i, stdx::element_aligned);
+            floats_of(ray_y * share).copy_to(dy.v + i, stdx::element_aligned);
+            floats_of(share).copy_to(dz.v + i, stdx::element_aligned);
+            floats_of(len).copy_to(inv_dz.v + i, stdx::element_aligned);
         }
+    }
 }
 
 float TileBuffers::farthest() const {

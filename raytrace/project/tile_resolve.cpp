@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 
 namespace slim {
@@ -16,6 +17,11 @@ namespace {
 struct Target {
     const PixelWindow& window;
     const TileBuffers& t;
+    bool whole;  ///< all of the tile lies in the window
+
+    Target(const PixelWindow& of, const TileBuffers& tile)
+        : window(of), t(tile),
+          whole(t.clip.x1 - t.clip.x0 == kTileSize && t.clip.y1 - t.clip.y0 == kTileSize) {}
 
     std::size_t in_buffer(int x, int y) const {
         return static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.width) +
@@ -26,6 +32,12 @@ struct Target {
     template <class T>
     void put_block(int row, int column, const T* lanes, T* to) const {
         const int x = t.x0 + column * kBlockWidth, y = t.y0 + row * kBlockHeight;
+        if (whole) {
+            T* out = to + in_buffer(x, y);
+            for (int k = 0; k < kBlockHeight; ++k, out += window.width)
+                std::copy_n(lanes + k * kBlockWidth, kBlockWidth, out);
+            return;
+        }
         const int x_0 = std::max(x, t.clip.x0), x_1 = std::min(x + kBlockWidth, t.clip.x1);
         const int y_0 = std::max(y, t.clip.y0), y_1 = std::min(y + kBlockHeight, t.clip.y1);
         if (x_1 - x_0 == kBlockWidth) {
@@ -91,7 +103,11 @@ void average(const TileSums& sums, TileBuffers& t) {
 void write_hits(const Target& target, const TileBuffers& t, GBuffer& out) {
     target.for_each_block([&](int row, int column, std::size_t i) {
         std::array<std::uint8_t, kLanes> hit;
-        for (std::size_t k = 0; k < kLanes; ++k) hit[k] = is_hit(t.z.v[i + k]);
+        const auto bits = lane_bits(has_hit(t.z.load(i)));
+        for (std::size_t k = 0; k < kLanes; k += 4) {  // bit j of four to byte j
+            const auto bytes = static_cast<std::uint32_t>((bits >> k & 15) * 0x00204081u & 0x01010101u);
+            std::memcpy(hit.data() + k, &bytes, 4);
+        }
         target.put_block(row, column, hit.data(), out.hit.data());
     });
 }
@@ -223,7 +239,7 @@ void write_count(const Target& target, const TileBuffers& t, GBuffer& out) {
 void resolve_tile(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                   std::span<const DrawItem> items, std::span<const std::uint32_t> entries,
                   const TileSums& sums, TileBuffers& t, GBuffer& out) {
-    const Target target{window, t};
+    const Target target(window, t);
     average(sums, t);
     write_hits(target, t, out);
     if (out.has(kDepthChannel)) write_depth(target, t, out);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 #ifdef __AVX512VL__
@@ -100,6 +101,54 @@ template <class V>
 template <class M>
 inline std::uint64_t lane_bits(const M& mask) {
     return mask.__to_bitset().to_ullong();
+}
+
+/// The lanes of some bits.
+[[gnu::always_inline]] inline FloatV::mask_type lanes_of_bits(std::uint32_t bits) {
+    return FloatV::mask_type::__from_bitset(bits);
+}
+
+/// Bits of the first n (at most as many as there are lanes) of bytes that are 0 or 1.
+inline std::uint32_t bits_of_bytes(const std::uint8_t* bytes, std::size_t n) {
+    const auto eight = [](std::uint64_t word) {  // byte j goes to bit 56 + j
+        return static_cast<std::uint32_t>((word * 0x0102040810204080u) >> 56);
+    };
+    std::uint32_t bits = 0;
+    std::size_t k = 0;
+    for (; k + 8 <= n; k += 8) {
+        std::uint64_t word;
+        std::memcpy(&word, bytes + k, 8);
+        bits |= eight(word) << k;
+    }
+    for (; k < n; ++k) bits |= std::uint32_t{bytes[k]} << k;
+    return bits;
+}
+
+/// Writes a[0] b[0] c[0] d[0] a[1] b[1] ...: 4 kLanes floats.
+inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c, const FloatV& d, float* out) {
+#ifdef __AVX512VL__
+    const auto lo = [](const FloatV& x, const FloatV& y) {
+        return _mm512_castps_pd(_mm512_unpacklo_ps(static_cast<__m512>(x), static_cast<__m512>(y)));
+    };
+    const auto hi = [](const FloatV& x, const FloatV& y) {
+        return _mm512_castps_pd(_mm512_unpackhi_ps(static_cast<__m512>(x), static_cast<__m512>(y)));
+    };
+    const __m512d ab_lo = lo(a, b), ab_hi = hi(a, b), cd_lo = lo(c, d), cd_hi = hi(c, d);
+    // Quarter q of p_k holds entry 4 q + k.
+    const __m512 p_0 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_lo, cd_lo));
+    const __m512 p_1 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_lo, cd_lo));
+    const __m512 p_2 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_hi, cd_hi));
+    const __m512 p_3 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_hi, cd_hi));
+    const __m512 even_01 = _mm512_shuffle_f32x4(p_0, p_1, 0x88), even_23 = _mm512_shuffle_f32x4(p_2, p_3, 0x88);
+    const __m512 odd_01 = _mm512_shuffle_f32x4(p_0, p_1, 0xdd), odd_23 = _mm512_shuffle_f32x4(p_2, p_3, 0xdd);
+    _mm512_storeu_ps(out, _mm512_shuffle_f32x4(even_01, even_23, 0x88));
+    _mm512_storeu_ps(out + 16, _mm512_shuffle_f32x4(odd_01, odd_23, 0x88));
+    _mm512_storeu_ps(out + 32, _mm512_shuffle_f32x4(even_01, even_23, 0xdd));
+    _mm512_storeu_ps(out + 48, _mm512_shuffle_f32x4(odd_01, odd_23, 0xdd));
+#else
+    for (std::size_t k = 0; k < kLanes; ++k)
+        out[4 * k] = a[k], out[4 * k + 1] = b[k], out[4 * k + 2] = c[k], out[4 * k + 3] = d[k];
+#endif
 }
 
 /// Lanes of T, as many as there are native ones of double.

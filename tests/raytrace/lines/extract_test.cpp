@@ -2,7 +2,9 @@
 
 #include "raytrace/brute/brute_renderer.h"
 #include "raytrace/lines/crossings.h"
+#include "raytrace/lines/lines_geometry.h"
 #include "raytrace/project/forward_renderer.h"
+#include "slim/base/parallel.h"
 #include "tests/raytrace/lines/analytic_buffer.h"
 #include "tests/raytrace/support/analytic_models.h"
 
@@ -12,6 +14,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <string>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -190,20 +194,37 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     GBuffer buffer;
     render_forward(model.view(), request, buffer);
     const PixelView view = pixel_view(request.camera, 400, 400);
-    const SheetBlur blur({buffer, view, 3, 3});
-    const CrossingField exact = suggestive_crossings({buffer, view, 3, 3}, blur);
-    const CrossingField differences = suggestive_crossings({buffer, view, 3, 2}, blur);
+    const Sheets sheets({buffer, view, 3, 3});
+    const CrossingField exact = suggestive_crossings({buffer, view, 3, 3}, sheets);
+    const CrossingField differences = suggestive_crossings({buffer, view, 3, 2}, sheets);
+    const auto by_edge = [](const CrossingField& field) {
+        std::map<std::pair<std::size_t, std::uint32_t>, float> evidence;
+        for (std::size_t y = 0; y + 1 < field.row_start.size(); ++y)
+            for (std::size_t i = field.row_start[y]; i < field.row_start[y + 1]; ++i)
+                evidence[{y, field.crossings[i].edge}] = field.crossings[i].evidence;
+        return evidence;
+    };
     std::vector<float> ratios;
-    for (std::size_t i = 0; i < buffer.n_pixels(); ++i) {
-        if (exact.right[i] < 0 || differences.right[i] < 0) continue;
-        ratios.push_back(
-            differences.crossings[static_cast<std::size_t>(differences.right[i])].evidence /
-            exact.crossings[static_cast<std::size_t>(exact.right[i])].evidence);
-    }
+    const auto exactly = by_edge(exact);
+    for (const auto& [edge, evidence] : by_edge(differences))
+        if (const auto found = exactly.find(edge); found != exactly.end()) ratios.push_back(evidence / found->second);
     ASSERT_GT(ratios.size(), 20u);
     std::nth_element(ratios.begin(),
                      ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
     EXPECT_NEAR(ratios[ratios.size() / 2], 1, 0.1);
+}
+
+TEST(ExtractLines, AreTheSameForAnyNumberOfThreads) {
+    const Camera camera = test::camera_from_x(1.6);
+    const GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});  // several bands of rows
+    const PixelView view = pixel_view(camera, 300, 300);
+    const auto lines_with = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return lines_ply(extract_lines({buffer, view, 2.6, 3}, kAllLineKinds), {});
+    };
+    const std::string one = lines_with(1);
+    EXPECT_EQ(one, lines_with(2));
+    EXPECT_EQ(one, lines_with(5));
 }
 
 TEST(ExtractLines, TheBruteRendererGivesTheSameLines) {

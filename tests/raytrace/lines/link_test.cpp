@@ -38,9 +38,9 @@ protected:
             return f(static_cast<float>(i % kSize) + 0.5f, static_cast<float>(i / kSize) + 0.5f);
         };
         const auto field =
-            find_crossings(s, [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+            find_on_sheets(s, Sheets(s), [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
                 const float fa = at(a), fb = at(b);
-                if ((fa > 0) == (fb > 0) || !one_sheet(s, a, b)) return std::nullopt;
+                if ((fa > 0) == (fb > 0)) return std::nullopt;
                 return EdgeHit{fa / (fa - fb), 1};
             });
         return link_crossings(s, field, LineKind::parabolic);
@@ -94,7 +94,7 @@ TEST_F(LinkTest, AStepIsAContour) {
     for (int y = 10; y < 30; ++y)
         for (int x = 20; x < 40; ++x) put(x, y, 5);
     const LineScene s = scene();
-    auto lines = select_lines(link_crossings(s, contour_crossings(s), LineKind::contour),
+    auto lines = select_lines(link_crossings(s, contour_crossings(s, Sheets(s)), LineKind::contour),
                               line_rules(LineKind::contour, kSize, kSize));
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_TRUE(lines[0].closed);

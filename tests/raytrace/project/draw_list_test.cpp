@@ -155,5 +155,27 @@ TEST(TileBins, HoldEachRectInItsTilesInOrder) {
     EXPECT_EQ(of(11), (std::vector<std::uint32_t>{2}));
 }
 
+TEST(TileBins, KeepTheOrderOfManyRectangles) {
+    const PixelWindow window{0, 0, 320, 200};
+    std::vector<ScreenRect> rects;
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+        const int x = static_cast<int>(keyed_hash(1, i) % 300), y = static_cast<int>(keyed_hash(2, i) % 180);
+        rects.push_back({x, y, x + 1 + static_cast<int>(i % 20), y + 1 + static_cast<int>(i % 17)});
+        if (i % 3) order.push_back((i * 7919) % 20000);
+    }
+    const TileBins bins = tile_bins(window, rects, order);
+    ASSERT_EQ(bins.n_tiles(), 70u);
+    for (std::size_t t = 0; t < bins.n_tiles(); ++t) {
+        const int x = static_cast<int>(t % 10) * kTileSize, y = static_cast<int>(t / 10) * kTileSize;
+        std::vector<std::uint32_t> touching;
+        for (const std::uint32_t i : order) {
+            const ScreenRect& r = rects[i];
+            if (r.x0 < x + kTileSize && r.x1 > x && r.y0 < y + kTileSize && r.y1 > y) touching.push_back(i);
+        }
+        ASSERT_EQ(std::vector<std::uint32_t>(bins.of(t).begin(), bins.of(t).end()), touching) << t;
+    }
+}
+
 }  // namespace
 }  // namespace slim

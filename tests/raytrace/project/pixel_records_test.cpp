@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -61,16 +62,32 @@ struct Direct {
     }
 };
 
+/// A surfel as a batch of its own: all lanes repeat it.
+SurfelLanes lanes_of(const PixelView& view, const Surfel& s) {
+    SurfelBatch batch;
+    batch.add(view.camera_from_local(s.center), s);
+    return batch.lanes(view);
+}
+
+/// Its record, from the last lane.
+template <int Degree>
+PixelRecord<Degree> record_of(const PixelView& view, const Surfel& s) {
+    PixelRecord<Degree> r;
+    std::array<PixelRecord<Degree>*, kSurfelLanes> out{};
+    out.back() = &r;
+    const SurfelLanes lanes = lanes_of(view, s);
+    fill_pixel_records(lanes, ray_form(view, lanes), out);
+    return r;
+}
+
 template <int Degree>
 void expect_direct_values(bool orthographic, double nearest) {
     const PixelView view = view_of(orthographic);
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(testing::Message() << Degree << ' ' << orthographic << ' ' << nearest << ' ' << seed);
         const Surfel s = random_surfel(seed, Degree, nearest);
-        PixelRecord<Degree> r;
+        const auto r = record_of<Degree>(view, s);
         const Vec3d c = view.camera_from_local(s.center);
-        const RayForm form = ray_form(view, c, s.support_radius);
-        fill_pixel_record(view, s, form, r);
         const double scale = orthographic ? view.px_per_unit : view.focal_px / c.z;
         const int x = static_cast<int>(view.center_x + scale * (c.x + 0.5 * s.support_radius * uniform(seed, 30)));
         const int y = static_cast<int>(view.center_y + scale * (c.y + 0.5 * s.support_radius * uniform(seed, 31)));
@@ -118,13 +135,43 @@ bool meets_patch(const PixelView& view, const Surfel& s, int x, int y) {
     return ray_roots(ray_polynomial(local, s.polynomial), -half, half).n > 0;
 }
 
-OutlinedRect outlined(const PixelView& view, const Surfel& s) {
-    const Vec3d c = view.camera_from_local(s.center);
-    return patch_outline({0, 0, 200, 200}, ray_form(view, c, s.support_radius), view.rotate_to_camera(s.frame.normal),
-                         s.support_radius, patch_bounds(s.support_radius, 1, s.polynomial));
+struct Outlined {
+    Outline outline;
+    ScreenRect rect;
+};
+Outlined outlined(const PixelView& view, const Surfel& s) {
+    const SurfelLanes lanes = lanes_of(view, s);
+    const OutlinedRects rects({0, 0, 200, 200}, ray_form(view, lanes), lanes, patch_bounds(lanes, 1));
+    return {rects.outline(kSurfelLanes - 1), rects.rect(kSurfelLanes - 1)};
 }
 
 bool holds(const ScreenRect& r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
+
+TEST(PixelRecord, EveryLaneIsItsOwnSurfel) {
+    const PixelView view = view_of(false);
+    SurfelBatch batch;
+    std::vector<Surfel> surfels;
+    while (!batch.full()) {
+        surfels.push_back(random_surfel(surfels.size(), 3, 1));
+        batch.add(view.camera_from_local(surfels.back().center), surfels.back());
+    }
+    const SurfelLanes lanes = batch.lanes(view);
+    std::vector<PixelRecord<3>> records(kSurfelLanes);
+    std::array<PixelRecord<3>*, kSurfelLanes> out{};
+    for (std::size_t k = 0; k < kSurfelLanes; ++k) out[k] = &records[k];
+    fill_pixel_records(lanes, ray_form(view, lanes), out);
+    const OutlinedRects rects({0, 0, 200, 200}, ray_form(view, lanes), lanes, patch_bounds(lanes, 1));
+    for (std::size_t k = 0; k < kSurfelLanes; ++k) {
+        const auto alone = record_of<3>(view, surfels[k]);
+        EXPECT_EQ(records[k].base_x, alone.base_x);
+        EXPECT_EQ(records[k].f, alone.f);
+        EXPECT_EQ(records[k].v_axis, alone.v_axis);
+        EXPECT_EQ(records[k].hessian, alone.hessian);
+        EXPECT_EQ(records[k].a, alone.a);
+        EXPECT_EQ(rects.rect(k).x0, outlined(view, surfels[k]).rect.x0);
+        EXPECT_EQ(rects.outline(k).c2, outlined(view, surfels[k]).outline.c2);
+    }
+}
 
 TEST(Outline, RectHoldsEveryPixelOfTheSurfaceAndLessThanTheBall) {
     double in_patch = 0, in_ball = 0;
@@ -167,11 +214,10 @@ TEST(Outline, HoldsALevelPlaneBesideItsCentreSeenEdgeOn) {
 
 /// Blocks of the tile about a surfel that its outline is said to touch.
 std::array<bool, kTileBlocks> listed_blocks(const PixelView& view, const Surfel& s, TileBuffers& t) {
-    PixelRecord<2> r;
-    fill_pixel_record(view, s, ray_form(view, view.camera_from_local(s.center), s.support_radius), r);
+    const auto r = record_of<2>(view, s);
     t.x0 = static_cast<int>(r.pixel_x) - 16, t.y0 = static_cast<int>(r.pixel_y) - 16;
     t.clip = {t.x0, t.y0, t.x0 + kTileSize, t.y0 + kTileSize};
-    const OutlinedRect full = outlined(view, s);
+    const Outlined full = outlined(view, s);
     std::array<bool, kTileBlocks> listed{};
     if (t.on_tile(full.rect).empty()) return listed;
     std::array<std::uint8_t, kTileBlocks + kBlockColumns> blocks;

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 namespace slim::test {
 namespace {
@@ -33,6 +35,27 @@ TEST(CompressTo, KeepsTheLanesWhoseBitIsSetInOrder) {
     compresses_every_mask<LanesOfDouble<float>>();
     compresses_every_mask<LanesOfDouble<std::uint32_t>>();
     compresses_every_mask<FloatV>();
+}
+
+TEST(StoreInterleaved, TakesOneOfEachInTurn) {
+    float values[4][kLanes];
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t k = 0; k < kLanes; ++k) values[c][k] = static_cast<float>(100 * c + k);
+    const auto v = [&](std::size_t c) { return FloatV(values[c], stdx::element_aligned); };
+    std::vector<float> out(4 * kLanes + 1, 7);
+    store_interleaved(v(0), v(1), v(2), v(3), out.data());
+    for (std::size_t i = 0; i < 4 * kLanes; ++i) EXPECT_EQ(out[i], values[i % 4][i / 4]) << i;
+    EXPECT_EQ(out.back(), 7);
+}
+
+TEST(LanesOfBits, AreThoseOfTheBytes) {
+    std::vector<std::uint8_t> bytes(kLanes);
+    for (std::uint32_t bits = 0; bits < 1u << kLanes; bits += kLanes > 8 ? 97 : 1) {
+        for (std::size_t k = 0; k < kLanes; ++k) bytes[k] = bits >> k & 1;
+        for (std::size_t n = 0; n <= kLanes; ++n)
+            ASSERT_EQ(bits_of_bytes(bytes.data(), n), bits & ((std::uint64_t{1} << n) - 1));
+        ASSERT_EQ(lane_bits(lanes_of_bits(bits)), bits);
+    }
 }
 
 TEST(ParallelEraseIf, IsStdEraseIf) {
