@@ -1,0 +1,41 @@
+#pragma once
+
+#include "slim/base/frame.h"
+#include "slim/fit/ball_points.h"
+#include "slim/fit/local_fit.h"
+#include "slim/model/polynomial.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <optional>
+#include <vector>
+
+namespace slim {
+
+/// A share of a wide fit's radius: where the surface is taken from it. Fits this far apart blend over twice it.
+inline constexpr double kCore = 0.3;
+
+/// Workspace of one thread.
+struct WideWork {
+    BallPoints<float> ball;
+    std::vector<SetAside<float>> aside;
+};
+
+/// A quadratic fitted with equal weights to all points of a ball, and how well the ball's middle is known: what
+/// counts for a blend of such fits a core apart, where the odd terms of their errors cancel (notes/0003).
+struct WideFit {
+    Polynomial<double> polynomial;  ///< in the frame given, coordinates over the ball's radius
+    double n = 0;                   ///< points
+    double sq_noise = 0;            ///< of a height, length^2
+    double sq_error = 0;            ///< variance of the middle's height by noise, mean over the core, length^2
+    /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
+    /// standard error of that; may be negative. Zero unless asked for.
+    double sq_bias = 0, sq_bias_error = 0;
+};
+
+/// Least squares in the ball about `center`, normals below kLeastCos to the frame's left out. With `ahead` also
+/// looks at degrees 3 and 4. Nothing if there are fewer than 60 points (18 without `ahead`), or no quadratic or
+/// quartic goes through them. Cost: one pass over the points, a factor of 15 rows.
+std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
+                                double radius, bool ahead, WideWork& work);
+
+}  // namespace slim

@@ -1,0 +1,124 @@
+#include "slim/smooth/wide_radius.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+#include "slim/smooth/wide_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kGrain = 8;
+constexpr double kTop = 0.25;      ///< of the diagonal: the widest rung
+constexpr double kStep = 0.8;      ///< from rung to rung
+constexpr std::size_t kRungs = 40; ///< down to 4e-5 of the diagonal
+constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fit uses
+constexpr double kMostPoints = 16384;
+constexpr double kGrowth = 5.96;   ///< of the squared bias from rung to rung: kStep^-8
+constexpr int kRounds = 2;         ///< of means over the leaves around
+constexpr double kShareUnderG = 0.25;  ///< of a ball's points: n_effective of a leaf's fit
+
+/// One leaf's fits, from the widest rung down; only [first, last] were tried.
+struct Ladder {
+    std::size_t widest = kRungs, narrowest = kRungs;  // rungs with a fit; none if widest is kRungs
+    std::array<double, kRungs> sq_bias{}, sq_error{}, sq_noise{};
+    bool has(std::size_t k) const { return widest <= k && k <= narrowest && widest < kRungs; }
+};
+
+double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * std::pow(kStep, k); }
+
+bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
+
+/// Climbs from the narrowest rung until the bias is plain.
+Ladder climb(const Surfel& s, const PointPyramid& points, double diagonal, WideWork& work) {
+    Ladder out;
+    const Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
+    std::size_t level = 0;
+    for (std::size_t up = 0; up < kRungs; ++up) {
+        const std::size_t k = kRungs - 1 - up;
+        const double radius = rung_radius(k, diagonal);
+        if (radius < kNarrowest * s.support_radius) continue;
+        const auto fit = fit_wide(points.level(level), center, s.frame, radius, true, work);
+        if (!fit) {
+            if (out.has(k + 1)) break;
+            if (radius > 8 * s.support_radius) break;
+            continue;
+        }
+        if (out.widest == kRungs) out.narrowest = k;
+        out.widest = k;
+        // A thinning's error is that of fewer points.
+        out.sq_error[k] = fit->sq_error * points.share(level) / points.share(0);
+        out.sq_bias[k] = fit->sq_bias;
+        out.sq_noise[k] = fit->sq_noise;
+        if (fit->sq_bias > 8 * out.sq_error[k] + 3 * fit->sq_bias_error) break;
+        if (fit->n / (kStep * kStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
+    }
+    for (std::size_t k = out.widest; out.widest < kRungs && k-- > 0;)
+        out.sq_bias[k] = std::max(out.sq_bias[k + 1], out.sq_error[out.widest]) * kGrowth;
+    return out;
+}
+
+/// The mean over a leaf, twice, and those that hold its centre, of each rung's squared bias.
+std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std::vector<Ladder>& ladders) {
+    std::vector<std::array<double, kRungs>> now(ladders.size()), next(ladders.size());
+    for (std::size_t i = 0; i < ladders.size(); ++i) now[i] = ladders[i].sq_bias;
+    const auto knows = [&](std::size_t i, std::size_t k) {
+        return ladders[i].widest < kRungs && k <= ladders[i].narrowest;
+    };
+    for (int round = 0; round < kRounds; ++round) {
+        parallel_blocks(now.size(), 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<const Surfel*> around;
+            for (std::size_t i = begin; i < end; ++i) {
+                model.supporters(model.leaf(i).center, around);
+                for (std::size_t k = 0; k < kRungs; ++k) {
+                    double sum = 0, weight = 0;
+                    if (knows(i, k)) sum = now[i][k], weight = 1;
+                    for (const Surfel* s : around) {
+                        const std::size_t j = model.number_of(s);
+                        if (knows(j, k)) sum += now[j][k], weight += 1;
+                    }
+                    next[i][k] = weight > 0 ? sum / weight : 0;
+                }
+            }
+        });
+        std::swap(now, next);
+    }
+    return now;
+}
+
+double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
+                   const LeafNoise& noise, double diagonal) {
+    double least = INFINITY, radius = 0, sq_noise = 0;
+    for (std::size_t k = 0; k < kRungs; ++k) {
+        if (!ladder.has(k)) continue;
+        const double sq = ladder.sq_error[k] + std::max(0.0, sq_bias[k]);
+        if (sq < least) least = sq, radius = rung_radius(k, diagonal), sq_noise = ladder.sq_noise[k];
+    }
+    const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
+                           std::max(1.0, kShareUnderG * noise.n_points);
+    return least <= of_leaf ? radius : 0;
+}
+
+}  // namespace
+
+std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
+                               const PointPyramid& points, double diagonal) {
+    const std::size_t n = model.n_leaves();
+    SLIM_CHECK(noise.size(), ==, n);
+    std::vector<Ladder> ladders(n);
+    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
+        WideWork work;
+        for (std::size_t i = begin; i < end; ++i)
+            if (is_plain(model.leaf(i))) ladders[i] = climb(model.leaf(i), points, diagonal, work);
+    });
+    const auto sq_bias = pooled(model, ladders);
+    std::vector<double> radii(n);
+    for (std::size_t i = 0; i < n; ++i)
+        radii[i] = best_radius(ladders[i], sq_bias[i], model.leaf(i), noise[i], diagonal);
+    return radii;
+}
+
+}  // namespace slim
