@@ -115,7 +115,7 @@ BallIndex refitted(const SurfelTree& tree, const BallIndex& model, Sample sample
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
-    return BallIndex(refit(model, wide_radii(model, noise, points, box.diagonal()), points));
+    return BallIndex(refit(model, noise, wide_radii(model, noise, points, box.diagonal()), points));
 }
 
 /// A model opened for smoothing, and how.

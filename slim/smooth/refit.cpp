@@ -35,17 +35,17 @@ Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
     return out;
 }
 
-void fit_place(const Vec3d& place, const Vec3d& normal, double radius, const PointPyramid& points, WideWork& work,
-               std::vector<Surfel>& out) {
+void fit_place(const Vec3d& place, const Vec3d& normal, double radius, double noise, const PointPyramid& points,
+               WideWork& work, std::vector<Surfel>& out) {
     const Frame<double> frame = frame_from_normal(normal);
-    const auto fit = fit_wide(points.all(), place, frame, radius, false, work);
+    const auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
     if (!fit || fit->sq_error * fit->n > kMostSpread * fit->sq_noise) return;
     out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
 }
 
 /// Places of a triangular grid on the leaf's surface that it owns.
-void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, const PointPyramid& points, WideWork& work,
-              std::vector<Surfel>& out) {
+void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double noise, const PointPyramid& points,
+              WideWork& work, std::vector<Surfel>& out) {
     const Surfel& s = model.leaf(leaf);
     const double step = kCore * radius / s.support_radius, row = step * std::numbers::sqrt3 / 2;
     const int rows = static_cast<int>(1 / row), columns = static_cast<int>(1 / step) + 1;
@@ -58,19 +58,20 @@ void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, const Poi
             const Vec3d place = s.center + s.frame.world_from_local(local) * s.support_radius;
             if (!owns(model, leaf, place, found)) continue;
             const Vec3d gradient{-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1};
-            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, points, work, out);
+            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, noise, points, work, out);
         }
 }
 
 }  // namespace
 
-std::vector<Surfel> refit(const BallIndex& model, std::span<const double> radii, const PointPyramid& points) {
+std::vector<Surfel> refit(const BallIndex& model, std::span<const LeafNoise> noise,
+                          std::span<const double> radii, const PointPyramid& points) {
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
     std::vector<std::vector<Surfel>> fitted(radii.size());
     parallel_blocks(radii.size(), 4, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i) {
-            if (radii[i] > 0) fit_leaf(model, i, radii[i], points, work, fitted[i]);
+            if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
             else fitted[i].push_back(model.leaf(i));
         }
     });

@@ -6,13 +6,18 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
 
 constexpr double kLeastPivot = 1e-6;
-constexpr double kLeastPoints = 60, kLeastOfQuadratic = 18;
+constexpr double kThickness = 4.5;
+constexpr double kLeastPoints = 60;
+constexpr double kLeastOfQuadratic = 18;
 
 template <int K>
 using Square = Eigen::Matrix<double, K, K>;
@@ -108,12 +113,25 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     return fit;
 }
 
+/// Distances in the frame's plane instead of those in space, coordinates over `radius`.
+void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
+    const auto scale = static_cast<float>(ball.radius / radius);
+    const Vec3f n = to_float(frame.normal);
+    for (std::size_t i = 0; i < ball.padded(); ++i) {
+        const float x = ball.x[i] *= scale, y = ball.y[i] *= scale, z = ball.z[i] *= scale;
+        const float w = n.x * x + n.y * y + n.z * z;
+        ball.sq[i] = ball.sq[i] < 1 ? std::max(0.0f, x * x + y * y + z * z - w * w) : 2.0f;
+    }
+    ball.radius = radius;
+}
+
 }  // namespace
 
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
-                                double radius, bool ahead, WideWork& work) {
+                                double radius, double noise, bool ahead, WideWork& work) {
     work.ball.weight = FitWeight::uniform;
-    gather_ball(points, center, radius, work.ball);
+    gather_ball(points, center, std::hypot(radius, kThickness * noise), work.ball);
+    stand_up(frame, radius, work.ball);
     set_contrary_aside(work.ball, frame.normal, work.aside);
     return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
 }

@@ -20,10 +20,10 @@ struct WideWork {
     std::vector<SetAside<float>> aside;
 };
 
-/// A quadratic fitted with equal weights to all points of a ball, and how well the ball's middle is known: what
+/// A quadratic fitted with equal weights to all points about a place, and how well the middle is known: what
 /// counts for a blend of such fits a core apart, where the odd terms of their errors cancel (notes/0003).
 struct WideFit {
-    Polynomial<double> polynomial;  ///< in the frame given, coordinates over the ball's radius
+    Polynomial<double> polynomial;  ///< in the frame given, coordinates over the radius
     double n = 0;                   ///< points
     double sq_noise = 0;            ///< of a height, length^2
     double sq_error = 0;            ///< variance of the middle's height by noise, mean over the core, length^2
@@ -32,10 +32,11 @@ struct WideFit {
     double sq_bias = 0, sq_bias_error = 0;
 };
 
-/// Least squares in the ball about `center`, normals below kLeastCos to the frame's left out. With `ahead` also
+/// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, and that are no
+/// farther from it than that and 4.5 `noise` allow (a ball would cut thick noise off towards its rim); normals below kLeastCos to the frame's left out. With `ahead` also
 /// looks at degrees 3 and 4. Nothing if there are fewer than 60 points (18 without `ahead`), or no quadratic or
 /// quartic goes through them. Cost: one pass over the points, a factor of 15 rows.
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
-                                double radius, bool ahead, WideWork& work);
+                                double radius, double noise, bool ahead, WideWork& work);
 
 }  // namespace slim

@@ -18,7 +18,11 @@ constexpr std::size_t kRungs = 40; ///< down to 4e-5 of the diagonal
 constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fit uses
 constexpr double kMostPoints = 16384;
 constexpr double kGrowth = 5.96;   ///< of the squared bias from rung to rung: kStep^-8
-constexpr int kRounds = 2;         ///< of means over the leaves around
+constexpr double kBiasFloor = 0.02; ///< of the variance
+constexpr double kDecay = 6;       ///< at most, of the squared bias from a rung to the next narrower one
+constexpr double kKeep = 4;        ///< a leaf is kept where its variance alone is so many times less
+constexpr int kParts = 4;          ///< of a step
+constexpr double kRounds = 3;         ///< of means over the leaves around
 constexpr double kShareUnderG = 0.25;  ///< of a ball's points: n_effective of a leaf's fit
 
 /// One leaf's fits, from the widest rung down; only [first, last] were tried.
@@ -33,7 +37,7 @@ double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * st
 bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
 
 /// Climbs from the narrowest rung until the bias is plain.
-Ladder climb(const Surfel& s, const PointPyramid& points, double diagonal, WideWork& work) {
+Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double diagonal, WideWork& work) {
     Ladder out;
     const Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
     std::size_t level = 0;
@@ -41,7 +45,7 @@ Ladder climb(const Surfel& s, const PointPyramid& points, double diagonal, WideW
         const std::size_t k = kRungs - 1 - up;
         const double radius = rung_radius(k, diagonal);
         if (radius < kNarrowest * s.support_radius) continue;
-        const auto fit = fit_wide(points.level(level), center, s.frame, radius, true, work);
+        const auto fit = fit_wide(points.level(level), center, s.frame, radius, noise, true, work);
         if (!fit) {
             if (out.has(k + 1)) break;
             if (radius > 8 * s.support_radius) break;
@@ -86,20 +90,33 @@ std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std
         });
         std::swap(now, next);
     }
+    // A wider rung knows its bias better.
+    for (auto& sq_bias : now)
+        for (std::size_t k = 1; k < kRungs; ++k) sq_bias[k] = std::max(sq_bias[k], sq_bias[k - 1] / kDecay);
     return now;
 }
 
+/// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
 double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
                    const LeafNoise& noise, double diagonal) {
     double least = INFINITY, radius = 0, sq_noise = 0;
+    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], sq_bias[k]); };
     for (std::size_t k = 0; k < kRungs; ++k) {
         if (!ladder.has(k)) continue;
-        const double sq = ladder.sq_error[k] + std::max(0.0, sq_bias[k]);
-        if (sq < least) least = sq, radius = rung_radius(k, diagonal), sq_noise = ladder.sq_noise[k];
+        for (int part = 0; part < kParts; ++part) {
+            const double t = static_cast<double>(part) / kParts;
+            if (part > 0 && !ladder.has(k + 1)) break;
+            const auto between = [&](double a, double b) { return a * std::pow(b / a, t); };
+            const double sq = part == 0 ? ladder.sq_error[k] + bias_at(k)
+                                        : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
+                                              between(bias_at(k), bias_at(k + 1));
+            if (!(sq < least)) continue;
+            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t), sq_noise = ladder.sq_noise[k];
+        }
     }
     const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
                            std::max(1.0, kShareUnderG * noise.n_points);
-    return least <= of_leaf ? radius : 0;
+    return least <= kKeep * of_leaf ? radius : 0;
 }
 
 }  // namespace
@@ -112,7 +129,7 @@ std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (is_plain(model.leaf(i))) ladders[i] = climb(model.leaf(i), points, diagonal, work);
+            if (is_plain(model.leaf(i))) ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
     });
     const auto sq_bias = pooled(model, ladders);
     std::vector<double> radii(n);
