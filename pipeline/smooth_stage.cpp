@@ -105,7 +105,7 @@ Sample read_sample(const std::string& path, const Vec3d& origin, StageContext& c
 }
 
 /// The model's surface fitted anew to the cloud that is smoothed.
-BallIndex refitted(const SurfelTree& tree, const BallIndex& model, Sample sample) {
+RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, Sample sample) {
     Bbox box;
     for (const Vec3d& p : sample.points.position) box.extend(p);
     sort_along_curve(sample.points, box);
@@ -115,7 +115,7 @@ BallIndex refitted(const SurfelTree& tree, const BallIndex& model, Sample sample
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
-    return BallIndex(refit(model, noise, wide_radii(model, noise, points, box.diagonal()), points));
+    return {model, noise, wide_radii(model, noise, points, box.diagonal()), points};
 }
 
 /// A model opened for smoothing, and how.
@@ -137,7 +137,7 @@ struct Smoother {
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     Sample sample = read_sample(config.cloud, smoother.origin, smoother.context);
-    std::optional<BallIndex> anew;
+    std::optional<RefittedSurface> anew;
     if (!sample.points.empty()) anew.emplace(refitted(smoother.tree, smoother.index, std::move(sample)));
     const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
     const auto source = open_cloud(config.cloud);

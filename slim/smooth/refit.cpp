@@ -12,6 +12,8 @@ namespace slim {
 namespace {
 
 constexpr double kBlend = 2 * kCore;  ///< of a fit's radius: how far it is blended
+constexpr double kReach = 6;          ///< of the noise: points so far off still have a foot
+constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
 constexpr double kMostSpread = 30;    ///< variance of the middle over noise / n; 4 to 5 where points are all around
 
 /// Whether a leaf is the one that weighs most at a place, of equals the first.
@@ -35,10 +37,12 @@ Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
     return out;
 }
 
-void fit_place(const Vec3d& place, const Vec3d& normal, double radius, double noise, const PointPyramid& points,
+void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, const PointPyramid& points,
                WideWork& work, std::vector<Surfel>& out) {
-    const Frame<double> frame = frame_from_normal(normal);
-    const auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
+    Frame<double> frame = frame_from_normal(normal);
+    auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
+    for (int i = 0; i < kMostMoves && fit && put_on(*fit, radius, noise, place, frame); ++i)
+        fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
     if (!fit || fit->sq_error * fit->n > kMostSpread * fit->sq_noise) return;
     out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
 }
@@ -64,20 +68,44 @@ void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double no
 
 }  // namespace
 
-std::vector<Surfel> refit(const BallIndex& model, std::span<const LeafNoise> noise,
-                          std::span<const double> radii, const PointPyramid& points) {
+RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise,
+                                 std::span<const double> radii, const PointPyramid& points)
+    : RefittedSurface(fit(model, noise, radii, points)) {}
+
+RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,
+                                           std::span<const double> radii, const PointPyramid& points) {
+    SLIM_CHECK(noise.size(), ==, model.n_leaves());
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
     std::vector<std::vector<Surfel>> fitted(radii.size());
     parallel_blocks(radii.size(), 4, [&](std::size_t begin, std::size_t end) {
         WideWork work;
-        for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t i = begin; i < end; ++i)
             if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
-            else fitted[i].push_back(model.leaf(i));
-        }
     });
-    std::vector<Surfel> out;
-    for (auto& of_leaf : fitted) out.insert(out.end(), of_leaf.begin(), of_leaf.end());
+    Fits out;
+    for (std::size_t i = 0; i < fitted.size(); ++i) {
+        if (!(radii[i] > 0)) out.near.push_back(model.leaf(i));
+        for (const Surfel& s : fitted[i]) {
+            const double reach = std::hypot(s.support_radius, kReach * noise[i].fit_error);
+            out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
+            out.near.push_back(s);
+        }
+    }
     return out;
+}
+
+std::optional<Vec3d> RefittedSurface::foot(const Vec3d& p, const Vec3d& normal) const {
+    std::vector<const Surfel*> found;
+    far_.supporters(p, found);
+    const Surfel* nearest = nullptr;
+    double least = INFINITY;
+    for (const Surfel* s : found) {
+        const double sq = sq_length(p - s->center);
+        if (sq < least && dot(s->frame.normal, normal) >= 0) least = sq, nearest = s;
+    }
+    if (!nearest) return std::nullopt;
+    const double above = nearest->value((p - nearest->center) / nearest->support_radius);
+    return p - nearest->frame.normal * (above * nearest->support_radius);
 }
 
 }  // namespace slim

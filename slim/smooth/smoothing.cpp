@@ -23,25 +23,31 @@ void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
     out.displacement = std::copysign(too_far ? most : distance, dot(to - from, out.normal));
 }
 
-/// Puts points on the fits made anew; those out of their reach by way of the model.
+/// Puts points on the fits made anew; those out of their reach by way of the nearest fit's foot, or of the model.
 class SurfaceProjector {
 public:
-    explicit SurfaceProjector(const SmoothSurface& surface) : model_(surface.model, kTrustedCosine) {
-        if (surface.refitted) refitted_.emplace(*surface.refitted, kTrustedCosine);
+    explicit SurfaceProjector(const SmoothSurface& surface)
+        : model_(surface.model, kTrustedCosine), surface_(surface.refitted) {
+        if (surface_) fits_.emplace(surface_->fits(), kTrustedCosine);
     }
     ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
-        if (!refitted_) return model_.project(p, normal);
-        ProjectedPoint put = refitted_->project(p, normal);
+        if (!surface_) return model_.project(p, normal);
+        ProjectedPoint put = fits_->project(p, normal);
         if (put.hit) return put;
+        if (const auto foot = surface_->foot(p, is_finite(normal) ? normal : Vec3d{})) {
+            put = fits_->project(*foot, normal);
+            if (put.hit) return put;
+        }
         put = model_.project(p, normal);
         if (!put.hit) return put;
-        if (const auto again = refitted_->project(put.hit->point, put.hit->normal); again.hit) put.hit = again.hit;
+        if (const auto again = fits_->project(put.hit->point, put.hit->normal); again.hit) put.hit = again.hit;
         return put;
     }
 
 private:
     PointProjector model_;
-    std::optional<PointProjector> refitted_;
+    const RefittedSurface* surface_;
+    std::optional<PointProjector> fits_;
 };
 
 SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings, const Vec3d& from,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/smooth/mesh.h"
+#include "slim/smooth/refit.h"
 #include "slim/tree/ball_index.h"
 
 #include <cstdint>
@@ -27,10 +28,10 @@ struct SmoothedPoint {
     bool opposed = false, astray = false;  ///< as PointProjector says, in the first iteration
 };
 
-/// What points are put on: a model, and where there is one its surface fitted anew (refit), which goes first.
+/// What points are put on: a model, and where there is one its surface fitted anew, which goes first.
 struct SmoothSurface {
     const BallIndex& model;
-    const BallIndex* refitted = nullptr;
+    const RefittedSurface* refitted = nullptr;
 };
 
 /// Projects points on the model along their normals (Ohtake 2005, sec. 4, eqs (6) and (7)), again from where

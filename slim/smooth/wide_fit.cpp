@@ -15,7 +15,8 @@ namespace slim {
 namespace {
 
 constexpr double kLeastPivot = 1e-6;
-constexpr double kThickness = 4.5;
+constexpr double kOff = 0.25;
+constexpr double kThickness = 6;
 constexpr double kLeastPoints = 60;
 constexpr double kLeastOfQuadratic = 18;
 
@@ -134,6 +135,14 @@ std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, co
     stand_up(frame, radius, work.ball);
     set_contrary_aside(work.ball, frame.normal, work.aside);
     return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
+}
+
+bool put_on(const WideFit& fit, double radius, double noise, Vec3d& place, Frame<double>& frame) {
+    const auto& a = fit.polynomial.a;
+    if (!(std::abs(a[0]) * radius > kOff * noise)) return false;
+    place += frame.normal * (a[0] * radius);
+    frame = frame_from_normal(normalized(frame.world_from_local({-a[1], -a[2], 1})));
+    return true;
 }
 
 }  // namespace slim

@@ -12,7 +12,7 @@
 namespace slim {
 
 /// A share of a wide fit's radius: where the surface is taken from it. Fits this far apart blend over twice it.
-inline constexpr double kCore = 0.3;
+inline constexpr double kCore = 0.25;
 
 /// Workspace of one thread.
 struct WideWork {
@@ -33,10 +33,14 @@ struct WideFit {
 };
 
 /// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, and that are no
-/// farther from it than that and 4.5 `noise` allow (a ball would cut thick noise off towards its rim); normals below kLeastCos to the frame's left out. With `ahead` also
+/// farther from it than that and 6 `noise` allow (a ball would cut thick noise off towards its rim); normals below kLeastCos to the frame's left out. With `ahead` also
 /// looks at degrees 3 and 4. Nothing if there are fewer than 60 points (18 without `ahead`), or no quadratic or
 /// quartic goes through them. Cost: one pass over the points, a factor of 15 rows.
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
                                 double radius, double noise, bool ahead, WideWork& work);
+
+/// Puts a place on a fit about it, and turns the frame to the fit there, where it is farther off than a quarter of
+/// `noise`. Returns whether it was.
+bool put_on(const WideFit& fit, double radius, double noise, Vec3d& place, Frame<double>& frame);
 
 }  // namespace slim

@@ -16,6 +16,7 @@ constexpr double kTop = 0.25;      ///< of the diagonal: the widest rung
 constexpr double kStep = 0.8;      ///< from rung to rung
 constexpr std::size_t kRungs = 40; ///< down to 4e-5 of the diagonal
 constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fit uses
+constexpr double kNoises = 5;      ///< narrower discs than so many noises show noise alone
 constexpr double kMostPoints = 16384;
 constexpr double kGrowth = 5.96;   ///< of the squared bias from rung to rung: kStep^-8
 constexpr double kBiasFloor = 0.02; ///< of the variance
@@ -39,13 +40,14 @@ bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >=
 /// Climbs from the narrowest rung until the bias is plain.
 Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double diagonal, WideWork& work) {
     Ladder out;
-    const Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
+    Frame<double> frame = s.frame;
+    Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
     std::size_t level = 0;
     for (std::size_t up = 0; up < kRungs; ++up) {
         const std::size_t k = kRungs - 1 - up;
         const double radius = rung_radius(k, diagonal);
-        if (radius < kNarrowest * s.support_radius) continue;
-        const auto fit = fit_wide(points.level(level), center, s.frame, radius, noise, true, work);
+        if (radius < std::max(kNarrowest * s.support_radius, kNoises * noise)) continue;
+        const auto fit = fit_wide(points.level(level), center, frame, radius, noise, true, work);
         if (!fit) {
             if (out.has(k + 1)) break;
             if (radius > 8 * s.support_radius) break;
@@ -58,6 +60,7 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
         out.sq_bias[k] = fit->sq_bias;
         out.sq_noise[k] = fit->sq_noise;
         if (fit->sq_bias > 8 * out.sq_error[k] + 3 * fit->sq_bias_error) break;
+        put_on(*fit, radius, noise, center, frame);
         if (fit->n / (kStep * kStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
     }
     for (std::size_t k = out.widest; out.widest < kRungs && k-- > 0;)
