@@ -105,7 +105,7 @@ Sample read_sample(const std::string& path, const Vec3d& origin, StageContext& c
 }
 
 /// The model's surface fitted anew to the cloud that is smoothed.
-RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, Sample sample) {
+RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, Sample sample) {
     Bbox box;
     for (const Vec3d& p : sample.points.position) box.extend(p);
     sort_along_curve(sample.points, box);
@@ -115,7 +115,7 @@ RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, Sample 
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
-    return {model, noise, wide_radii(model, noise, points, box.diagonal()), points};
+    return {model, noise, wide_radii(model, noise, points, diagonal), points};
 }
 
 /// A model opened for smoothing, and how.
@@ -125,8 +125,9 @@ struct Smoother {
     const SurfelTree& tree;
     const BallIndex& index;
     Vec3d origin;
-    double text_step;
+    double diagonal;
 
+    double text_step() const { return kTextStep * diagonal; }
     SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
     /// World position; a point that stays keeps the bytes of its coordinates.
     RewrittenPoint rewritten(const SmoothedPoint& p) const {
@@ -138,10 +139,10 @@ json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     Sample sample = read_sample(config.cloud, smoother.origin, smoother.context);
     std::optional<RefittedSurface> anew;
-    if (!sample.points.empty()) anew.emplace(refitted(smoother.tree, smoother.index, std::move(sample)));
+    if (!sample.points.empty()) anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample)));
     const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
     const auto source = open_cloud(config.cloud);
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     Counts counts;
     PointChunk chunk;
     std::vector<SmoothedPoint> smoothed;
@@ -172,7 +173,7 @@ json smooth_faces(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     const auto n_steps = static_cast<std::uint64_t>(config.iterations);
     Mesh mesh = read_mesh(config.cloud, smoother.origin);
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     const SmoothedMesh smoothed =
         smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
             smoother.context.reporter.progress("iterations", static_cast<std::uint64_t>(i), n_steps);
@@ -216,8 +217,7 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
     if (config.mode == "mesh" && !has_faces)
         throw DataError(config.cloud + ": has no faces that name their corners; expected a mesh for "
                                        "--mode mesh");
-    const Smoother smoother{config, context, tree, index, model.header().origin,
-                            kTextStep * model.header().diagonal};
+    const Smoother smoother{config, context, tree, index, model.header().origin, model.header().diagonal};
     const bool as_mesh = has_faces && config.mode != "points";
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
     const auto n = result.at("points").get<std::uint64_t>();

@@ -32,10 +32,10 @@ struct WideFit {
     double sq_bias = 0, sq_bias_error = 0;
 };
 
-/// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, and that are no
-/// farther from it than that and 6 `noise` allow (a ball would cut thick noise off towards its rim); normals below kLeastCos to the frame's left out. With `ahead` also
-/// looks at degrees 3 and 4. Nothing if there are fewer than 60 points (18 without `ahead`), or no quadratic or
-/// quartic goes through them. Cost: one pass over the points, a factor of 15 rows.
+/// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, out to 6 `noise`
+/// beyond the ball of that radius (a ball cuts thick noise off towards its rim); those whose normals are below
+/// kLeastCos to the frame's do not count. With `ahead` also looks at degrees 3 and 4. Nothing if there are fewer than
+/// 60 points (18 without `ahead`), or no such polynomial goes through them. Cost: one pass, a factor of 15 rows.
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
                                 double radius, double noise, bool ahead, WideWork& work);
 

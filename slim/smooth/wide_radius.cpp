@@ -13,22 +13,25 @@ namespace {
 
 constexpr std::size_t kGrain = 8;
 constexpr double kTop = 0.25;      ///< of the diagonal: the widest rung
-constexpr double kStep = 0.8;      ///< from rung to rung
-constexpr std::size_t kRungs = 40; ///< down to 4e-5 of the diagonal
+constexpr double kStep = 0.85;     ///< from rung to rung
+constexpr std::size_t kRungs = 56; ///< down to 3e-5 of the diagonal
 constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fit uses
+constexpr double kSearch = 8;      ///< of a leaf's radius: where points enough are looked for
 constexpr double kNoises = 5;      ///< narrower discs than so many noises show noise alone
-constexpr double kMostPoints = 16384;
-constexpr double kGrowth = 5.96;   ///< of the squared bias from rung to rung: kStep^-8
+constexpr double kPlain = 8;       ///< times the variance: more squared bias ends the climb
+constexpr double kMostPoints = 16384; ///< of a rung; more are thinned
+constexpr double kGrowth = 3.67;   ///< of the squared bias from rung to rung: kStep^-8
 constexpr double kBiasFloor = 0.02; ///< of the variance
-constexpr double kDecay = 6;       ///< at most, of the squared bias from a rung to the next narrower one
-constexpr double kKeep = 4;        ///< a leaf is kept where its variance alone is so many times less
+constexpr double kDecay = 4.5;      ///< at most, of the squared bias from a rung to the next narrower one
+constexpr double kMostBias = 0.05;  ///< of the noise's variance; a leaf is kept where there is more
+constexpr double kKeep = 2;        ///< a leaf is kept where its variance alone is so many times less
 constexpr int kParts = 4;          ///< of a step
-constexpr double kRounds = 3;         ///< of means over the leaves around
+constexpr int kRounds = 3;         ///< of means over the leaves around
 constexpr double kShareUnderG = 0.25;  ///< of a ball's points: n_effective of a leaf's fit
 
-/// One leaf's fits, from the widest rung down; only [first, last] were tried.
+/// A leaf's fits on the rungs [widest, narrowest] (rung 0 is the widest of all); the bias of wider ones is extrapolated.
 struct Ladder {
-    std::size_t widest = kRungs, narrowest = kRungs;  // rungs with a fit; none if widest is kRungs
+    std::size_t widest = kRungs, narrowest = kRungs;  // kRungs: none
     std::array<double, kRungs> sq_bias{}, sq_error{}, sq_noise{};
     bool has(std::size_t k) const { return widest <= k && k <= narrowest && widest < kRungs; }
 };
@@ -49,17 +52,16 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
         if (radius < std::max(kNarrowest * s.support_radius, kNoises * noise)) continue;
         const auto fit = fit_wide(points.level(level), center, frame, radius, noise, true, work);
         if (!fit) {
-            if (out.has(k + 1)) break;
-            if (radius > 8 * s.support_radius) break;
+            if (out.has(k + 1) || radius > kSearch * s.support_radius) break;
             continue;
         }
         if (out.widest == kRungs) out.narrowest = k;
         out.widest = k;
-        // A thinning's error is that of fewer points.
+        // All points know it better than a thinning.
         out.sq_error[k] = fit->sq_error * points.share(level) / points.share(0);
         out.sq_bias[k] = fit->sq_bias;
         out.sq_noise[k] = fit->sq_noise;
-        if (fit->sq_bias > 8 * out.sq_error[k] + 3 * fit->sq_bias_error) break;
+        if (fit->sq_bias > kPlain * out.sq_error[k] + 3 * fit->sq_bias_error) break;
         put_on(*fit, radius, noise, center, frame);
         if (fit->n / (kStep * kStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
     }
@@ -68,7 +70,7 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
     return out;
 }
 
-/// The mean over a leaf, twice, and those that hold its centre, of each rung's squared bias.
+/// The mean over a leaf, which counts twice, and those that hold its centre, of each rung's squared bias; kRounds times.
 std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std::vector<Ladder>& ladders) {
     std::vector<std::array<double, kRungs>> now(ladders.size()), next(ladders.size());
     for (std::size_t i = 0; i < ladders.size(); ++i) now[i] = ladders[i].sq_bias;
@@ -102,7 +104,7 @@ std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std
 /// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
 double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
                    const LeafNoise& noise, double diagonal) {
-    double least = INFINITY, radius = 0, sq_noise = 0;
+    double least = INFINITY, radius = 0, sq_noise = 0, bias = 0;
     const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], sq_bias[k]); };
     for (std::size_t k = 0; k < kRungs; ++k) {
         if (!ladder.has(k)) continue;
@@ -114,12 +116,12 @@ double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bi
                                         : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
                                               between(bias_at(k), bias_at(k + 1));
             if (!(sq < least)) continue;
-            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t), sq_noise = ladder.sq_noise[k];
+            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t), sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
         }
     }
     const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
                            std::max(1.0, kShareUnderG * noise.n_points);
-    return least <= kKeep * of_leaf ? radius : 0;
+    return least <= kKeep * of_leaf && bias <= kMostBias * sq_noise ? radius : 0;
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ struct LeafNoise {
 /// their variance and their bias, the latter a mean over the leaves around (notes/0003). Zero: the leaf itself
 /// is better, sharp, ends at a rim, or has too few points about it. In parallel, the same for any thread count.
 /// noise     of each leaf, in the index's order
-/// diagonal  of the cloud
-/// cost      8 balls of up to 16,000 points a leaf
+/// diagonal  of the model
+/// cost      about 12 discs of up to 16,000 points a leaf where noise is strong, 3 where it is weak
 std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
                                const PointPyramid& points, double diagonal);
 
