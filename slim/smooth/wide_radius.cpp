@@ -24,6 +24,7 @@ constexpr double kGrowth = 3.67;   ///< of the squared bias from rung to rung: k
 constexpr double kBiasFloor = 0.02; ///< of the variance
 constexpr double kDecay = 4.5;      ///< at most, of the squared bias from a rung to the next narrower one
 constexpr double kMostBias = 0.05;  ///< of the noise's variance; a leaf is kept where there is more
+constexpr double kSameCloud = 0.5;  ///< of the points that a leaf was fitted to
 constexpr double kKeep = 2;        ///< a leaf is kept where its variance alone is so many times less
 constexpr int kParts = 4;          ///< of a step
 constexpr int kRounds = 3;         ///< of means over the leaves around
@@ -39,6 +40,12 @@ struct Ladder {
 double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * std::pow(kStep, k); }
 
 bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
+
+/// Whether the cloud is the one that the leaf was fitted to, or as dense: a refit to fewer points would be worse.
+bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points) {
+    const auto wanted = static_cast<std::size_t>(kSameCloud * points.share(0) * n_points);
+    return count_in_ball(points.all(), s.center, s.support_radius, wanted) >= wanted;
+}
 
 /// Climbs from the narrowest rung until the bias is plain.
 Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double diagonal, WideWork& work) {
@@ -134,7 +141,8 @@ std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (is_plain(model.leaf(i))) ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
+            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points))
+                ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
     });
     const auto sq_bias = pooled(model, ladders);
     std::vector<double> radii(n);
