@@ -39,7 +39,8 @@ struct SmoothConfig {
 /// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed and astray.
 /// throws  DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or
 ///         has another format's name; as open_cloud, CloudRewriter and ModelFile
-/// cost    points: read twice; 90 bytes for each of the first 4 million, 250 a leaf, 560 a fit (a mesh without normals as points: its vertices as well); a
+/// cost    points: read twice; 90 bytes for each of at most 4 million, 250 a leaf, 560 a fit (a mesh without
+///         normals as points: its vertices as well); a
 ///         mesh: about 300 bytes a vertex, in text twice that
 nlohmann::json run_smooth(const SmoothConfig& config, StageContext& context);
 

@@ -123,7 +123,8 @@ double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bi
                                         : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
                                               between(bias_at(k), bias_at(k + 1));
             if (!(sq < least)) continue;
-            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t), sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
+            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t);
+            sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
         }
     }
     const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /

@@ -96,7 +96,8 @@ TEST(WideFit, APlaceOffTheSurfaceIsPutOnIt) {
     EXPECT_FALSE(put_on(f, 2, 10, place, frame));
     EXPECT_TRUE(put_on(f, 2, 0.1, place, frame));
     EXPECT_NEAR(place.z, 3.4, 1e-12);
-    EXPECT_NEAR(length(frame.normal - normalized(frame_from_normal(Vec3d{0, 0, 1}).world_from_local({-0.5, 0, 1}))), 0, 1e-12);
+    const Vec3d turned = frame_from_normal(Vec3d{0, 0, 1}).world_from_local({-0.5, 0, 1});
+    EXPECT_NEAR(length(frame.normal - normalized(turned)), 0, 1e-12);
 }
 
 }  // namespace
