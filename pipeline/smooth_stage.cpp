@@ -7,6 +7,8 @@
 #include "pipeline/manifest.h"
 #include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
+#include "slim/neighbors/point_pyramid.h"
+#include "slim/smooth/refit.h"
 #include "slim/smooth/smoothing.h"
 
 #include <fmt/format.h>
@@ -14,6 +16,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -53,14 +58,76 @@ struct Counts {
     }
 };
 
+/// Most points that the surface is fitted anew to; of a larger cloud a random share. 90 bytes each.
+constexpr std::size_t kMostRefit = std::size_t{1} << 22;
+constexpr std::uint64_t kSeed = 0;
+
+/// A cloud's finite points, frame of the model, or a random share of them.
+struct Sample {
+    PointBlock points;
+    double share = 1;
+};
+
+void thin(Sample& sample) {
+    PointBlock& p = sample.points;
+    sample.share /= 2;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        if (!in_share(kSeed, p.id[i], sample.share)) continue;
+        p.position[n] = p.position[i], p.id[n] = p.id[i];
+        if (p.has_normals()) p.normal[n] = p.normal[i];
+        ++n;
+    }
+    p.position.resize(n), p.id.resize(n);
+    if (p.has_normals()) p.normal.resize(n);
+}
+
+Sample read_sample(const std::string& path, const Vec3d& origin, StageContext& context) {
+    Sample out;
+    PointBlock& p = out.points;
+    const auto source = open_cloud(path);
+    PointChunk chunk;
+    std::uint64_t id = 0;
+    while (source->read(chunk, kChunk)) {
+        for (std::size_t i = 0; i < chunk.size(); ++i, ++id) {
+            const Vec3d at = chunk.position[i] - origin;
+            if (!is_finite(at) || !in_share(kSeed, id, out.share)) continue;
+            p.position.push_back(at), p.id.push_back(id);
+            if (chunk.normal.empty()) continue;
+            const Vec3d n = to_double(chunk.normal[i]);
+            p.normal.push_back(is_finite(n) && sq_length(n) > 0 ? to_float(normalized(n)) : Vec3f{});
+        }
+        if (p.size() > kMostRefit) thin(out);
+        context.reporter.progress("refit", source->bytes_read(), source->info().file_size);
+        context.check_stop();
+    }
+    return out;
+}
+
+/// The model's surface fitted anew to the cloud that is smoothed.
+RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, Sample sample) {
+    Bbox box;
+    for (const Vec3d& p : sample.points.position) box.extend(p);
+    sort_along_curve(sample.points, box);
+    const PointPyramid points(sample.points, box, kSeed, sample.share);
+    std::vector<LeafNoise> noise(model.n_leaves());
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        const TreeNode& node = tree.node(model.node(i));
+        noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
+    }
+    return {model, noise, wide_radii(model, noise, points, diagonal), points};
+}
+
 /// A model opened for smoothing, and how.
 struct Smoother {
     const SmoothConfig& config;
     StageContext& context;
+    const SurfelTree& tree;
     const BallIndex& index;
     Vec3d origin;
-    double text_step;
+    double diagonal;
 
+    double text_step() const { return kTextStep * diagonal; }
     SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
     /// World position; a point that stays keeps the bytes of its coordinates.
     RewrittenPoint rewritten(const SmoothedPoint& p) const {
@@ -70,8 +137,12 @@ struct Smoother {
 
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
+    Sample sample = read_sample(config.cloud, smoother.origin, smoother.context);
+    std::optional<RefittedSurface> anew;
+    if (!sample.points.empty()) anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample)));
+    const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
     const auto source = open_cloud(config.cloud);
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     Counts counts;
     PointChunk chunk;
     std::vector<SmoothedPoint> smoothed;
@@ -79,7 +150,7 @@ json smooth_cloud(const Smoother& smoother) {
     while (source->read(chunk, kChunk)) {
         for (Vec3d& p : chunk.position) p -= smoother.origin;
         smoothed.resize(chunk.size());
-        smooth_points(smoother.index, smoother.settings(), chunk.position, chunk.normal, smoothed);
+        smooth_points(surface, smoother.settings(), chunk.position, chunk.normal, smoothed);
         rewritten.clear();
         for (const SmoothedPoint& p : smoothed) {
             counts.add(p);
@@ -102,7 +173,7 @@ json smooth_faces(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     const auto n_steps = static_cast<std::uint64_t>(config.iterations);
     Mesh mesh = read_mesh(config.cloud, smoother.origin);
-    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step);
+    const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     const SmoothedMesh smoothed =
         smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
             smoother.context.reporter.progress("iterations", static_cast<std::uint64_t>(i), n_steps);
@@ -146,8 +217,7 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
     if (config.mode == "mesh" && !has_faces)
         throw DataError(config.cloud + ": has no faces that name their corners; expected a mesh for "
                                        "--mode mesh");
-    const Smoother smoother{config, context, index, model.header().origin,
-                            kTextStep * model.header().diagonal};
+    const Smoother smoother{config, context, tree, index, model.header().origin, model.header().diagonal};
     const bool as_mesh = has_faces && config.mode != "points";
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
     const auto n = result.at("points").get<std::uint64_t>();

@@ -29,14 +29,15 @@ template <class T>
     return select(s <= constant<T>(0.25), e, select(s < constant<T>(1), tail, constant<T>(0)));
 }
 
-/// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first.
-enum class FitWeight : unsigned char { gauss, polynomial };
+/// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first, refits for smoothing take the last.
+enum class FitWeight : unsigned char { gauss, polynomial, uniform };
 
 /// The weight at a squared relative distance s = (r / rho)^2: weight_kernel, or (1 - s)^4 up to 1
-/// and zero beyond.
+/// and zero beyond, or 1 up to 1.
 template <class T>
 inline T fit_weight(FitWeight weight, const T& s) {
     if (weight == FitWeight::gauss) return weight_kernel(s);
+    if (weight == FitWeight::uniform) return select(s < constant<T>(1), constant<T>(1), constant<T>(0));
     const T rest = constant<T>(1) - s;
     const T sq = rest * rest;
     return select(s < constant<T>(1), sq * sq, constant<T>(0));

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -22,7 +23,34 @@ void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
     out.displacement = std::copysign(too_far ? most : distance, dot(to - from, out.normal));
 }
 
-SmoothedPoint smooth_point(PointProjector& projector, const SmoothSettings& settings, const Vec3d& from,
+/// Puts points on the fits made anew; those out of their reach by way of the nearest fit's foot, or of the model.
+class SurfaceProjector {
+public:
+    explicit SurfaceProjector(const SmoothSurface& surface)
+        : model_(surface.model, kTrustedCosine), surface_(surface.refitted) {
+        if (surface_) fits_.emplace(surface_->fits(), kTrustedCosine);
+    }
+    ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
+        if (!surface_) return model_.project(p, normal);
+        ProjectedPoint put = fits_->project(p, normal);
+        if (put.hit) return put;
+        if (const auto foot = surface_->foot(p, is_finite(normal) ? normal : Vec3d{})) {
+            put = fits_->project(*foot, normal);
+            if (put.hit) return put;
+        }
+        put = model_.project(p, normal);
+        if (!put.hit) return put;
+        if (const auto again = fits_->project(put.hit->point, put.hit->normal); again.hit) put.hit = again.hit;
+        return put;
+    }
+
+private:
+    PointProjector model_;
+    const RefittedSurface* surface_;
+    std::optional<PointProjector> fits_;
+};
+
+SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings, const Vec3d& from,
                            const Vec3d& own_normal) {
     SmoothedPoint out{from, own_normal};
     if (!is_finite(from)) return out;
@@ -54,13 +82,13 @@ bool normal_of_planes(std::span<const FacePlane> planes, std::span<const std::ui
 
 }  // namespace
 
-void smooth_points(const BallIndex& index, const SmoothSettings& settings,
+void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
                    std::span<const Vec3d> positions, std::span<const Vec3f> normals,
                    std::span<SmoothedPoint> out) {
     SLIM_CHECK(positions.size(), ==, out.size());
     if (!normals.empty()) SLIM_CHECK(normals.size(), ==, positions.size());
     parallel_blocks(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        PointProjector projector(index, kTrustedCosine);
+        SurfaceProjector projector(surface);
         for (std::size_t i = begin; i < end; ++i)
             out[i] = smooth_point(projector, settings, positions[i],
                                   normals.empty() ? Vec3d{} : to_double(normals[i]));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/smooth/mesh.h"
+#include "slim/smooth/refit.h"
 #include "slim/tree/ball_index.h"
 
 #include <cstdint>
@@ -27,11 +28,17 @@ struct SmoothedPoint {
     bool opposed = false, astray = false;  ///< as PointProjector says, in the first iteration
 };
 
+/// What points are put on: a model, and where there is one its surface fitted anew, which goes first.
+struct SmoothSurface {
+    const BallIndex& model;
+    const RefittedSurface* refitted = nullptr;
+};
+
 /// Projects points on the model along their normals (Ohtake 2005, sec. 4, eqs (6) and (7)), again from where
 /// they are with the normals that they got; along the model's where theirs cannot be trusted (kTrustedCosine). Points that no surfel supports, whose lines meet nothing or that are not
 /// finite stay. Frame of the job; `normals` empty: along the model's own. out.size() == positions.size().
 /// In parallel, same values for any thread count.
-void smooth_points(const BallIndex& index, const SmoothSettings& settings,
+void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
                    std::span<const Vec3d> positions, std::span<const Vec3f> normals,
                    std::span<SmoothedPoint> out);
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace slim {
@@ -28,6 +29,25 @@ Bbox box_of(const Surfel& s) {
     return b;
 }
 
+std::vector<std::uint32_t> leaf_nodes(const SurfelTree& tree) {
+    std::vector<std::uint32_t> nodes;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
+        if (tree.node(i).is_leaf()) nodes.push_back(static_cast<std::uint32_t>(i));
+    return nodes;
+}
+
+std::vector<Surfel> leaves_of(const SurfelTree& tree) {
+    std::vector<Surfel> leaves;
+    for (const std::uint32_t i : leaf_nodes(tree)) leaves.push_back(tree.surfel(i));
+    return leaves;
+}
+
+std::vector<std::uint32_t> numbers_up_to(std::size_t n) {
+    std::vector<std::uint32_t> numbers(n);
+    std::iota(numbers.begin(), numbers.end(), 0u);
+    return numbers;
+}
+
 }  // namespace
 
 BallIndex::Boxes::Boxes() {
@@ -41,20 +61,23 @@ void BallIndex::Boxes::set(std::size_t i, const Bbox& box) {
     }
 }
 
-BallIndex::BallIndex(const SurfelTree& tree) {
+BallIndex::BallIndex(const SurfelTree& tree) : BallIndex(leaves_of(tree), leaf_nodes(tree)) {}
+
+BallIndex::BallIndex(std::vector<Surfel> leaves)
+    : BallIndex(leaves, numbers_up_to(leaves.size())) {}
+
+BallIndex::BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes) {
     Bbox box;
-    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
-        if (tree.node(i).is_leaf()) box.extend(tree.center(i));
+    for (const Surfel& s : leaves) box.extend(s.center);
     const MortonCurve curve(box);
     std::vector<std::pair<std::uint64_t, std::size_t>> order;
-    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
-        if (tree.node(i).is_leaf()) order.emplace_back(curve.key(tree.center(i)), i);
+    for (std::size_t i = 0; i < leaves.size(); ++i) order.emplace_back(curve.key(leaves[i].center), i);
     std::sort(order.begin(), order.end());
     leaves_.reserve(order.size());
     std::vector<Bbox> boxes;
-    for (const auto& [key, node] : order) {
-        leaves_.push_back(tree.surfel(node));
-        nodes_.push_back(static_cast<std::uint32_t>(node));
+    for (const auto& [key, i] : order) {
+        leaves_.push_back(std::move(leaves[i]));
+        nodes_.push_back(nodes[i]);
         const Surfel& s = leaves_.back();
         balls_.push_back({s.center, s.support_radius * s.support_radius});
         boxes.push_back(box_of(s));

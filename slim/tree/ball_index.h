@@ -15,8 +15,11 @@ namespace slim {
 class BallIndex {
 public:
     explicit BallIndex(const SurfelTree& tree);
+    /// Of surfels that no model holds; node(i) is the place in the list.
+    explicit BallIndex(std::vector<Surfel> leaves);
 
     std::size_t n_leaves() const { return leaves_.size(); }
+    const Surfel& leaf(std::size_t number) const { return leaves_[number]; }
 
     /// A leaf that supporters() gave, by its number in the index, and the model's node of that
     /// number.
@@ -42,6 +45,7 @@ private:
         double sq_radius;
     };
     static std::uint64_t holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up);
+    BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes);
     void add_level(const std::vector<Bbox>& boxes);
 
     std::vector<Surfel> leaves_;              // along a Morton curve

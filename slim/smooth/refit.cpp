@@ -1,0 +1,111 @@
+#include "slim/smooth/refit.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+#include "slim/model/weight_kernel.h"
+#include "slim/smooth/wide_fit.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace slim {
+namespace {
+
+constexpr double kBlend = 2 * kCore;  ///< of a fit's radius: how far it is blended
+constexpr double kReach = 6;          ///< of the noise: points so far off still have a foot
+constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
+constexpr double kMostSpread = 30;    ///< variance of the middle over noise / n; 4 to 5 where points are all around
+
+/// Whether a leaf is the one that weighs most at a place, of equals the first.
+bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vector<const Surfel*>& found) {
+    model.supporters(place, found);
+    const auto weight = [&](const Surfel& s) {
+        return weight_kernel(sq_length(place - s.center) / (s.support_radius * s.support_radius));
+    };
+    const Surfel* most = nullptr;
+    for (const Surfel* s : found)
+        if (!most || weight(*s) > weight(*most)) most = s;
+    return most == &model.leaf(leaf);
+}
+
+/// A quadratic of coordinates over `from` in coordinates over `to`.
+Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
+    Polynomial<double> out;
+    out.a[0] = p.a[0] / ratio;
+    for (std::size_t k = 1; k < 3; ++k) out.a[k] = p.a[k];
+    for (std::size_t k = 3; k < 6; ++k) out.a[k] = p.a[k] * ratio;
+    return out;
+}
+
+void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, const PointPyramid& points,
+               WideWork& work, std::vector<Surfel>& out) {
+    Frame<double> frame = frame_from_normal(normal);
+    auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
+    for (int i = 0; i < kMostMoves && fit && put_on(*fit, radius, noise, place, frame); ++i)
+        fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
+    if (!fit || fit->sq_error * fit->n > kMostSpread * fit->sq_noise) return;
+    out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
+}
+
+/// Places of a triangular grid on the leaf's surface that it owns.
+void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double noise, const PointPyramid& points,
+              WideWork& work, std::vector<Surfel>& out) {
+    const Surfel& s = model.leaf(leaf);
+    const double step = kCore * radius / s.support_radius, row = step * std::numbers::sqrt3 / 2;
+    const int rows = static_cast<int>(1 / row), columns = static_cast<int>(1 / step) + 1;
+    std::vector<const Surfel*> found;
+    for (int j = -rows; j <= rows; ++j)
+        for (int i = -columns; i <= columns; ++i) {
+            const double u = (i + (j % 2 != 0 ? 0.5 : 0.0)) * step, v = j * row;
+            if (!(u * u + v * v < 1)) continue;
+            const Vec3d local{u, v, s.polynomial.value(u, v)};
+            const Vec3d place = s.center + s.frame.world_from_local(local) * s.support_radius;
+            if (!owns(model, leaf, place, found)) continue;
+            const Vec3d gradient{-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1};
+            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, noise, points, work, out);
+        }
+}
+
+}  // namespace
+
+RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise,
+                                 std::span<const double> radii, const PointPyramid& points)
+    : RefittedSurface(fit(model, noise, radii, points)) {}
+
+RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,
+                                           std::span<const double> radii, const PointPyramid& points) {
+    SLIM_CHECK(noise.size(), ==, model.n_leaves());
+    SLIM_CHECK(radii.size(), ==, model.n_leaves());
+    std::vector<std::vector<Surfel>> fitted(radii.size());
+    parallel_blocks(radii.size(), 4, [&](std::size_t begin, std::size_t end) {
+        WideWork work;
+        for (std::size_t i = begin; i < end; ++i)
+            if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
+    });
+    Fits out;
+    for (std::size_t i = 0; i < fitted.size(); ++i) {
+        if (!(radii[i] > 0)) out.near.push_back(model.leaf(i));
+        for (const Surfel& s : fitted[i]) {
+            const double reach = std::hypot(s.support_radius, kReach * noise[i].fit_error);
+            out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
+            out.near.push_back(s);
+        }
+    }
+    return out;
+}
+
+std::optional<Vec3d> RefittedSurface::foot(const Vec3d& p, const Vec3d& normal) const {
+    std::vector<const Surfel*> found;
+    far_.supporters(p, found);
+    const Surfel* nearest = nullptr;
+    double least = INFINITY;
+    for (const Surfel* s : found) {
+        const double sq = sq_length(p - s->center);
+        if (sq < least && dot(s->frame.normal, normal) >= 0) least = sq, nearest = s;
+    }
+    if (!nearest) return std::nullopt;
+    const double above = nearest->value((p - nearest->center) / nearest->support_radius);
+    return p - nearest->frame.normal * (above * nearest->support_radius);
+}
+
+}  // namespace slim

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "slim/smooth/wide_radius.h"
+
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace slim {
+
+/// The surface of a model fitted anew to a cloud for the least error of position (notes/0003): quadratics at places
+/// a core apart (kCore), each to all points within the radius that wide_radii gives the leaf there, and the leaves
+/// that are kept. Built once, read by any number of threads; 560 bytes a fit.
+class RefittedSurface {
+public:
+    /// noise, radii: of each leaf, in the index's order; wide_radii gives the latter. In parallel, the same for any
+    /// thread count.
+    RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
+                    const PointPyramid& points);
+
+    const BallIndex& fits() const { return fits_; }
+    /// Foot of a point that may lie outside all fits' balls, on the nearest fit's surface along the fit's normal:
+    /// within 6 of its leaf's noise, and of a fit that does not face away from `normal` (zero: any). Nothing if
+    /// there is none.
+    std::optional<Vec3d> foot(const Vec3d& p, const Vec3d& normal) const;
+
+private:
+    struct Fits {
+        std::vector<Surfel> near, far;  // the same, the balls of the latter wide enough for foot()
+    };
+    static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
+                    const PointPyramid& points);
+    explicit RefittedSurface(Fits fits) : fits_(std::move(fits.near)), far_(std::move(fits.far)) {}
+    BallIndex fits_, far_;
+};
+
+}  // namespace slim

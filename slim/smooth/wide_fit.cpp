@@ -1,0 +1,148 @@
+#include "slim/smooth/wide_fit.h"
+
+#include "slim/fit/moments.h"
+#include "slim/fit/nested_cholesky.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr double kLeastPivot = 1e-6;
+constexpr double kOff = 0.25;
+constexpr double kThickness = 6;
+constexpr double kLeastPoints = 60;
+constexpr double kLeastOfQuadratic = 18;
+
+template <int K>
+using Square = Eigen::Matrix<double, K, K>;
+template <int K>
+using Column = Eigen::Matrix<double, K, 1>;
+
+/// Mean of u^a v^b over the disc of radius kCore.
+double core_mean(int a, int b) {
+    if (a % 2 != 0 || b % 2 != 0) return 0;
+    double mean = std::pow(kCore, a + b) * 2 / (a + b + 2);
+    for (int i = a - 1; i > 0; i -= 2) mean *= i;
+    for (int i = b - 1; i > 0; i -= 2) mean *= i;
+    for (int i = a + b; i > 0; i -= 2) mean /= i;
+    return mean;
+}
+
+/// Mean over the core of phi phi^T, of terms of even degree.
+template <int K>
+const Square<K>& even_core() {
+    static const Square<K> mean = [] {
+        std::vector<std::pair<int, int>> power;
+        for (int d = 0; static_cast<int>(power.size()) < K; ++d)
+            for (int b = 0; b <= d; ++b) power.emplace_back(d - b, b);
+        Square<K> m = Square<K>::Zero();
+        for (int i = 0; i < K; ++i)
+            for (int j = 0; j < K; ++j) {
+                const auto [ai, bi] = power[static_cast<std::size_t>(i)];
+                const auto [aj, bj] = power[static_cast<std::size_t>(j)];
+                if ((ai + bi) % 2 == 0 && (aj + bj) % 2 == 0) m(i, j) = core_mean(ai + aj, bi + bj);
+            }
+        return m;
+    }();
+    return mean;
+}
+
+/// Coefficients and the inverse of A.
+template <int K>
+struct Solution {
+    Column<K> a;
+    Square<K> inverse;
+};
+
+template <int K, int Degree>
+std::optional<Solution<K>> solve(const Moments<Degree>& m) {
+    Square<K> matrix;
+    Column<K> height, scale;
+    for (int i = 0; i < K; ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        height(i) = m.height[row];
+        for (int j = 0; j < K; ++j) matrix(i, j) = m.monomial[product_index(row, static_cast<std::size_t>(j))];
+        if (!(matrix(i, i) > 0)) return std::nullopt;
+        scale(i) = 1 / std::sqrt(matrix(i, i));
+    }
+    const Eigen::LLT<Square<K>> factor(scale.asDiagonal() * matrix * scale.asDiagonal());
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    const Square<K> lower = factor.matrixL();
+    if (!(lower.diagonal().cwiseAbs2().minCoeff() > kLeastPivot)) return std::nullopt;
+    Solution<K> out;
+    out.a = scale.asDiagonal() * factor.solve(scale.asDiagonal() * height);
+    out.inverse = scale.asDiagonal() * factor.solve(Square<K>(scale.asDiagonal()));
+    return out;
+}
+
+template <int K>
+double core_variance(const Square<K>& inverse) {
+    return (even_core<K>().cwiseProduct(inverse)).sum();
+}
+
+template <int Degree>
+std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& frame) {
+    constexpr int kAll = Moments<Degree>::kBasis, kOwn = n_coefficients(2);
+    const auto m = accumulate_moments<Degree>(work.ball, frame, 1);
+    const double n = m.weight();
+    if (!(n >= (Degree > 2 ? kLeastPoints : kLeastOfQuadratic))) return std::nullopt;
+    const auto own = solve<kOwn>(m);
+    const auto all = solve<kAll>(m);
+    if (!own || !all) return std::nullopt;
+    Column<kAll> height;
+    for (int i = 0; i < kAll; ++i) height(i) = m.height[static_cast<std::size_t>(i)];
+    const double sq = work.ball.radius * work.ball.radius;
+    WideFit fit;
+    for (int i = 0; i < kOwn; ++i) fit.polynomial.a[static_cast<std::size_t>(i)] = own->a(i);
+    fit.n = n;
+    fit.sq_noise = sq * std::max(0.0, m.sq_height - height.dot(all->a)) / (n - kAll);
+    const double spread = core_variance<kOwn>(own->inverse);
+    fit.sq_error = fit.sq_noise * spread;
+    if (Degree == 2) return fit;
+    Column<kAll> off = all->a;
+    off.template head<kOwn>() -= own->a;
+    const double by_noise = fit.sq_noise * std::max(0.0, core_variance<kAll>(all->inverse) - spread);
+    fit.sq_bias = sq * off.dot(even_core<kAll>() * off) - by_noise;
+    fit.sq_bias_error = by_noise * std::sqrt(2.0);
+    return fit;
+}
+
+/// Distances in the frame's plane instead of those in space, coordinates over `radius`.
+void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
+    const auto scale = static_cast<float>(ball.radius / radius);
+    const Vec3f n = to_float(frame.normal);
+    for (std::size_t i = 0; i < ball.padded(); ++i) {
+        const float x = ball.x[i] *= scale, y = ball.y[i] *= scale, z = ball.z[i] *= scale;
+        const float w = n.x * x + n.y * y + n.z * z;
+        ball.sq[i] = ball.sq[i] < 1 ? std::max(0.0f, x * x + y * y + z * z - w * w) : 2.0f;
+    }
+    ball.radius = radius;
+}
+
+}  // namespace
+
+std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
+                                double radius, double noise, bool ahead, WideWork& work) {
+    work.ball.weight = FitWeight::uniform;
+    gather_ball(points, center, std::hypot(radius, kThickness * noise), work.ball);
+    stand_up(frame, radius, work.ball);
+    set_contrary_aside(work.ball, frame.normal, work.aside);
+    return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
+}
+
+bool put_on(const WideFit& fit, double radius, double noise, Vec3d& place, Frame<double>& frame) {
+    const auto& a = fit.polynomial.a;
+    if (!(std::abs(a[0]) * radius > kOff * noise)) return false;
+    place += frame.normal * (a[0] * radius);
+    frame = frame_from_normal(normalized(frame.world_from_local({-a[1], -a[2], 1})));
+    return true;
+}
+
+}  // namespace slim

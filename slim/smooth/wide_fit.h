@@ -1,0 +1,46 @@
+#pragma once
+
+#include "slim/base/frame.h"
+#include "slim/fit/ball_points.h"
+#include "slim/fit/local_fit.h"
+#include "slim/model/polynomial.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <optional>
+#include <vector>
+
+namespace slim {
+
+/// A share of a wide fit's radius: where the surface is taken from it. Fits this far apart blend over twice it.
+inline constexpr double kCore = 0.25;
+
+/// Workspace of one thread.
+struct WideWork {
+    BallPoints<float> ball;
+    std::vector<SetAside<float>> aside;
+};
+
+/// A quadratic fitted with equal weights to all points about a place, and how well the middle is known: what
+/// counts for a blend of such fits a core apart, where the odd terms of their errors cancel (notes/0003).
+struct WideFit {
+    Polynomial<double> polynomial;  ///< in the frame given, coordinates over the radius
+    double n = 0;                   ///< points
+    double sq_noise = 0;            ///< of a height, length^2
+    double sq_error = 0;            ///< variance of the middle's height by noise, mean over the core, length^2
+    /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
+    /// standard error of that; may be negative. Zero unless asked for.
+    double sq_bias = 0, sq_bias_error = 0;
+};
+
+/// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, out to 6 `noise`
+/// beyond the ball of that radius (a ball cuts thick noise off towards its rim); those whose normals are below
+/// kLeastCos to the frame's do not count. With `ahead` also looks at degrees 3 and 4. Nothing if there are fewer than
+/// 60 points (18 without `ahead`), or no such polynomial goes through them. Cost: one pass, a factor of 15 rows.
+std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
+                                double radius, double noise, bool ahead, WideWork& work);
+
+/// Puts a place on a fit about it, and turns the frame to the fit there, where it is farther off than a quarter of
+/// `noise`. Returns whether it was.
+bool put_on(const WideFit& fit, double radius, double noise, Vec3d& place, Frame<double>& frame);
+
+}  // namespace slim

@@ -1,0 +1,155 @@
+#include "slim/smooth/wide_radius.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+#include "slim/smooth/wide_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kGrain = 8;
+constexpr double kTop = 0.25;      ///< of the diagonal: the widest rung
+constexpr double kStep = 0.85;     ///< from rung to rung
+constexpr std::size_t kRungs = 56; ///< down to 3e-5 of the diagonal
+constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fit uses
+constexpr double kSearch = 8;      ///< of a leaf's radius: where points enough are looked for
+constexpr double kNoises = 5;      ///< narrower discs than so many noises show noise alone
+constexpr double kPlain = 8;       ///< times the variance: more squared bias ends the climb
+constexpr double kMostPoints = 16384; ///< of a rung; more are thinned
+constexpr double kGrowth = 3.67;   ///< of the squared bias from rung to rung: kStep^-8
+constexpr double kBiasFloor = 0.02; ///< of the variance
+constexpr double kDecay = 4.5;      ///< at most, of the squared bias from a rung to the next narrower one
+constexpr double kMostBias = 0.05;  ///< of the noise's variance; a leaf is kept where there is more
+constexpr double kSameCloud = 0.5;  ///< of the points that a leaf was fitted to
+constexpr double kKeep = 2;        ///< a leaf is kept where its variance alone is so many times less
+constexpr int kParts = 4;          ///< of a step
+constexpr int kRounds = 3;         ///< of means over the leaves around
+constexpr double kShareUnderG = 0.25;  ///< of a ball's points: n_effective of a leaf's fit
+
+/// A leaf's fits on the rungs [widest, narrowest] (rung 0 is the widest of all); the bias of wider ones is extrapolated.
+struct Ladder {
+    std::size_t widest = kRungs, narrowest = kRungs;  // kRungs: none
+    std::array<double, kRungs> sq_bias{}, sq_error{}, sq_noise{};
+    bool has(std::size_t k) const { return widest <= k && k <= narrowest && widest < kRungs; }
+};
+
+double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * std::pow(kStep, k); }
+
+bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
+
+/// Whether the cloud is the one that the leaf was fitted to, or as dense: a refit to fewer points would be worse.
+bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points) {
+    const auto wanted = static_cast<std::size_t>(kSameCloud * points.share(0) * n_points);
+    return count_in_ball(points.all(), s.center, s.support_radius, wanted) >= wanted;
+}
+
+/// Climbs from the narrowest rung until the bias is plain.
+Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double diagonal, WideWork& work) {
+    Ladder out;
+    Frame<double> frame = s.frame;
+    Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
+    std::size_t level = 0;
+    for (std::size_t up = 0; up < kRungs; ++up) {
+        const std::size_t k = kRungs - 1 - up;
+        const double radius = rung_radius(k, diagonal);
+        if (radius < std::max(kNarrowest * s.support_radius, kNoises * noise)) continue;
+        const auto fit = fit_wide(points.level(level), center, frame, radius, noise, true, work);
+        if (!fit) {
+            if (out.has(k + 1) || radius > kSearch * s.support_radius) break;
+            continue;
+        }
+        if (out.widest == kRungs) out.narrowest = k;
+        out.widest = k;
+        // All points know it better than a thinning.
+        out.sq_error[k] = fit->sq_error * points.share(level) / points.share(0);
+        out.sq_bias[k] = fit->sq_bias;
+        out.sq_noise[k] = fit->sq_noise;
+        if (fit->sq_bias > kPlain * out.sq_error[k] + 3 * fit->sq_bias_error) break;
+        put_on(*fit, radius, noise, center, frame);
+        if (fit->n / (kStep * kStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
+    }
+    for (std::size_t k = out.widest; out.widest < kRungs && k-- > 0;)
+        out.sq_bias[k] = std::max(out.sq_bias[k + 1], out.sq_error[out.widest]) * kGrowth;
+    return out;
+}
+
+/// The mean over a leaf, which counts twice, and those that hold its centre, of each rung's squared bias; kRounds times.
+std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std::vector<Ladder>& ladders) {
+    std::vector<std::array<double, kRungs>> now(ladders.size()), next(ladders.size());
+    for (std::size_t i = 0; i < ladders.size(); ++i) now[i] = ladders[i].sq_bias;
+    const auto knows = [&](std::size_t i, std::size_t k) {
+        return ladders[i].widest < kRungs && k <= ladders[i].narrowest;
+    };
+    for (int round = 0; round < kRounds; ++round) {
+        parallel_blocks(now.size(), 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<const Surfel*> around;
+            for (std::size_t i = begin; i < end; ++i) {
+                model.supporters(model.leaf(i).center, around);
+                for (std::size_t k = 0; k < kRungs; ++k) {
+                    double sum = 0, weight = 0;
+                    if (knows(i, k)) sum = now[i][k], weight = 1;
+                    for (const Surfel* s : around) {
+                        const std::size_t j = model.number_of(s);
+                        if (knows(j, k)) sum += now[j][k], weight += 1;
+                    }
+                    next[i][k] = weight > 0 ? sum / weight : 0;
+                }
+            }
+        });
+        std::swap(now, next);
+    }
+    // A wider rung knows its bias better.
+    for (auto& sq_bias : now)
+        for (std::size_t k = 1; k < kRungs; ++k) sq_bias[k] = std::max(sq_bias[k], sq_bias[k - 1] / kDecay);
+    return now;
+}
+
+/// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
+double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
+                   const LeafNoise& noise, double diagonal) {
+    double least = INFINITY, radius = 0, sq_noise = 0, bias = 0;
+    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], sq_bias[k]); };
+    for (std::size_t k = 0; k < kRungs; ++k) {
+        if (!ladder.has(k)) continue;
+        for (int part = 0; part < kParts; ++part) {
+            const double t = static_cast<double>(part) / kParts;
+            if (part > 0 && !ladder.has(k + 1)) break;
+            const auto between = [&](double a, double b) { return a * std::pow(b / a, t); };
+            const double sq = part == 0 ? ladder.sq_error[k] + bias_at(k)
+                                        : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
+                                              between(bias_at(k), bias_at(k + 1));
+            if (!(sq < least)) continue;
+            least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t);
+            sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
+        }
+    }
+    const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
+                           std::max(1.0, kShareUnderG * noise.n_points);
+    return least <= kKeep * of_leaf && bias <= kMostBias * sq_noise ? radius : 0;
+}
+
+}  // namespace
+
+std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
+                               const PointPyramid& points, double diagonal) {
+    const std::size_t n = model.n_leaves();
+    SLIM_CHECK(noise.size(), ==, n);
+    std::vector<Ladder> ladders(n);
+    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
+        WideWork work;
+        for (std::size_t i = begin; i < end; ++i)
+            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points))
+                ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
+    });
+    const auto sq_bias = pooled(model, ladders);
+    std::vector<double> radii(n);
+    for (std::size_t i = 0; i < n; ++i)
+        radii[i] = best_radius(ladders[i], sq_bias[i], model.leaf(i), noise[i], diagonal);
+    return radii;
+}
+
+}  // namespace slim
