@@ -174,8 +174,11 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;
-        // A corner's leaf that cannot move inwards is tried at the next rung.
-        c.choice.radius = static_cast<float>(smaller.value_or(kGoldenRatio * c.choice.radius));
+        // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by chance: no leaf
+        // becomes smaller than the finest ball that its search admits.
+        const double radius = smaller.value_or(kGoldenRatio * c.choice.radius);
+        if (radius < c.choice.finest) return;
+        c.choice.radius = static_cast<float>(radius);
         c.choice.saturated = false;
         c.leaf = c.choice.radius >= lower;
         if (!c.leaf) return;

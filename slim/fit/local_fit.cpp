@@ -14,7 +14,6 @@ namespace slim {
 namespace {
 
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
-constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
 /// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its ball. A parabola
 /// over a right-angled edge has 2.4 (notes/0008).
@@ -170,10 +169,7 @@ LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
     LocalFit fit;
     Fallback cause = Fallback::none;
     const double n_eff = m.n_effective();
-    const auto has_points_for = [&, n = n](int d) {
-        const int k = n_coefficients(d);
-        return n >= 2 * static_cast<std::size_t>(k) && n_eff >= k + kLeastFreedom;
-    };
+    const auto has_points_for = [n = n](int d) { return n >= 2 * static_cast<std::size_t>(n_coefficients(d)); };
     while (degree > 1 && !has_points_for(degree)) --degree, cause = Fallback::few_points;
     if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
     for (; degree >= 1; --degree, cause = Fallback::steep) {

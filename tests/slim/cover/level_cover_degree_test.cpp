@@ -25,6 +25,17 @@ CoverRules choosing(CoverRules rules) {
     return rules;
 }
 
+TEST(LevelCover, TheSmallestLeavesOfACleanSurfaceKeepTheirDegree) {
+    // T so small that nearly all leaves are as small as the points allow; some 20 points then lean by chance.
+    const PointBlock block = block_of(sampled("torus", 20000));
+    for (const int degree : {2, 3}) {
+        const Cover c = cover(block, rules_for(block, 1e-6, degree));
+        ASSERT_GT(c.counts.leaves, 1000u);
+        EXPECT_EQ(c.counts.degrees[static_cast<std::size_t>(degree)], c.counts.leaves);
+        EXPECT_EQ(c.counts.fallbacks[static_cast<std::size_t>(Fallback::few_points)], 0u);
+    }
+}
+
 TEST(LevelCover, WithTheDegreeChosenAPlaneIsPlanes) {
     const PointBlock block = graph_points(20000, 1, 1, [](double, double) { return 0.0; });
     const Cover c = cover(block, choosing(rules_for(block)));
