@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 namespace slim {
 namespace {
@@ -87,11 +88,12 @@ public:
     const Bbox& box() const { return box_; }
 
 private:
+    /// Of those that may reach as far the one whose middle lies farthest: a leaf there ends the search.
     struct Candidate {
-        double reach;
+        double reach, middle;
         std::uint32_t node;
         bool operator<(const Candidate& other) const {
-            return reach != other.reach ? reach < other.reach : node > other.node;
+            return std::tie(reach, middle, other.node) < std::tie(other.reach, other.middle, node);
         }
     };
 
@@ -100,8 +102,11 @@ private:
         if (visited_) visited_->push_back(i);
         if (node.is_loose() && !loose_) return;
         const double radius = std::max<double>(node.bound_radius, tree_.support_radius(i));
+        const double middle = d.along(tree_.center(i));
+        const double reach =
+            node.is_leaf() && node.n_children == 0 ? d.most(box_of(i)) : middle + radius;
         // Where points end counts no more than what is found already.
-        heap.push_back({std::min(d.along(tree_.center(i)) + radius, d.most(points_)), i});
+        heap.push_back({std::min(reach, d.most(points_)), middle, i});
         std::push_heap(heap.begin(), heap.end());
     }
 
