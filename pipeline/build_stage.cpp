@@ -162,6 +162,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
     result["leaf_error_rms"] = leaf_error_rms(config.output);
+    result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;
     return stamp.commit({config.output}, result);
 }
@@ -175,7 +176,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     const bool sliced = fs::exists(manifest_path(work, "slice"));
     // A bad input leaves nothing to resume from, a build stopped while slicing hardly more.
     if (config.work.empty() && (bad || (stopped && !sliced))) fs::remove_all(work);
-    if (!stopped || !sliced) throw;  // as it came, with its own type
+    if (!sliced || !fs::exists(work)) throw;  // as it came, with its own type
     throw Error(error.code(), fmt::format("{}; the same command goes on where it was, from {}",
                                           error.what(), work));
 }

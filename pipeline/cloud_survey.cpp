@@ -90,6 +90,7 @@ private:
             ++input.n_points;
             if (is_finite(p)) {
                 box.extend(p);
+                survey_.spread.add(p);
                 ++survey_.n_points;
                 continue;
             }
@@ -126,6 +127,25 @@ std::pair<std::uintmax_t, std::filesystem::file_time_type> state_of(const std::s
 }
 
 }  // namespace
+
+void Spread::add(const Vec3d& p) {
+    if (!has_first_) first_ = p, has_first_ = true;
+    const Vec3d d = p - first_;
+    n_ += 1, x_ += d.x, y_ += d.y, z_ += d.z;
+    xx_ += d.x * d.x, yy_ += d.y * d.y, zz_ += d.z * d.z;
+    xy_ += d.x * d.y, xz_ += d.x * d.z, yz_ += d.y * d.z;
+}
+
+bool Spread::is_line() const {
+    const auto moment = [&](double ab, double a, double b) { return ab / n_ - a / n_ * (b / n_); };
+    const double xx = moment(xx_, x_, x_), yy = moment(yy_, y_, y_), zz = moment(zz_, z_, z_);
+    const double xy = moment(xy_, x_, y_), xz = moment(xz_, x_, z_), yz = moment(yz_, y_, z_);
+    // Of the eigenvalues the sum, and the sum of the products of two: about the middle one over the
+    // largest.
+    const double sum = xx + yy + zz;
+    const double pairs = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;
+    return sum > 0 && pairs < 1e-12 * sum * sum;
+}
 
 InputWatch::InputWatch(std::vector<std::string> paths) : paths_(std::move(paths)) {
     for (const std::string& path : paths_) states_.push_back(state_of(path));

@@ -42,6 +42,19 @@ private:
     std::vector<State> states_;
 };
 
+/// First and second moments of points about the first of them.
+class Spread {
+public:
+    void add(const Vec3d& p);
+    /// Whether all lie within a millionth of their extent of one line: such points have no surface.
+    bool is_line() const;
+
+private:
+    bool has_first_ = false;
+    Vec3d first_;
+    double n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, yy_ = 0, zz_ = 0, xy_ = 0, xz_ = 0, yz_ = 0;
+};
+
 /// What one pass over all clouds of a job finds out.
 struct CloudSurvey {
     std::vector<PlanInput> inputs;
@@ -52,6 +65,7 @@ struct CloudSurvey {
     GatheredPoints gathered{0};  ///< all, or none if they are too many
     bool is_float32 = false;
     double coordinate_quantum = 0;
+    Spread spread;
 };
 
 /// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a

@@ -26,6 +26,8 @@ struct ItemOf<std::vector<T>> {
 template <class T>
 const char* expected_kind() {
     if constexpr (std::is_same_v<T, bool>) return "true or false";
+    if constexpr (std::is_same_v<T, std::uint64_t>)
+        return "a whole number from 0 to 18446744073709551615";
     if constexpr (std::is_integral_v<T>) return "a whole number";
     return "a number";
 }

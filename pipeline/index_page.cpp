@@ -128,12 +128,33 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
     return text;
 }
 
+/// "scan.ply; diagonal 0.156 mm; fit.t_mdl=0.02": what was read, how large it is, what the call
+/// changed.
+std::string scan_line(const Job& job, const std::vector<StepOutcome>& outcomes) {
+    std::vector<std::string> said;
+    for (const StepOutcome& outcome : outcomes) {
+        if (outcome.step.verb != "build") continue;
+        for (const fs::path& cloud : outcome.step.inputs) said.push_back(cloud.filename().string());
+        const json slice =
+            outcome.result.value("stages", json::object()).value("slice", json::object());
+        if (slice.contains("diagonal"))
+            said.push_back(fmt::format("diagonal L = {:.6g} {}", slice.at("diagonal").get<double>(),
+                                       job.unit.empty() ? "model units" : job.unit));
+    }
+    for (const std::string& setting : job.settings)
+        if (!setting.starts_with("input.files=") && !setting.starts_with("output.dir="))
+            said.push_back(setting);
+    return "<p class=\"note\">" + escaped_markup(fmt::format("{}", fmt::join(said, "; "))) +
+           "</p>\n";
+}
+
 }  // namespace
 
 std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes) {
     std::string text = html_head(job.title, kStyle) + "<h1>" + escaped_markup(job.title) + "</h1>\n";
     text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped_markup(program_version()),
                         escaped_markup(job.file.filename().string()));
+    text += scan_line(job, outcomes);
     text += "<h2>Model</h2>\n" +
             table_of(outcomes, "build", {{"points", "points"}, {"leaves", "leaves"},
                                          {"surfels", "surfels"}, {"bytes", "size"}});

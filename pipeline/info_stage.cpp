@@ -2,6 +2,7 @@
 
 #include "formats/fit_file.h"
 #include "formats/model_file.h"
+#include "formats/ply_faces.h"
 #include "formats/point_source.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
@@ -128,6 +129,7 @@ json model_info(const std::string& path) {
     return {{"kind", "model"},
             {"bytes", file.file_size()},
             {"degree", header.degree},
+            {"colors", !file.colors().empty()},
             {"points", header.n_points},
             {"leaves", header.n_leaves},
             {"loose", loose},
@@ -228,6 +230,12 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
     return out;
 }
 
+std::uint64_t count_faces(const std::string& path, std::uint64_t n_vertices) {
+    std::uint64_t n = 0;
+    read_ply_faces(path, n_vertices, [&](std::span<const std::size_t>) { ++n; });
+    return n;
+}
+
 json cloud_info(const std::string& path, StageContext& context) {
     const std::unique_ptr<PointSource> source = open_cloud(path);
     CloudTotals totals;
@@ -235,7 +243,27 @@ json cloud_info(const std::string& path, StageContext& context) {
         totals.add(chunk);
         context.reporter.progress("bytes read", source->bytes_read(), source->info().file_size);
     }
-    return cloud_json(source->info(), totals);
+    json out = cloud_json(source->info(), totals);
+    if (source->info().has_faces) out["faces"] = count_faces(path, totals.points);
+    return out;
+}
+
+/// What the file is and how much of it first.
+std::string summary_of(json info) {
+    if (info.value("kind", "") == "model" && info.at("fit").value("degree", json()) == "auto")
+        info["degree"] =
+            fmt::format("auto: of each leaf its own, up to {}", info.at("degree").get<int>());
+    return summary_text(info, {{"file", ""},
+                               {"kind", ""},
+                               {"format", ""},
+                               {"points", ""},
+                               {"faces", ""},
+                               {"normals", ""},
+                               {"leaves", ""},
+                               {"degree", ""},
+                               {"colors", ""},
+                               {"diagonal", "(L)"},
+                               {"bytes", ""}});
 }
 
 std::string first_bytes(const std::string& path, std::size_t n) {
@@ -281,6 +309,7 @@ json run_info(const InfoConfig& config, StageContext& context) {
     else
         out = cloud_info(config.file, context);
     out["file"] = config.file;
+    context.text = summary_of(out);
     return out;
 }
 

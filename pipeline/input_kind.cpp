@@ -6,9 +6,10 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
+#include <cerrno>
+#include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <unistd.h>
 
 namespace slim {
@@ -52,6 +53,17 @@ void refuse_to_overwrite(const std::string& output, std::initializer_list<std::s
     for (const std::string& input : inputs)
         if (!input.empty() && !output.empty() && std::filesystem::equivalent(input, output, none))
             throw ConfigError(output + ": is an input; expected another name to write to");
+}
+
+void make_writable_folder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (!fs::is_directory(folder))
+        throw IoError(folder.string() + ": cannot make this folder: " + error.message(),
+                      ExitCode::usage);
+    if (::access(folder.c_str(), W_OK) != 0)
+        throw IoError(folder.string() + ": cannot write into this folder: " + std::strerror(errno),
+                      ExitCode::usage);
 }
 
 void require_model(const std::string& path) {

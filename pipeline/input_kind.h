@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 
@@ -17,5 +18,9 @@ void require_model(const std::string& path);
 
 /// Throws ConfigError if an output is one of the inputs, under whatever name; empty names are passed over.
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs);
+
+/// Makes a folder for outputs, and those above it, where there is none. IoError (2) if that cannot
+/// be.
+void make_writable_folder(const std::filesystem::path& folder);
 
 }  // namespace slim

@@ -24,6 +24,9 @@ struct BuildStages {
     std::filesystem::path slice_target;  ///< the manifest of slicing
     std::vector<std::string> slice, normals, fit;
     bool estimate_normals = false;  ///< whatever normals the clouds have
+    std::string memory;             ///< for points
+    std::string degree;             ///< of surfels: "1", "2", "3", "auto"
+    bool color = false;             ///< the model keeps the clouds' colours
 };
 
 /// A job file's meaning: what to do, in order, and what not and why.
@@ -32,6 +35,7 @@ struct Job {
     std::vector<std::string> settings;     ///< what was changed of it by --set
     std::filesystem::path folder;  ///< where everything is written
     std::string title;
+    std::string unit;  ///< of length, as [render] names it
     bool html = true;
     std::vector<JobStep> steps;
     BuildStages stages;

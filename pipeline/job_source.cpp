@@ -1,6 +1,8 @@
 #include "pipeline/job_source.h"
 
 #include "pipeline/child_process.h"
+#include "pipeline/input_kind.h"
+#include "pipeline/shell_word.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -43,14 +45,34 @@ std::string absolute(const std::string& path) {
     return fs::absolute(path).lexically_normal().string();
 }
 
+/// Whether the command line says what to read.
+bool names_input(const JobSource& source) {
+    return !source.clouds.empty() ||
+           std::any_of(source.settings.begin(), source.settings.end(),
+                       [](const auto& text) { return text.starts_with("input."); });
+}
+
 }  // namespace
 
 fs::path job_file(const JobSource& source) {
     const fs::path named = source.job;
+    if (input_kind(named) == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{}: a point cloud, not a job; expected a job file or a ready style before it, "
+            "such as: {} (styles: {})",
+            source.job, shell_line({"slim", "run", "plate", source.job}),
+            fmt::join(style_names(), ", ")));
     if (fs::exists(named) || named.has_extension() || named.has_parent_path()) return named;
-    for (const fs::path& folder : style_folders())
-        if (const fs::path file = folder / (source.job + ".toml"); fs::exists(file))
-            return fs::weakly_canonical(file);
+    for (const fs::path& folder : style_folders()) {
+        const fs::path file = folder / (source.job + ".toml");
+        if (!fs::exists(file)) continue;
+        if (!names_input(source))
+            throw ConfigError(fmt::format(
+                "{0}: a ready style is for clouds that are named after it: slim run {0} "
+                "scan.ply",
+                source.job));
+        return fs::weakly_canonical(file);
+    }
     throw ConfigError(
         fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
                     fmt::join(style_names(), ", ")));

@@ -27,7 +27,7 @@ struct JobSource {
 };
 
 /// The file: as it is named, or configs/styles/<name>.toml beside the program. ConfigError listing
-/// the styles.
+/// the styles for any other name and for a cloud; for a style without a cloud, saying so.
 std::filesystem::path job_file(const JobSource& source);
 
 /// The settings, those that clouds and output stand for first.

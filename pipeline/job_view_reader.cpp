@@ -8,6 +8,7 @@
 #include "pipeline/render_config.h"
 #include "pipeline/render_lights.h"
 #include "pipeline/render_uses.h"
+#include "pipeline/render_view.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -48,6 +49,7 @@ public:
         if (const TomlTable* table = find_table(root_, "render", file_)) {
             defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
             check_view(*table, render_);
+            job_.unit = render_.unit;
         }
         read_lights(defaults);
         for (const TomlTable& table : root_.tables)
@@ -120,6 +122,12 @@ private:
         note_taken(options, own_keys);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
+        try {
+            check_view_name(view.name);
+            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color);
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+        }
         if (!names_.insert(view.name).second)
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", table_place(file_, table),
                                           view.name));

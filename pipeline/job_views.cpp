@@ -5,6 +5,7 @@
 #include "pipeline/render_lights.h"
 #include "pipeline/render_uses.h"
 #include "pipeline/render_view.h"
+#include "slim/base/error.h"
 
 #include <fmt/format.h>
 
@@ -73,6 +74,26 @@ void check_view_keys(
     checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
     for (const char* key : {"turntable", "path", "frames", "frame"})
         checked(key, [&] { frame_camera(config, model, {100, 100}, 0, n_frames(config) - 1); });
+}
+
+void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
+                       const std::string& degree, bool color) {
+    if (degree == "1" || degree == "2") {
+        for (const char* aov : {"e1", "e2", "dk1_dt2", "dk2_dt1"})
+            if (contains(aovs, aov))
+                throw ConfigError(fmt::format(
+                    "aov {} needs third derivatives, which a model of degree {} does not "
+                    "have: expected degree = 3 in [fit]",
+                    aov, degree));
+        if (view.lines ==
+            std::vector<std::string>{"crest"})  // beside others it is left out with a warning
+            throw ConfigError(fmt::format(
+                "lines crest need third derivatives, which a model of degree {} does not "
+                "have: expected degree = 3 in [fit]",
+                degree));
+    }
+    if (contains(aovs, "color") && !color)
+        throw ConfigError("aov color needs a model with colours: expected color = true in [fit]");
 }
 
 }  // namespace slim

@@ -35,4 +35,8 @@ void check_view_keys(
     const RenderConfig& config,
     const std::function<void(const char* key, const std::function<void()>& check)>& checked);
 
+/// Throws ConfigError on a view that no model of this [fit] can give.
+void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
+                       const std::string& degree, bool color);
+
 }  // namespace slim

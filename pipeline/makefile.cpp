@@ -3,6 +3,8 @@
 #include "pipeline/fit_stage.h"
 #include "pipeline/manifest.h"
 #include "pipeline/normals_stage.h"
+#include "pipeline/plan_steps.h"
+#include "pipeline/shell_word.h"
 #include "pipeline/version.h"
 
 #include <fmt/format.h>
@@ -32,16 +34,9 @@ constexpr const char* kHeader = R"(# A Makefile for GNU make, made by 'slim plan
 
 /// A word of a recipe: quoted for the shell, its dollars for make.
 std::string recipe_word(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) {
-        if (c == '\'')
-            out += "'\\''";
-        else if (c == '$')
-            out += "$$";
-        else
-            out += c;
-    }
-    return out + "'";
+    std::string out;
+    for (const char c : shell_quoted(text)) out += c == '$' ? std::string("$$") : std::string(1, c);
+    return out;
 }
 
 /// A path as target or prerequisite.
@@ -63,8 +58,6 @@ std::string unless_there(const fs::path& file) {
     return " $(if $(wildcard " + path + "),,FORCE)";
 }
 
-using Words = std::vector<std::string>;
-
 /// One rule: target, what must be there, the command.
 struct Rule {
     fs::path target;
@@ -78,10 +71,8 @@ public:
     Rules(const Job& job, const fs::path& programs)
         : marks_(job.folder / ".make"), programs_(programs) {}
 
-    Words command(const char* verb, const Words& arguments) const {
-        Words words = {(programs_ / (std::string("slim-") + verb)).string()};
-        words.insert(words.end(), arguments.begin(), arguments.end());
-        return words;
+    Words command(const std::string& verb, const Words& arguments) const {
+        return verb_command(programs_, verb, arguments);
     }
 
     /// The rule that makes the stamp of these options; returns the stamp. `id` is the step's, alike
@@ -123,21 +114,14 @@ private:
     std::string text_;
 };
 
-/// The manifest of what makes a file, or the file itself if no step does.
-fs::path made_by(const fs::path& file, const Job& job) {
-    for (const JobStep& step : job.steps)
-        if (step.output == file) return step.target;
-    return file;
-}
-
 Rule rule_of(const JobStep& step, const Job& job, const Rules& rules) {
-    Rule rule{step.target, {}, step.products, rules.command(step.verb.c_str(), step.arguments)};
+    Rule rule{step.target, {}, step.products, rules.command(step.verb, step.arguments)};
     for (const fs::path& input : step.inputs) rule.needs.push_back(made_by(input, job));
     return rule;
 }
 
 /// Slicing, and the build that joins what the slices' rules have made: it finds them up to date.
-void add_build(const JobStep& step, const Job& job, Rules& rules) {
+void add_build(const JobStep& step, const Job& job, const fs::path& programs, Rules& rules) {
     Rule slice = rule_of(step, job, rules);
     slice.target = job.stages.slice_target;
     slice.products = {plan_path(job.stages.work)};
@@ -145,15 +129,8 @@ void add_build(const JobStep& step, const Job& job, Rules& rules) {
     rules.step("slice", slice);
     Rule build = rule_of(step, job, rules);
     build.needs = {job.stages.slice_target};
-    build.command.push_back("--work=" + job.stages.work.string());
+    build.command = joining_build(step, job, programs);
     rules.step("build", build);
-}
-
-/// The job and what was changed of it, as words for run and plan.
-Words job_words(const Job& job) {
-    Words words = {job.file.string()};
-    for (const std::string& setting : job.settings) words.push_back("--set=" + setting);
-    return words;
 }
 
 /// Prints to a file only if that succeeds.
@@ -191,7 +168,7 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
         goals.push_back(step.target);
         all_commands += fmt::format("\n{}", fmt::join(step.arguments, "\n"));
         if (step.verb == "build")
-            add_build(step, job, rules);
+            add_build(step, job, programs, rules);
         else
             rules.step(step.name, rule_of(step, job, rules));
     }
@@ -213,7 +190,7 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
 
 std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path& programs) {
     const BuildStages& stages = job.stages;
-    const bool in_order = stages.estimate_normals || !plan.has_normals;
+    const bool in_order = normals_in_order(job, plan);
     Rules rules(job, programs);
     const auto add = [&](const char* verb, const Words& arguments, const std::string& part,
                          const fs::path& output, std::vector<fs::path> needs,

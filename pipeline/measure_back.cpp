@@ -116,6 +116,8 @@ json measure_back(const ModelFile& model, const BallIndex& index, const std::str
                 {"max", std::sqrt(sq[farthest]) / diagonal},
                 {"max_at", {at.x, at.y, at.z}},
                 {"within", within / area}};
+    if (!faces)
+        out["note"] = "to the nearest point: not below about half the spacing of the points";
     put_percentiles(distances, diagonal, out);
     return out;
 }

@@ -93,6 +93,10 @@ void check_order(const MeasureConfig& config) {
 }
 
 json measure_points(const MeasureConfig& config, StageContext& context) {
+    if (!config.two_way && config.samples != MeasureConfig{}.samples)
+        throw ConfigError(
+            "samples are those of the model's surface, which is not measured: expected --two-way "
+            "with it");
     check_order(config);
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))

@@ -31,7 +31,10 @@ struct MeasureConfig {
         field.path("per_point", per_point,
                    "PLY for the figures of every point: scalar_distance (also as quality), "
                    "scalar_normal_angle, ...");
-        field("two_way", two_way, "also from the model to the cloud, or to its faces if it has any");
+        field("two_way", two_way,
+              "also from the model to the cloud's faces; to its nearest points if it has none, so "
+              "that these "
+              "distances are not below the points' spacing");
         field("tolerance", tolerance, "of completeness: a distance over the model's diagonal L", 0, 1);
         field("samples", samples, "points on the model's surface (two_way): about as many", 1, 1e9);
         field("threshold", threshold, "of pictures: a pixel differs if a channel differs by more", 0,

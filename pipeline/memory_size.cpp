@@ -36,7 +36,10 @@ std::uint64_t parse_memory_size(std::string_view text) {
     while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
     const int power = unit_power(unit);
     const double bytes = std::ldexp(value, 10 * power);
-    if (power < 0 || !(bytes >= 1) || bytes > 0x1p62) throw ConfigError(message);
+    if (power < 0 || std::isnan(bytes)) throw ConfigError(message);
+    if (!(bytes >= 1) || bytes > 0x1p62)
+        throw ConfigError(
+            fmt::format("memory size '{}': expected at least one byte and at most 4 EiB", text));
     return static_cast<std::uint64_t>(bytes);
 }
 

@@ -1,4 +1,5 @@
 #include "pipeline/job.h"
+#include "pipeline/shell_word.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +10,7 @@ namespace slim {
 std::string explanation_of(const Job& job) {
     std::string text = "`slim run` does, in this order:\n";
     for (const JobStep& step : job.steps)
-        text +=
-            fmt::format("  {}: slim {} {}\n", step.name, step.verb, fmt::join(step.arguments, " "));
+        text += fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments));
     if (job.html)
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";

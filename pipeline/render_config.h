@@ -36,7 +36,7 @@ struct RenderConfig {
     bool loose = false;
     int repeat = 1;
     int supersample = 1;
-    std::vector<std::string> range;
+    std::vector<std::string> range, same_range;
     double percentile = 95;
     bool legend = true;
     bool light_maps = false;
@@ -63,7 +63,9 @@ struct RenderConfig {
             "x.png, x.exr (with x.png as its preview), or a folder (<view>.<aov>.png in it)");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
-              "front, back, left, right, top, bottom, iso, or ex,ey,ez,tx,ty,tz,ux,uy,uz (world)");
+              "front, back, left, right, top, bottom, iso, or nine numbers "
+              "ex,ey,ez,tx,ty,tz,ux,uy,uz (world; six: "
+              "up is --up)");
         field("name", name, "name of the view in file names (default: the camera's)");
         field("fov", fov,
               "angle of view from top to bottom, degrees (a named camera frames the whole at any "
@@ -123,6 +125,10 @@ struct RenderConfig {
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
         field("range", range,
               "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI");
+        field("same_range", same_range,
+              "named cameras whose automatic ranges, the largest of each map, are the range of its "
+              "maps: "
+              "pictures from several sides then compare");
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
         field("legend", legend,
               "legend bar in the maps and beside them as SVG; named cameras leave its room free in all "
@@ -158,7 +164,7 @@ struct RenderConfig {
               "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
-              "whole has there");
+              "whole has there; without --lines");
         field("turntable", turntable,
               "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
@@ -168,7 +174,9 @@ struct RenderConfig {
               9999);
         field("frame", frame, "draws only this picture of a turntable or path, from 1 (0: all)", 0,
               9999);
-        field("tile", tile, "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
+        field(
+            "tile", tile,
+            "i/n: draws only part i (1 to n) of n bands of rows, for array jobs; without --lines");
     }
 };
 

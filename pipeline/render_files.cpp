@@ -1,7 +1,9 @@
 #include "pipeline/render_files.h"
 
 #include "formats/extension.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/render_directions.h"
+#include "pipeline/shell_word.h"
 #include "pipeline/version.h"
 #include "raytrace/lines/stroke.h"
 #include "slim/base/error.h"
@@ -161,9 +163,10 @@ std::vector<std::string> film_commands(const OutputPlan& plan) {
         stem.replace_extension();
         // Encoders want even sides.
         commands.push_back(
-            fmt::format("ffmpeg -framerate 24 -i '{0}_%04d{1}' -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
-                        "-c:v libx264 -pix_fmt yuv420p '{0}.mp4'",
-                        stem.string(), png.extension().string()));
+            fmt::format("ffmpeg -framerate 24 -i {} -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
+                        "-c:v libx264 -pix_fmt yuv420p {}",
+                        shell_quoted(stem.string() + "_%04d" + png.extension().string()),
+                        shell_quoted(stem.string() + ".mp4")));
     }
     return commands;
 }
@@ -191,12 +194,7 @@ OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::strin
 
 void make_folder(const OutputPlan& plan) {
     const fs::path folder = plan.stem.parent_path();
-    if (folder.empty()) return;
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder))
-        throw IoError(folder.string() + ": cannot make this folder: " + error.message(),
-                      ExitCode::usage);
+    if (!folder.empty()) make_writable_folder(folder);
 }
 
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,

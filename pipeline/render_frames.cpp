@@ -2,11 +2,13 @@
 
 #include "pipeline/median.h"
 #include "pipeline/render_directions.h"
+#include "pipeline/render_maps.h"
 #include "raytrace/brute/brute_renderer.h"
 #include "raytrace/project/forward_renderer.h"
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 
 namespace slim {
 namespace {
@@ -147,6 +149,37 @@ double reference_scale(const PictureSize& size) {
     return static_cast<double>(reference_size(size).width) / size.width;
 }
 
+namespace {
+
+/// For each map the union of its ranges from all cameras of same_range.
+std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
+                                                    const std::vector<std::string>& aovs) {
+    const Camera own = job.camera;
+    std::map<std::string, ValueRange> ranges;
+    const PictureSize size = reference_size(job.size);
+    for (const std::string& name : job.config.same_range) {
+        RenderConfig config = job.config;
+        config.camera = name;
+        job.camera = make_camera(config, job.header(), job.size, legend_room(config, job.size));
+        RenderedFrame frame;
+        draw_buffer(job, size, {0, 0, size.width, size.height},
+                    config.lod * reference_scale(job.size), channels_of(aovs, false), frame);
+        if (contains(aovs, "truth_distance"))
+            frame.truth_distance = truth_distances(config, job.tree.header().origin, frame.buffer);
+        for (const std::string& aov : aovs) {
+            if (!map_spec(aov)) continue;
+            const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
+            const auto [at, is_new] = ranges.emplace(aov, range);
+            if (!is_new)
+                at->second = {std::min(at->second.lo, range.lo), std::max(at->second.hi, range.hi)};
+        }
+    }
+    job.camera = own;
+    return ranges;
+}
+
+}  // namespace
+
 void choose_looks(RenderJob& job) {
     RenderedFrame reference;
     std::vector<std::string> aovs;
@@ -168,9 +201,11 @@ void choose_looks(RenderJob& job) {
                 truth_distances(job.config, job.tree.header().origin, reference.buffer);
         if (has("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
     }
+    const auto wider = ranges_of_cameras(job, aovs);
     for (const std::string& aov : job.plan.drawn)
         job.looks[aov] =
-            look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief);
+            look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief,
+                    wider.contains(aov) ? &wider.at(aov) : nullptr);
 }
 
 }  // namespace slim

@@ -33,11 +33,13 @@ struct RenderJob {
     PixelWindow window;           ///< what of the picture is wanted
     ShadingInputs shadings;
     int n_frames = 1;
+    ModelHeader drawn;  ///< the model's; its bounds are those of what is drawn, of all models
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
     std::map<std::string, AovLook> looks = {};
 
-    /// Its bounds and, of several, its diagonal are those of all models of the picture.
-    const ModelHeader& header() const { return traced ? traced->header() : tree.header(); }
+    /// Its bounds are those of what is drawn; of several models these and its diagonal are those of
+    /// all.
+    const ModelHeader& header() const { return drawn; }
     /// Those of each model, in the order in which pixels number them.
     std::vector<const ModelHeader*> models() const {
         return traced ? traced->headers() : std::vector<const ModelHeader*>{&tree.header()};

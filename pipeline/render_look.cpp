@@ -53,18 +53,27 @@ std::optional<Legend> expected_legend(const RenderConfig& config, const std::str
     return legend;
 }
 
+/// The same of a key.
+std::optional<Key> expected_key(const RenderConfig& config, const std::string& aov) {
+    if (aov == "dir1" || aov == "dir2") return direction_key(aov == "dir2");
+    if (aov != "hillshade" || config.contours == "none") return std::nullopt;
+    Relief usual;
+    usual.spacing = 2500;
+    return contour_key(config, usual);
+}
+
 }  // namespace
 
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const Relief& relief) {
+                double diagonal, const Relief& relief, const ValueRange* wider) {
     const GBuffer& b = reference.buffer;
     AovLook look;
     if (aov == "level") look = look_of_levels(b);
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
-        look.legend =
-            make_legend(config, aov, map_range(config, aov, values.span(), b.hit, diagonal),
-                        values.span(), b.hit);
+        ValueRange range = map_range(config, aov, values.span(), b.hit, diagonal);
+        if (wider) range = {std::min(range.lo, wider->lo), std::max(range.hi, wider->hi)};
+        look.legend = make_legend(config, aov, range, values.span(), b.hit);
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
     if (aov == "hillshade" && relief.spacing > 0) look.key = contour_key(config, relief);
@@ -72,6 +81,12 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
         look.place = best_legend_place(*look.legend, silhouette_of(b));
     if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b));
     return look;
+}
+
+ValueRange range_of(const RenderConfig& config, const std::string& aov,
+                    const RenderedFrame& reference, double diagonal) {
+    const MapValues values = map_values(aov, reference);
+    return map_range(config, aov, values.span(), reference.buffer.hit, diagonal);
 }
 
 bool needs_reference(const RenderConfig& config, const std::string& aov) {
@@ -84,9 +99,12 @@ double legend_room(const RenderConfig& config, const PictureSize& size) {
     if (!config.legend) return share;
     RenderConfig any;
     const FieldList fields = fields_of(any);
-    for (const std::string& aov : fields.find("aov")->choices)
+    for (const std::string& aov : fields.find("aov")->choices) {
         if (const auto legend = expected_legend(config, aov))
             share = std::max(share, legend_share(*legend, size.width, size.height));
+        if (const auto key = expected_key(config, aov))
+            share = std::max(share, key_share(*key, size.width, size.height));
+    }
     return share;
 }
 

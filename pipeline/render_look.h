@@ -26,15 +26,21 @@ struct AovLook {
 
 /// Range, legend and its place by a reference frame: the view at no more than 1000 pixels on its
 /// longer side, so that all parts of a picture and all frames of a film agree.
+/// `wider`, if given, is held by the range of a map.
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const Relief& relief);
+                double diagonal, const Relief& relief, const ValueRange* wider = nullptr);
+
+/// A map's range by a reference frame alone.
+ValueRange range_of(const RenderConfig& config, const std::string& aov,
+                    const RenderedFrame& reference, double diagonal);
 
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
-/// Share of the picture's width that the widest legend of all AOVs would take at the right; 0 with
-/// --no-legend or where the picture is too small for one. The same whatever is asked for, so that pictures of
-/// one camera overlay. The numbers are not known yet: assumed to be of a usual length.
+/// Share of the picture's width that the widest legend or key of all AOVs would take at the right;
+/// 0 with
+/// --no-legend or where the picture is too small for one. The same whatever is asked for, so that
+/// pictures of one camera overlay. The numbers are not known yet: assumed to be of a usual length.
 double legend_room(const RenderConfig& config, const PictureSize& size);
 
 }  // namespace slim

@@ -8,7 +8,14 @@ int main(int argc, char** argv) {
           "slim render bunny.slim -o pictures/ --aov shaded,mean,k1 --camera iso --supersample 2",
           "slim render bunny.slim -o bunny.exr --aov all",
           "slim render bunny.slim -o bunny.png --mode raytrace --ground --ao",
-          "slim render terrain.slim -o evening.png --mode raytrace --up z --camera top --light 'sun azimuth=315 elevation=12'",
-          "slim render bunny3.slim -o drawing.png --aov lines --lines contour,suggestive,crest"}},
+          "slim render terrain.slim -o evening.png --mode raytrace --up z --camera top --light "
+          "'sun azimuth=315 elevation=12'",
+          "slim render bunny3.slim -o drawing.png --aov lines --lines contour,suggestive,crest"},
+         false,
+         {{"covered_pixels", ""},
+          {"width", ""},
+          {"height", ""},
+          {"pixel_size", "model units"},
+          {"frame_ms_median", "ms"}}},
         argc, argv, slim::run_render);
 }

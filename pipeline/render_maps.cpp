@@ -1,6 +1,9 @@
 #include "pipeline/render_maps.h"
 
+#include "raytrace/camera.h"
 #include "slim/base/error.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
@@ -97,6 +100,12 @@ const MapSpec* map_spec(const std::string& aov) {
 }
 
 void check_ranges(const RenderConfig& config) {
+    for (const std::string& camera : config.same_range)
+        if (!is_camera_name(camera))
+            throw ConfigError(fmt::format(
+                "same_range: expected named cameras (front, back, left, right, top, bottom, "
+                "iso), found \"{}\"",
+                camera));
     for (const std::string& entry : config.range) {
         const std::size_t equals = entry.find('=');
         const std::string aov = equals == std::string::npos ? "mean" : entry.substr(0, equals);

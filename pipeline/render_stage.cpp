@@ -9,6 +9,7 @@
 #include "pipeline/render_maps.h"
 #include "pipeline/render_trace.h"
 #include "pipeline/render_write.h"
+#include "raytrace/font.h"
 #include "raytrace/project/lod_cut.h"
 #include "raytrace/project/tile_bins.h"
 #include "slim/base/error.h"
@@ -44,15 +45,16 @@ bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>
 /// 0.24 s.
 constexpr std::uint64_t kCheckedWhole = std::uint64_t{16} << 20;
 
-/// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part of a large
-/// model reads the pages that it shows and checks the nodes and records in them by themselves, without the
-/// checksum of the chunks that they are part of: that is one of the whole chunk. Where the pages are half of
-/// the file or more, or the file is small, all of it is checked as elsewhere. What takes_all_leaves has been
-/// checked.
-std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job) {
+/// Checks what will be drawn of the model; returns the bytes of it that are read. A view of a part
+/// of a large model reads the pages that it shows and checks the nodes and records in them by
+/// themselves, without the checksum of the chunks that they are part of: that is one of the whole
+/// chunk. Where the pages are half of the file or more, or the file is small, all of it is checked
+/// as elsewhere. What takes_all_leaves has been checked. `visited` are the nodes that were read
+/// before.
+std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job,
+                                  std::vector<std::uint32_t> visited) {
     if (takes_all_leaves(job.config, job.aovs)) return model.file_size();
     if (model.file_size() > kCheckedWhole && job.tree.sharp().empty() && job.n_frames == 1) {
-        std::vector<std::uint32_t> visited;
         visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
         const PictureSize reference = reference_size(job.size);
         if (std::any_of(job.aovs.begin(), job.aovs.end(),
@@ -236,8 +238,17 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
                             job.config.model));
 }
 
+/// Panels have letters of their own; the SVG legends beside them take the reader's.
+void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
+    if (const std::string unknown = without_glyphs(config.unit); !unknown.empty())
+        reporter.warn(fmt::format(
+            "unit \"{}\": pictures have no letters for {} and show boxes; SVG legends show them",
+            config.unit, unknown));
+}
+
 /// What can be wrong before the model is opened. Returns the number of pictures.
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    check_view_name(config.name);
     check_ranges(config);
     check_lines(config, aovs);
     check_shadings(config);
@@ -264,10 +275,16 @@ void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::pa
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
 }
 
+/// No file of the run may be one that it reads, by whatever name.
 void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan) {
-    refuse_to_overwrite(plan.exr.string(), {config.environment, config.matcap});
-    for (const fs::path& png : plan.pngs)
-        refuse_to_overwrite(png.string(), {config.environment, config.matcap});
+    std::vector<fs::path> outputs = plan.pngs;
+    outputs.push_back(plan.exr);
+    for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
+    outputs.push_back(plan.lines_svg());
+    for (const fs::path& output : outputs) {
+        refuse_to_overwrite(output.string(), {config.model, config.environment, config.matcap});
+        for (const std::string& added : config.add) refuse_to_overwrite(output.string(), {added});
+    }
 }
 
 }  // namespace
@@ -277,6 +294,10 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const PictureSize size = parse_size(config.size);
     const int frames = check_request(config, aovs);
     const fs::path named = plan_outputs(config, aovs).named;
+    for (int k = 0; k <= (frames > 1 ? frames : 0); ++k) {
+        const OutputPlan pictures = plan_outputs(config, aovs);
+        refuse_to_overwrite_inputs(config, k > 0 ? pictures.numbered(k) : pictures);
+    }
     const ModelFile model = ModelFile::open_by_pages(config.model);
     Stamp stamp(context, manifest_path(named.string()));
     add_inputs(config, model, named, stamp);
@@ -293,21 +314,25 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
+    std::vector<std::uint32_t> met;  // on the way to the bounds
+    const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     RenderJob job{config,
                   tree,
                   aovs,
                   plan,
                   size,
-                  frame_camera(config, traced ? traced->header() : tree.header(), size, room, 0),
+                  frame_camera(config, header, size, room, 0),
                   lines,
                   wanted_window(config, size, !lines.empty()),
                   load_shadings(config, aovs, tree.header()),
                   frames,
+                  header,
                   traced ? &*traced : nullptr};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
-    const std::uint64_t bytes_read = check_what_is_drawn(model, job);
+    warn_of_letters(config, context.reporter);
+    const std::uint64_t bytes_read = check_what_is_drawn(model, job, std::move(met));
     make_folder(job.plan);
     choose_looks(job);
     const Outcome outcome = draw_film(job, room, model.identity(), context);

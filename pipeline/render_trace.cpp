@@ -7,6 +7,7 @@
 #include "pipeline/render_lights.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
+#include "slim/tree/drawn_bounds.h"
 
 #include <algorithm>
 #include <chrono>
@@ -129,8 +130,14 @@ Channels light_channels(const RenderConfig& config, const std::vector<std::strin
     return 0;
 }
 
+ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
+    ModelHeader header = tree.header();
+    header.bounds = drawn_bounds(tree, loose, visited);
+    return header;
+}
+
 TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
-    : header_(first.header()) {
+    : header_(drawn_header(first, config.loose)) {
     std::vector<ScenePart> parts{{&first, {}}};
     for (const std::string& path : config.add) {
         require_model(path);
@@ -141,8 +148,9 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
             throw DataError(path + ": a model without surfels cannot be drawn");
         const Vec3d offset = tree.header().origin - header_.origin;
         parts.push_back({&tree, offset});
-        header_.bounds.extend(tree.header().bounds.lo + offset);
-        header_.bounds.extend(tree.header().bounds.hi + offset);
+        const Bbox bounds = drawn_bounds(tree, config.loose);
+        header_.bounds.extend(bounds.lo + offset);
+        header_.bounds.extend(bounds.hi + offset);
     }
     if (!trees_.empty()) header_.diagonal = header_.bounds.diagonal();
     const auto start = std::chrono::steady_clock::now();

@@ -15,6 +15,10 @@
 
 namespace slim {
 
+/// A model's header, its bounds those of what is drawn of it.
+ModelHeader drawn_header(const SurfelTree& tree, bool loose,
+                         std::vector<std::uint32_t>* visited = nullptr);
+
 /// Channels that shading and openness take beside those of the AOVs.
 Channels light_channels(const RenderConfig& config, const std::vector<std::string>& aovs);
 
@@ -25,7 +29,8 @@ public:
     TracedModels(const RenderConfig& config, const SurfelTree& first);
 
     const TraceScene& scene() const { return *scene_; }
-    /// The first model's header, its bounds and, of several models, its diagonal those of all.
+    /// The first model's header, its bounds those of what is drawn of all and, of several, its
+    /// diagonal that of these.
     const ModelHeader& header() const { return header_; }
     /// Each model's own.
     std::vector<const ModelHeader*> headers() const;

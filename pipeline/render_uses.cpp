@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace slim {
 namespace {
 
@@ -32,6 +35,50 @@ bool takes_ground(const RenderConfig&, const Aovs& aovs) {
 }
 bool has_openness(const RenderConfig& config, const Aovs& aovs) { return config.ao || shows(aovs, "ao"); }
 
+bool is_orthographic(const RenderConfig& config, const Aovs&) {
+    return config.ortho || config.ortho_width > 0;
+}
+/// Cameras of numbers see, orthographically, what the angle shows at their target.
+bool takes_angle(const RenderConfig& config, const Aovs& aovs) {
+    if (!is_orthographic(config, aovs) || !config.path.empty()) return true;
+    return config.ortho_width <= 0 && config.camera.find(',') != std::string::npos;
+}
+bool is_cast(const RenderConfig& config, const Aovs&) { return config.mode == "raytrace"; }
+bool throws_shadows(const RenderConfig& config, const Aovs& aovs) {
+    return is_cast(config, aovs) && shows(aovs, kShaded);
+}
+/// The other modes draw no stand-ins, as --lod 0.
+bool takes_lod(const RenderConfig& config, const Aovs&) {
+    return config.mode == "forward" || config.lod == 0;
+}
+
+constexpr const char* kCurvatures[] = {"mean", "gauss", "k1", "k2"};
+constexpr const char* kOtherMaps[] = {"e1",    "e2",       "dk1_dt2",       "dk2_dt1",
+                                      "error", "coverage", "truth_distance"};
+
+bool shows_curvature(const Aovs& aovs) {
+    return std::any_of(std::begin(kCurvatures), std::end(kCurvatures),
+                       [&](auto aov) { return shows(aovs, aov); });
+}
+bool takes_percentile(const RenderConfig&, const Aovs& aovs) {
+    return shows_curvature(aovs) || std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps),
+                                                [&](auto aov) { return shows(aovs, aov); });
+}
+bool has_map(const RenderConfig& config, const Aovs& aovs) {
+    return takes_percentile(config, aovs) || shows(aovs, "depth");
+}
+/// Some entry speaks of a map that is shown: A, AOV=A or AOV=LO:HI.
+bool takes_range(const RenderConfig& config, const Aovs& aovs) {
+    return std::any_of(config.range.begin(), config.range.end(), [&](const std::string& entry) {
+        const std::size_t equals = entry.find('=');
+        return equals == std::string::npos ? has_map(config, aovs)
+                                           : shows(aovs, entry.substr(0, equals).c_str());
+    });
+}
+bool takes_light_maps(const RenderConfig&, const Aovs& aovs) {
+    return shows_curvature(aovs) || shows(aovs, "color");
+}
+
 constexpr const char* kOpennessRemedy = ": --ao or --aov ao";
 
 constexpr OptionUse kUses[] = {
@@ -43,6 +90,15 @@ constexpr OptionUse kUses[] = {
     {"matcap", "the aov matcap", "", takes<kMatcap>},
     {"sun", "the aov hillshade", "", takes<kHillshade>},
     {"contours", "the aov hillshade", "", takes<kHillshade>},
+    {"same_scale", "orthographic cameras", ": --ortho", is_orthographic},
+    {"fov", "a perspective camera", ", but parallel projection is", takes_angle},
+    {"bounces", "rays", ": --mode raytrace", is_cast},
+    {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
+    {"lod", "--mode forward", "", takes_lod},
+    {"range", "maps of its aovs", "", takes_range},
+    {"percentile", "maps with a range of their own", ": such as --aov mean", takes_percentile},
+    {"same_range", "maps", ": such as --aov mean", has_map},
+    {"light_maps", "curvature maps and the aov color", "", takes_light_maps},
     {"light", "the aov shaded", "", takes<kShaded>},
     {"material", "the aov shaded", "", takes<kShaded>},
     {"ambient", "the aov shaded", "", takes<kShaded>},

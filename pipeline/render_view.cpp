@@ -1,6 +1,7 @@
 #include "pipeline/render_view.h"
 
 #include "raytrace/camera_path.h"
+#include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -61,10 +62,14 @@ std::vector<double> parse_numbers(const std::string& text) {
 }
 
 std::optional<Vec3f> parse_color(std::string_view text) {
-    if (text.size() != 7 || text[0] != '#') return std::nullopt;
+    if (text.empty() || text[0] != '#') return std::nullopt;
+    std::string digits(text.substr(1));
+    if (digits.size() == 3)  // #abc is #aabbcc
+        digits = {digits[0], digits[0], digits[1], digits[1], digits[2], digits[2]};
+    if (digits.size() != 6) return std::nullopt;
     std::uint32_t rgb = 0;
-    const auto [rest, error] = std::from_chars(text.data() + 1, text.data() + 7, rgb, 16);
-    if (error != std::errc() || rest != text.data() + 7) return std::nullopt;
+    const auto [rest, error] = std::from_chars(digits.data(), digits.data() + 6, rgb, 16);
+    if (error != std::errc() || rest != digits.data() + 6) return std::nullopt;
     const auto linear = [&](int shift) {
         return linear_from_srgb(static_cast<float>(rgb >> shift & 255u) / 255.0f);
     };
@@ -95,7 +100,10 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                               .orthographic = orthographic,
                               .fov_y_deg = config.fov,
                               .turns = config.turntable,
-                              .free_right = config.ortho_width > 0 ? 0 : free_right};
+                              .free_right = config.ortho_width > 0 ? 0 : free_right,
+                              .free_bottom = config.scale_bar && config.ortho_width <= 0
+                                                 ? scale_bar_share(size.width, size.height)
+                                                 : 0};
         camera = named_camera(config.camera, model.bounds, aspect, framing);
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
@@ -191,6 +199,14 @@ UpAxis up_axis(const RenderConfig& config) {
 std::string view_name(const RenderConfig& config) {
     if (!config.name.empty()) return config.name;
     return is_camera_name(config.camera) ? config.camera : "view";
+}
+
+void check_view_name(const std::string& name) {
+    if (name.find('/') != std::string::npos)
+        throw ConfigError(
+            fmt::format("name: expected a name without '/', which begins those of the pictures in "
+                        "the output folder; found \"{}\"",
+                        name));
 }
 
 std::string describe(const Camera& camera, const Vec3d& origin) {

@@ -22,7 +22,7 @@ PictureSize parse_size(const std::string& text);
 /// Numbers between commas; empty if one of them is none.
 std::vector<double> parse_numbers(const std::string& text);
 
-/// "#rrggbb" as linear Rec.709.
+/// "#rrggbb" or "#rgb" as linear Rec.709.
 std::optional<Vec3f> parse_color(std::string_view text);
 
 /// --up.
@@ -44,6 +44,9 @@ Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const 
 
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);
+
+/// Throws ConfigError on a name that would lead out of the output's folder.
+void check_view_name(const std::string& name);
 
 /// Camera in words and world coordinates, all digits: for errors and metadata.
 std::string describe(const Camera& camera, const Vec3d& origin);

@@ -3,6 +3,7 @@
 #include "formats/atomic_file.h"
 #include "pipeline/child_process.h"
 #include "pipeline/index_page.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/job.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <set>
 
@@ -56,7 +58,9 @@ StepOutcome run_step(const JobStep& step, const StageContext& context) {
                                         "--json"};
     command.insert(command.end(), context.passed_on.begin(), context.passed_on.end());
     command.insert(command.end(), step.arguments.begin(), step.arguments.end());
+    setenv(kErrorsByParent, "1", 1);  // said once, with the step's name
     const ChildResult child = run_child(command);
+    unsetenv(kErrorsByParent);
     context.check_stop();
     if (child.exit_code != 0) fail(step, child);
     return outcome_of(step, child);
@@ -86,6 +90,18 @@ std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path&
     return text + written.string() + "\n";
 }
 
+/// Files that no step makes, before a folder is made for what comes of them.
+void require_inputs(const Job& job) {
+    std::set<fs::path> made;
+    for (const JobStep& step : job.steps) made.insert(step.output);
+    for (const JobStep& step : job.steps)
+        for (const fs::path& file : step.inputs) {
+            std::error_code error;
+            if (made.contains(file) || fs::exists(file, error)) continue;
+            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
+        }
+}
+
 /// Pictures beside the job's that no view of it makes any more: those of manifests that no step
 /// writes.
 void warn_of_old_pictures(const Job& job, Reporter& reporter) {
@@ -112,7 +128,8 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
 json run_job(const RunConfig& config, StageContext& context) {
     const std::vector<std::string> settings = job_settings(config);
     const Job job = read_job(job_file(config), settings);
-    fs::create_directories(job.folder);
+    require_inputs(job);
+    make_writable_folder(job.folder);
     Stamp stamp(context, page_target(job));
     stamp.input(job.file);
     for (const std::string& setting : settings) stamp.depends("--set " + setting);

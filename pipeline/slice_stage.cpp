@@ -46,10 +46,12 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
             "{}: the extent overflows: from ({}, {}, {}) to ({}, {}, {})", names_of(config.inputs),
             b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z));
     const double diagonal = b.diagonal();
-    if (diagonal > 0 && (diagonal < kLeastDiagonal || diagonal > kMostDiagonal))
+    const Vec3d extent = b.extent();  // of which the squares may vanish
+    const double extent_most = std::max({diagonal, extent.x, extent.y, extent.z});
+    if (extent_most > 0 && (diagonal < kLeastDiagonal || diagonal > kMostDiagonal))
         throw DataError(fmt::format(
             "{}: the cloud's diagonal is {:.3g}: expected {:.0e} to {:.0e}, change its unit",
-            names_of(config.inputs), diagonal, kLeastDiagonal, kMostDiagonal));
+            names_of(config.inputs), extent_most, kLeastDiagonal, kMostDiagonal));
 }
 
 Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }
@@ -268,14 +270,25 @@ void make_folder(const fs::path& folder) {
                       ExitCode::usage);
 }
 
+/// The same points twice weigh twice, and their noise seems less than it is.
+void warn_of_same_files(const std::vector<std::string>& inputs, Reporter& reporter) {
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            std::error_code none;
+            if (!fs::equivalent(inputs[i], inputs[k], none)) continue;
+            reporter.warn(inputs[i] + ": is given twice: its points count twice");
+            break;
+        }
+}
+
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
-        reporter.info(fmt::format("{}: {}, {} points{}", in.path, in.format, in.n_points,
-                                  in.faces_turned
-                                      ? ", normals from its faces, which are wound inwards: turned"
-                                  : in.normals_from_faces ? ", normals from its faces"
-                                  : in.has_normals        ? ", with normals"
-                                                          : ""));
+        reporter.info(fmt::format(
+            "{}: {}, {} point{}{}", in.path, in.format, in.n_points, in.n_points == 1 ? "" : "s",
+            in.faces_turned         ? ", normals from its faces, which are wound inwards: turned"
+            : in.normals_from_faces ? ", normals from its faces"
+            : in.has_normals        ? ", with normals"
+                                    : ""));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points));
@@ -328,9 +341,14 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
+    if (survey.n_points > 2 && survey.spread.is_line())
+        context.reporter.warn(names_of(config.inputs) +
+                              ": all points lie on one line: they have no surface, and the "
+                              "model may have nothing to draw");
     BlockPlan blocks;
     SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);
+    warn_of_same_files(config.inputs, context.reporter);
     warn_of_memory(plan, parse_memory_size(config.memory), context.reporter);
 
     // From here the folder is no finished job until the new plan stands in it.

@@ -16,6 +16,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -26,12 +27,17 @@ namespace {
 
 using nlohmann::json;
 
+constexpr int kBrokenPipe = 128 + 13;
+
 void write_stdout(const std::string& text) {
     errno = 0;
     const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-    if (!written || std::fflush(stdout) != 0)
+    if (!written || std::fflush(stdout) != 0) {
+        // Nobody reads on, as `| head` does not: the exit code that a shell gives to SIGPIPE.
+        if (errno == EPIPE) std::_Exit(kBrokenPipe);
         throw IoError(fmt::format("standard output: cannot write: {}", std::strerror(errno)),
                       ExitCode::resource);
+    }
 }
 
 std::string value_text(const std::string& key, const json& value) {
@@ -50,17 +56,26 @@ std::string value_text(const std::string& key, const json& value) {
 
 /// The result as "key  value" lines; an object's members are indented below its key, those of
 /// several objects below "key 1 of 3".
-void append_summary(const json& result, const std::string& indent, std::string& out) {
+void append_summary(const json& result, const std::string& indent,
+                    const std::vector<Headline>& headlines, std::string& out) {
     std::size_t width = 0;
     for (const auto& [key, value] : result.items()) width = std::max(width, key.size());
+    for (const auto& [key, unit] : headlines)
+        if (const auto at = result.find(key); at != result.end() && !at->is_structured())
+            out += fmt::format("{}{:<{}}  {}{}{}\n", indent, key, width, value_text(key, *at),
+                               unit.empty() || at->is_null() ? "" : " ", at->is_null() ? "" : unit);
     for (const auto& [key, value] : result.items()) {
+        const std::string& name = key;
+        const bool is_headline = std::any_of(headlines.begin(), headlines.end(),
+                                             [&](const Headline& h) { return h.key == name; });
+        if (is_headline && !value.is_structured()) continue;
         if (value.is_object()) {
             out += indent + key + "\n";
-            append_summary(value, indent + "  ", out);
+            append_summary(value, indent + "  ", {}, out);
         } else if (value.is_array() && !value.empty() && value[0].is_object()) {
             for (std::size_t i = 0; i < value.size(); ++i) {
                 out += fmt::format("{}{} {} of {}\n", indent, key, i + 1, value.size());
-                append_summary(value[i], indent + "  ", out);
+                append_summary(value[i], indent + "  ", {}, out);
             }
         } else {
             out += fmt::format("{}{:<{}}  {}\n", indent, key, width, value_text(key, value));
@@ -80,7 +95,8 @@ void print_result(const ErasedStage& stage, const CommonOptions& common,
     } else if (stage.description.answers || !common.quiet) {
         std::string text = context.text;
         const bool all_asked = common.verbose && !stage.description.answers;
-        if (text.empty() || all_asked) append_summary(result, "", text);
+        if (text.empty() || all_asked)
+            append_summary(result, "", stage.description.headlines, text);
         write_stdout(text);
     }
 }
@@ -139,7 +155,8 @@ bool asks_json(int argc, char** argv) {
 }
 
 int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {
-    Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
+    if (!as_json || !std::getenv(kErrorsByParent))
+        Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
     if (as_json) {
         const json error = {{"error", {{"code", static_cast<int>(code)}, {"message", what}}}};
         const std::string text = text_of(error) + "\n";
@@ -149,7 +166,21 @@ int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const 
     return static_cast<int>(code);
 }
 
+/// A check of an option's value calls the option by its key; on a command line it is `--key`.
+std::string with_option(const FieldList& fields, const std::string& what) {
+    const std::size_t end = what.find_first_of(": ");
+    if (end == std::string::npos) return what;
+    const Field* field = fields.find(what.substr(0, end));
+    return field && !field->is_word() ? field->option() + what.substr(end) : what;
+}
+
 }  // namespace
+
+std::string summary_text(const json& result, const std::vector<Headline>& headlines) {
+    std::string text;
+    append_summary(result, "", headlines, text);
+    return text;
+}
 
 void StageContext::check_stop() const { slim::check_stop(); }
 
@@ -162,7 +193,8 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         work(stage, argc, argv);
         return 0;
     } catch (const Error& error) {
-        return fail(error.code(), error.what());
+        const bool usage = error.code() == ExitCode::usage;
+        return fail(error.code(), usage ? with_option(stage.fields, error.what()) : error.what());
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, "out of memory");
     } catch (const std::filesystem::filesystem_error& error) {

@@ -67,12 +67,18 @@ struct StageContext {
     void check_stop() const;
 };
 
+/// A key of a result that people look for first, with the unit of its value, empty for none.
+struct Headline {
+    std::string key, unit;
+};
+
 /// The name, one line and example command lines of a verb, for --help.
 struct StageDescription {
     std::string name;                   ///< "fit": the executable is slim-fit
     std::string summary;                ///< one line
     std::vector<std::string> examples;  ///< "slim fit work --degree 2"
     bool answers = false;               ///< the result is the purpose: printed even with --quiet
+    std::vector<Headline> headlines = {};  ///< of the summary: these first, the rest by name
 };
 
 /// A stage with its configuration's type erased, so that main's machinery is compiled once.
@@ -81,6 +87,12 @@ struct ErasedStage {
     FieldList fields;
     std::function<nlohmann::json(StageContext&)> run;
 };
+
+/// Set in the environment of a step that `slim run` starts: its parent says what went wrong.
+inline constexpr const char* kErrorsByParent = "SLIM_ERRORS_BY_PARENT";
+
+/// A result for people: the headlines that it has first, then the rest by name.
+std::string summary_text(const nlohmann::json& result, const std::vector<Headline>& headlines);
 
 /// Parses, runs, prints and maps errors to exit codes (CONVENTIONS 2.1); never throws.
 int run_erased_stage(const ErasedStage& stage, int argc, char** argv);

@@ -71,17 +71,21 @@ Basis basis_of(const Camera& camera) {
 /// The part of the picture that a box may fill: how far from the axis to each side, 1 being half the
 /// picture's width or height.
 struct FreePart {
-    double left, right, vertical;
-    bool centred;  ///< the box stays in the middle of the picture
+    double left, right, top, bottom;
+    bool centred, centred_y;  ///< the box stays in the middle of the picture
     explicit FreePart(const Framing& f)
-        : left(1 - f.margin), right(1 - f.margin - 2 * f.free_right), vertical(1 - f.margin),
-          centred(f.free_right <= 0) {}
+        : left(1 - f.margin),
+          right(1 - f.margin - 2 * f.free_right),
+          top(1 - f.margin),
+          bottom(1 - f.margin - 2 * f.free_bottom),
+          centred(f.free_right <= 0),
+          centred_y(f.free_bottom <= 0) {}
 };
 
 struct Fit {
     double distance = 0;    ///< eye to centre so that all corners are inside the frustum
     double half_width = 0;  ///< orthographic: half the picture
-    double step_right = 0;  ///< of the camera, model units
+    double step_right = 0, step_down = 0;  ///< of the camera, model units
 };
 
 /// The corners of a box about its centre, in camera axes, in each of its positions.
@@ -102,22 +106,39 @@ std::vector<Vec3d> corners_of(const Bbox& box, const Basis& b, UpAxis up, int tu
     return corners;
 }
 
-/// A corner at x stays inside if -left <= (x - step) / (tan_x (distance + z)) <= right. The left bound
-/// at step 0 and the sum of both give the distance, then the right one gives the step.
+/// A corner at x stays inside if -before <= (x - step) / (tan (distance + z)) <= after. The bound
+/// `before` at step 0 and the sum of both give the distance, then `after` gives the step.
+struct AxisFit {
+    double tan, before, after;
+    double past_before = -std::numeric_limits<double>::infinity(), past_after = past_before;
+
+    void add(double x, double z) {
+        past_after = std::max(past_after, x - after * tan * z);
+        past_before = std::max(past_before, -x - before * tan * z);
+    }
+    double distance(bool centred) const {
+        const double either_side = (past_after + past_before) / (before + after);
+        const double least = std::max(past_before / (tan * before), either_side / tan);
+        return centred ? std::max(least, past_after / (tan * after)) : least;
+    }
+    double step(bool centred, double distance) const {
+        return centred ? 0 : std::max(0.0, past_after - after * tan * distance);
+    }
+};
+
 Fit fit_perspective(std::span<const Vec3d> corners, double tan_x, double tan_y,
                     const FreePart& part) {
-    const double infinity = std::numeric_limits<double>::infinity();
-    double past_right = -infinity, past_left = -infinity;
+    AxisFit x{tan_x, part.left, part.right}, y{tan_y, part.top, part.bottom};
     Fit fit;
     for (const Vec3d& c : corners) {
-        past_right = std::max(past_right, c.x - part.right * tan_x * c.z);
-        past_left = std::max(past_left, -c.x - part.left * tan_x * c.z);
-        fit.distance = std::max(fit.distance, std::abs(c.y) / (tan_y * part.vertical) - c.z);
+        x.add(c.x, c.z), y.add(c.y, c.z);
+        if (part.centred_y)
+            fit.distance = std::max(fit.distance, std::abs(c.y) / (tan_y * part.top) - c.z);
     }
-    const double either_side = (past_right + past_left) / (part.left + part.right);
-    fit.distance = std::max({fit.distance, past_left / (tan_x * part.left), either_side / tan_x});
-    if (part.centred) fit.distance = std::max(fit.distance, past_right / (tan_x * part.right));
-    else fit.step_right = std::max(0.0, past_right - part.right * tan_x * fit.distance);
+    fit.distance = std::max(fit.distance, x.distance(part.centred));
+    if (!part.centred_y) fit.distance = std::max(fit.distance, y.distance(false));
+    fit.step_right = x.step(part.centred, fit.distance),
+    fit.step_down = y.step(part.centred_y, fit.distance);
     return fit;
 }
 
@@ -126,8 +147,11 @@ Fit fit_orthographic(std::span<const Vec3d> corners, double aspect, const FreePa
     for (const Vec3d& c : corners)
         x = std::max(x, c.x), y = std::max(y, c.y), z = std::max(z, c.z);
     Fit fit;
-    fit.half_width = std::max(2 * x / (part.left + part.right), y * aspect / part.vertical);
+    const double high =
+        part.centred_y ? y * aspect / part.top : 2 * y * aspect / (part.top + part.bottom);
+    fit.half_width = std::max(2 * x / (part.left + part.right), high);
     if (!part.centred) fit.step_right = std::max(0.0, x - part.right * fit.half_width);
+    if (!part.centred_y) fit.step_down = std::max(0.0, y - part.bottom * fit.half_width / aspect);
     fit.distance = z;
     return fit;
 }
@@ -145,8 +169,13 @@ void validate(const Camera& c) {
         bad_camera("up " + text_of(c.up) + " is zero or parallel to the view");
     if (!c.orthographic && !(c.fov_y_deg > 0 && c.fov_y_deg < 180))
         bad_camera("fov_y_deg must lie in (0, 180), found " + std::to_string(c.fov_y_deg));
-    if (c.orthographic && !(c.width > 0 && std::isfinite(c.width)))
-        bad_camera("orthographic width must be > 0, found " + std::to_string(c.width));
+    // Of a narrower picture a pixel's number overflows doubles.
+    constexpr double kNarrowest = 1e-100;
+    if (c.orthographic && !(c.width >= kNarrowest && std::isfinite(c.width))) {
+        std::ostringstream width;
+        width << c.width;
+        bad_camera("orthographic width must be at least 1e-100, found " + width.str());
+    }
     if (!(c.near_plane >= 0 && std::isfinite(c.near_plane)))
         bad_camera("near plane must be >= 0, found " + std::to_string(c.near_plane));
 }
@@ -187,7 +216,7 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
     const double size = box.diagonal() > 0 ? box.diagonal() : 1.0;
     camera.width = fit.half_width > 0 ? 2 * fit.half_width : size;
     const double distance = framing.orthographic ? fit.distance + size : fit.distance;
-    camera.target = camera.target + basis.right * fit.step_right;
+    camera.target = camera.target + basis.right * fit.step_right + basis.down * fit.step_down;
     camera.eye = camera.target + towards * (distance > 0 ? distance : size);
     return camera;
 }

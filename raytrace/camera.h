@@ -43,13 +43,14 @@ struct Framing {
     double margin = 0.04;       ///< free border, as a share of the picture
     int turns = 0;  ///< so many positions of the box, turned about the up axis, stay in the picture
     double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
+    double free_bottom = 0;     ///< and of its height
 };
 
 /// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the box in a
-/// picture of the given aspect (width / height). `front` looks along -Z (with z or -z up: along +Y). With
-/// free_right the camera steps back and to the right, no more than the box needs to stay out of that
-/// part; the direction of view stays.
-/// Throws ConfigError on another name, listing these.
+/// picture of the given aspect (width / height). `front` looks along -Z (with z or -z up: along
+/// +Y). With free_right (free_bottom) the camera steps back and to the right (down), no more than
+/// the box needs to stay out of that part; the direction of view stays. Throws ConfigError on
+/// another name, listing these.
 Camera named_camera(std::string_view name, const Bbox& box, double aspect,
                     const Framing& framing = {});
 

@@ -143,6 +143,18 @@ private:
 
 }  // namespace
 
+std::string without_glyphs(std::string_view text) {
+    std::string out;
+    while (!text.empty()) {
+        const std::string_view before = text;
+        const char32_t code = next_character(text);
+        if (glyph_of(code).code == code && code != U'\ufffd') continue;
+        out += code == U'\ufffd' ? std::string_view("\xef\xbf\xbd")
+                                 : before.substr(0, before.size() - text.size());
+    }
+    return out;
+}
+
 float text_width(std::string_view text, const TextStyle& style) {
     float units = 0;
     while (!text.empty()) units += glyph_of(next_character(text)).advance + kGapUnits;

@@ -3,6 +3,7 @@
 #include "raytrace/canvas.h"
 #include "slim/base/vec.h"
 
+#include <string>
 #include <string_view>
 
 namespace slim {
@@ -18,6 +19,9 @@ struct TextStyle {
     Vec3f color{0, 0, 0};       ///< linear Rec.709
     float weight = 0.125f;      ///< pen width as a share of the cap height
 };
+
+/// The characters of a text that have no glyph, as UTF-8; a byte that fits nothing as U+FFFD.
+std::string without_glyphs(std::string_view text);
 
 /// Width in pixels of one line of text.
 float text_width(std::string_view text, const TextStyle& style);

@@ -37,6 +37,11 @@ Layout layout_of(const Key& key, LegendPlace place, int width, int height) {
     return l;
 }
 
+bool has_room(const Layout& l, int width, int height) {
+    return l.panel.x1 - l.panel.x0 <= 0.6f * static_cast<float>(width) &&
+           l.panel.y1 - l.panel.y0 <= 0.75f * static_cast<float>(height);
+}
+
 Vec3f linear_of(const Vec3f& srgb) {
     return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
 }
@@ -51,11 +56,14 @@ LegendPlace best_key_place(const Key& key, const Picture& object) {
     });
 }
 
+double key_share(const Key& key, int width, int height) {
+    const Layout l = layout_of(key, LegendPlace::right_bottom, width, height);
+    return has_room(l, width, height) ? 1 - static_cast<double>(l.panel.x0) / width : 0;
+}
+
 bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
     const Layout l = layout_of(key, place, canvas.width, canvas.height);
-    if (l.panel.x1 - l.panel.x0 > 0.6f * static_cast<float>(canvas.width) ||
-        l.panel.y1 - l.panel.y0 > 0.75f * static_cast<float>(canvas.height))
-        return false;
+    if (!has_room(l, canvas.width, canvas.height)) return false;
     fill_panel(canvas, l.panel, std::round(10 * l.unit));
     const float x = l.panel.x0 + l.padding;
     float y = l.panel.y0 + l.padding + l.title.cap_height;

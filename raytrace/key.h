@@ -25,6 +25,10 @@ struct Key {
 /// only.
 LegendPlace best_key_place(const Key& key, const Picture& object);
 
+/// Share of the width of a width x height picture that the key and its margin take; 0 where
+/// burn_key would refuse.
+double key_share(const Key& key, int width, int height);
+
 /// Burns the key into a picture, in the legend's style. Returns false and leaves the picture alone
 /// if it would take more than 60 % of the width or 75 % of the height.
 bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place);

@@ -21,4 +21,8 @@ double scale_bar_length(const ScaleBar& scale, int width);
 /// the width or 40 % of the height.
 bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas);
 
+/// Share of the height of a width x height picture that the panel and its margin take at the
+/// bottom.
+double scale_bar_share(int width, int height);
+
 }  // namespace slim

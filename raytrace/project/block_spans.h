@@ -71,8 +71,12 @@ private:
         const FloatV lo = (left.middle - left.half() - grid.start_s) * to_px + (1 - kGuard);
         FloatV hi = (right.middle + right.half() - grid.start_s) * to_px + kGuard;
         stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
-        const auto x_0 = stdx::static_simd_cast<Ints>(stdx::max(lo, FloatV(static_cast<float>(rect.x0))));
-        const auto x_1 = stdx::static_simd_cast<Ints>(stdx::min(hi, FloatV(static_cast<float>(rect.x1 - 1))) + 1.0f);
+        // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
+        // (NaN) all is in.
+        const FloatV begin(static_cast<float>(rect.x0)), last(static_cast<float>(rect.x1 - 1));
+        const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
+        const auto x_1 =
+            stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
         (x_0 / kBlockWidth).copy_to(first + row, stdx::vector_aligned);
         ((x_1 + (kBlockWidth - 1)) / kBlockWidth).copy_to(end + row, stdx::vector_aligned);
     }

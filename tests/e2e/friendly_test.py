@@ -1,6 +1,11 @@
 #!/usr/bin/env python3
 """What a newcomer gets wrong: each mistake is named with the command that is right."""
+import os
+import pathlib
+import shlex
+import shutil
 import signal
+import struct
 import subprocess
 import time
 
@@ -94,8 +99,161 @@ def jobs():
     check("iso.shaded.png" in fewer.err and "of no view of this job" in fewer.err, f"a removed view: {fewer.err}")
 
 
+def outputs_over_inputs():
+    """No picture over its model, whatever it is called; none outside its folder."""
+    shutil.copy(harness.folder / "t.slim", harness.folder / "t.png")
+    os.link(harness.folder / "t.png", harness.folder / "hard.png")
+    folder = harness.folder / "dir"
+    folder.mkdir()
+    shutil.copy(harness.folder / "t.slim", folder / "front.shaded.png")
+    shutil.copy(harness.folder / "t.slim", harness.folder / "spin_0002.png")
+    before = (harness.folder / "t.png").read_bytes()
+    refused(2, ["is an input"], "slim", "render", "t.png", "-o", "t.png")
+    refused(2, ["is an input"], "slim", "render", "t.png", "-o", "./dir/../t.png")
+    refused(2, ["is an input"], "slim", "render", "t.png", "-o", "hard.png")
+    refused(2, ["is an input"], "slim", "render", "dir/front.shaded.png", "-o", "dir")
+    refused(2, ["is an input"], "slim", "render", "spin_0002.png", "-o", "spin.png", "--turntable", "3")
+    refused(2, ["is an input"], "slim", "render", "t.slim", "--mode", "raytrace", "--add", "t.png", "-o", "hard.png")
+    check((harness.folder / "t.png").read_bytes() == before, "a picture over its model")
+    refused(2, ["--name", "'/'"], "slim", "render", "t.slim", "-o", "dir", "--name", "../esc")
+    check(not list(harness.folder.glob("esc*")), "--name leads out of the folder")
+
+
+def runs_that_cannot_be():
+    """Seen before anything is made, and said once."""
+    refused(2, ["plate", "slim run plate scan.ply"], "slim", "run", "plate")
+    refused(2, ["t.ply", "slim run plate t.ply"], "slim", "run", "t.ply")
+    refused(3, ["nosuch.ply"], "slim", "run", "plate", "nosuch.ply")
+    check(not (harness.folder / "nosuch_plate").exists(), "a missing cloud leaves a folder")
+    job = harness.folder / "third.toml"
+    job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\naovs = ['e1']\n[output]\ndir = 'third'\n")
+    refused(2, ["third.toml:3", "e1", "degree = 3"], "slim", "run", "third.toml")
+    check(not (harness.folder / "third").exists(), "a view of third derivatives was seen after the build")
+    check(run("slim", "plan", "third.toml", "--explain", "--set", "fit.degree=3").code == 0, "degree 3 refused")
+    job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\naovs = ['color']\n[output]\ndir = 'third'\n")
+    refused(2, ["color = true"], "slim", "run", "third.toml")
+    job.write_text("[input]\nfiles = ['t.ply']\n[[view]]\nname = '../out'\n")
+    refused(2, ["third.toml:3", "'/'"], "slim", "run", "third.toml")
+    (harness.folder / "bad.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\n")
+    failed = run("slim", "run", "plate", "bad.ply")
+    check(failed.code == 3 and failed.err.count("error:") == 1, f"an error is said twice: {failed.err}")
+    (harness.folder / "file").write_text("")
+    refused(2, ["cannot make this folder"], "slim", "run", "plate", "t.ply", "-o", "file/inside")
+
+
+def commands_can_be_pasted():
+    name = "my scan's.ply"
+    shutil.copy(harness.folder / "t.ply", harness.folder / name)
+    built = run("slim", "build", name, "-o", "my scan.slim")
+    check(built.code == 0, built.err)
+    for line in built.out.splitlines()[-2:]:
+        words = shlex.split(line.removeprefix("next:").split("   (")[0])
+        check(words[0] == "slim" and pathlib.Path(harness.folder / words[2]).exists(), f"not to be pasted: {line}")
+    told = run("slim", "plan", "plate", name, "--explain", "--set", "render.light=key; fill")
+    check(told.code == 0, told.err)
+    words = shlex.split([line for line in told.out.splitlines() if "view front" in line][0])
+    check("--light=key; fill" in words, f"not to be pasted: {words}")
+
+
+def answers_first():
+    measured = run("slim", "measure", "t.slim", "t.ply")
+    lines = measured.out.splitlines()
+    check(lines[0].split()[0] == "l2" and lines[0].endswith(" of L"), f"measure begins with {lines[0]}")
+    check(lines[1].split()[0] == "max", f"measure goes on with {lines[1]}")
+    refused(2, ["--two-way"], "slim", "measure", "t.slim", "t.ply", "--samples", "100")
+    both = run("slim", "measure", "t.slim", "t.ply", "--two-way", "--json").json()
+    check("spacing" in both["model_to_cloud"]["note"], f"two ways: {both['model_to_cloud']}")
+    (harness.folder / "mesh.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
+    check(run("slim", "info", "mesh.ply", "--json").json()["faces"] == 2, "info does not count faces")
+    check(run("slim", "info", "t.slim", "--json").json()["colors"] is False, "info does not say colours")
+    check(run("slim", "build", "t.ply", "-o", "auto.slim", "--degree", "auto", "-q").code == 0, "auto fails")
+    told = run("slim", "info", "auto.slim").out
+    check(any(line.startswith("degree ") and "auto" in line for line in told.splitlines()[:9]), told[:400])
+    piped = subprocess.run(f"'{harness.bin}/slim' info t.slim | head -1; echo ${{PIPESTATUS[0]}}", shell=True,
+                           cwd=harness.folder, capture_output=True, text=True, executable="/bin/bash")
+    check(piped.stderr == "", f"info | head: {piped.stderr}")
+
+
+def words():
+    refused(2, ["--crop: expected"], "slim", "render", "t.slim", "-o", "x.png", "--crop", "1")
+    refused(2, ["--frame is for"], "slim", "render", "t.slim", "-o", "x.png", "--frame", "2")
+    refused(2, ["18446744073709551615"], "slim", "build", "t.ply", "-o", "x.slim", "--seed", "18446744073709551616")
+    refused(2, ["at least one byte"], "slim", "build", "t.ply", "-o", "x.slim", "--memory", "0")
+    for color in ("#fff", "#ffffff"):
+        drawn = run("slim", "render", "t.slim", "-o", f"c{len(color)}.png", "--background", color, "--size", "60x50")
+        check(drawn.code == 0, drawn.err)
+    pictures = run("slim", "measure", "c4.png", "c7.png", "--json").json()
+    check(pictures["above"] == 0, "#fff is not #ffffff")
+    drawn = run("slim", "render", "t.slim", "-o", "u.png", "--aov", "mean", "--unit", "ß字", "--size", "400x300")
+    check("ß字" in drawn.err, f"letters that a picture does not have: {drawn.err}")
+    twice = run("slim", "build", "t.ply", "./t.ply", "-o", "twice.slim")
+    check("given twice" in twice.err, f"a cloud given twice: {twice.err}")
+    for y, told in (("0.1*i", True), ("0.1*i + 0.001*(i % 2)", False)):
+        (harness.folder / "line.xyz").write_text("".join(f"{i} {eval(y)} {2 * i}\n" for i in range(200)))
+        line = run("slim", "build", "line.xyz", "-o", "line.slim")
+        check(("on one line" in line.err) == told, f"points on a line, {y}: {line.err}")
+    (harness.folder / "small.xyz").write_text("".join(f"{i % 10}e-300 {i // 10}e-300 0\n" for i in range(100)))
+    refused(3, ["change its unit"], "slim", "build", "small.xyz", "-o", "small.slim")
+
+
+def a_stray_far_off():
+    """A point ten diagonals away makes nothing smaller but L, which build says."""
+    head, body = (harness.folder / "t.ply").read_bytes().split(b"end_header\n", 1)
+    size = len(body) // 5000
+    row = struct.pack("<3f", 40, 40, 40) + body[12:size]
+    (harness.folder / "far.ply").write_bytes(head.replace(b"vertex 5000", b"vertex 5001") + b"end_header\n" + body + row)
+    built = run("slim", "build", "far.ply", "-o", "far.slim")
+    check(built.code == 0 and "stretch the diagonal" in built.out, f"a stray: {built.out} {built.err}")
+    check("stretch" not in run("slim", "build", "t.ply", "-o", "t.slim").out, "no stray stretches L")
+    for options in ([], ["--ortho"], ["--mode", "raytrace"]):
+        covered = [run("slim", "render", model, "-o", "f.png", "--size", "120x90", "--json", *options)
+                   .json()["covered_pixels"] for model in ("t.slim", "far.slim")]
+        check(covered[1] > 0.7 * covered[0], f"{options}: a stray shrinks the object: {covered}")
+
+
+def options_without_effect():
+    """Refused, as --sun without relief is, and named; where they have one they are taken."""
+    for options in (["--same-scale"], ["--bounces", "3"], ["--no-shadows"], ["--light-maps"], ["--percentile", "90"],
+                    ["--range", "mean=3"], ["--range", "3"], ["--lod", "2", "--mode", "raytrace"],
+                    ["--fov", "20", "--ortho"], ["--same-range", "front,back"],
+                    ["--aov", "gauss", "--range", "mean=3"]):
+        refused(2, [options[0].replace("--no-", "--") if options[0] != "--aov" else "--range", "which is not asked for"],
+                "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
+    for options in (["--same-scale", "--ortho"], ["--bounces", "3", "--mode", "raytrace"], ["--lod", "2"],
+                    ["--no-shadows", "--mode", "raytrace"], ["--light-maps", "--aov", "mean"],
+                    ["--percentile", "90", "--aov", "error"], ["--range", "mean=3", "--aov", "mean,gauss"],
+                    ["--fov", "20", "--ortho", "--camera", "0,0,9,0,0,0"]):
+        drawn = run("slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
+        check(drawn.code == 0, f"{options}: {drawn.err}")
+
+
+def one_range_for_all_sides():
+    """The range of a map is the largest of the cameras', whichever of them draws."""
+    def ranges(camera, *options):
+        return run("slim", "render", "t.slim", "-o", "r.png", "--aov", "depth", "--size", "120x90", "--json", "--camera",
+                   camera, *options).json()["ranges"]["depth"]
+    own = [ranges(camera) for camera in ("front", "right")]
+    check(own[0] != own[1], f"the cameras see the same: {own}")
+    for camera in ("front", "right"):
+        both = ranges(camera, "--same-range", "front,right")
+        check(both == [min(r[0] for r in own), max(r[1] for r in own)], f"{camera}: {both} is not of {own}")
+    refused(2, ["--same-range", "nowhere"], "slim", "render", "t.slim", "-o", "r.png", "--aov", "depth", "--same-range",
+            "nowhere")
+
+
 build_says_little()
 wrong_files()
 two_builds_at_once()
 jobs()
+outputs_over_inputs()
+runs_that_cannot_be()
+commands_can_be_pasted()
+answers_first()
+words()
+a_stray_far_off()
+options_without_effect()
+one_range_for_all_sides()
 harness.end()

@@ -28,6 +28,8 @@ def every_style():
             check("ffmpeg -framerate 24 -i " in result.out and "turn.mean_%04d.png" in result.out, result.out)
             page = (harness.folder / "scan_film/index.html").read_text()
             check("turn.mean_0001.png" in page and "turn.mean_0002.png" not in page, "the page shows every picture of the film")
+        page = (harness.folder / f"scan_{style}/index.html").read_text()
+        check("scan.ply; diagonal L = " in page and "render.size=200x160" in page, f"{style}: the page names no scan")
         again = run("slim", "run", style, "scan.ply", "--set", "render.size=200x160", "--json").json()
         redone = [step["name"] for step in again["steps"] if not step["up_to_date"]]
         check(not redone, f"{style}: nothing changed, yet {redone} ran again")

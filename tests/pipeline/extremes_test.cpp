@@ -296,7 +296,7 @@ TEST_F(Extremes, Row32HugeAndDenormalCoordinatesAreRefusedWithTheirBox) {
     }
     for (const double scale : {1e100, 1e-100})
         EXPECT_NE(refusal(scale).find("the cloud's diagonal is"), std::string::npos);
-    EXPECT_NE(refusal(1e-310).find("diagonal 0"), std::string::npos)
+    EXPECT_NE(refusal(1e-310).find("change its unit"), std::string::npos)
         << message_;  // its square is none
     // A denormal coordinate beside ordinary ones is as good as zero.
     Cloud cloud = sampled("plane", 2000);

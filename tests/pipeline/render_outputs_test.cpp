@@ -1,5 +1,6 @@
 #include "pipeline/render_aov.h"
 #include "pipeline/render_directions.h"
+#include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
 #include "tests/pipeline/render_outputs_support.h"
 
@@ -283,6 +284,24 @@ TEST_F(RenderOutputs, OrthographicPicturesSayTheSizeOfAPixel) {
     EXPECT_DOUBLE_EQ(run(c)["pixel_size"].get<double>(), 0.1);
     c.ortho_width = 0;
     EXPECT_FALSE(run(c, true).contains("pixel_size"));
+}
+
+TEST_F(RenderOutputs, AScaleBarHasRoomBelowTheObject) {
+    RenderConfig c = config("x.png");
+    c.size = "400x400", c.ortho = true, c.scale_bar = true, c.background = "transparent",
+    c.legend = false;
+    const PngImage picture = draw(c);
+    const int first = static_cast<int>((1 - scale_bar_share(400, 400)) * 400);
+    std::size_t above = 0;
+    for (int y = 0; y < 400; ++y)
+        for (int x = 240; x < 400; ++x) {  // beside the panel
+            const auto alpha = picture.rgba[4 * static_cast<std::size_t>(400 * y + x) + 3];
+            if (y >= first) {
+                ASSERT_EQ(alpha, 0) << x << ' ' << y;
+            }
+            above += alpha > 0;
+        }
+    EXPECT_GT(above, 5000u);
 }
 
 }  // namespace

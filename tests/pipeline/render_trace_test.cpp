@@ -112,7 +112,8 @@ TEST_F(RenderTrace, LightsAndMaterialsWorkInForwardModeToo) {
 TEST_F(RenderTrace, DrawsWhatForwardModeDraws) {
     for (const char* aov : {"normal", "mean", "depth", "id", "level"}) {
         RenderConfig c = config("forward.png");
-        c.aov = {aov}, c.lod = 0, c.range = {"2"};
+        c.aov = {aov}, c.lod = 0;
+        if (c.aov[0] == "mean" || c.aov[0] == "depth") c.range = {"2"};
         const auto forward = draw(c).rgba;
         c.mode = "raytrace", c.output = file("traced.png");
         const auto rays = draw(c).rgba;

@@ -102,6 +102,28 @@ TEST(Camera, AFreeRightSideStaysFree) {
                 }
 }
 
+TEST(Camera, NamedViewsLeaveTheBottomFreeAndFillTheRest) {
+    for (const char* name : {"front", "back", "left", "right", "top", "bottom", "iso"})
+        for (const bool orthographic : {false, true})
+            for (const double aspect : {0.5, 1.0, 2.0})
+                for (const double free_right : {0.0, 0.2}) {
+                    SCOPED_TRACE(std::string(name) + " " + std::to_string(aspect));
+                    const Camera c = named_camera(name, unit_box(), aspect,
+                                                  {.orthographic = orthographic,
+                                                   .free_right = free_right,
+                                                   .free_bottom = 0.15});
+                    const int height = 100, width = static_cast<int>(height * aspect);
+                    const Span x = span_of_box(c, width, height, true);
+                    const Span y = span_of_box(c, width, height, false);
+                    EXPECT_LE(x.most, (0.98 - free_right) * width + 1e-6);
+                    EXPECT_GE(x.least, 0.02 * width - 1e-6);
+                    EXPECT_GE(y.least, 0.02 * height - 1e-6);
+                    EXPECT_LE(y.most, (0.98 - 0.15) * height + 1e-6);
+                    EXPECT_TRUE(x.least < 0.021 * width || y.least < 0.021 * height ||
+                                x.most > (0.979 - free_right) * width || y.most > 0.829 * height);
+                }
+}
+
 TEST(Camera, AFreeRightSideIsNoReasonToMoveWhereThereIsRoom) {
     for (const bool orthographic : {false, true}) {
         const Camera centred = named_camera("front", unit_box(), 3, {.orthographic = orthographic});

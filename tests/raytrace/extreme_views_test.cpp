@@ -119,6 +119,30 @@ TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
     EXPECT_LE(d.hits, 2u);
 }
 
+// Surfels whose middles lie farther off the picture than ints count pixels.
+TEST(ExtremeViews, PicturesMuchNarrowerThanASurfel) {
+    const auto model = test::sphere_model(1, 600);
+    RenderRequest request = request_at({0.3, 0.2, 3}, {0.3, 0.2, 0}, 35, 120, 90);
+    request.camera.orthographic = true;
+    for (const double width : {1e-3, 1e-6, 1e-9, 1e-12, 1e-30, 1e-90}) {
+        request.camera.width = width;
+        const Difference d = against_brute(model, request);
+        EXPECT_EQ(d.covered, 120u * 90u) << width;
+        EXPECT_EQ(d.hits, 0u) << width;
+        EXPECT_LT(d.depth, 1e-6) << width;
+    }
+    for (const double width : {1e-200, 1e-310}) {
+        request.camera.width = width;
+        GBuffer out;
+        EXPECT_THROW(render_forward(model.view(), request, out), ConfigError) << width;
+    }
+    for (const double above : {1e-6, 1e-9}) {
+        const Difference d =
+            against_brute(model, request_at({0, 0, 1 + above}, {0, 0, 1}, 1e-3, 60, 60));
+        EXPECT_LE(d.hits, 2u) << above;
+    }
+}
+
 TEST(ExtremeViews, Row40TinyAndHugePicturesAreCropsOfLargerOnes) {
     const auto model = test::sphere_model(1, 600);
     for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 97}, std::pair{131, 1}}) {

@@ -1,0 +1,35 @@
+#include "pipeline/plan_steps.h"
+
+namespace slim {
+
+namespace fs = std::filesystem;
+
+Words verb_command(const fs::path& programs, const std::string& verb, const Words& arguments) {
+    Words words = {(programs / ("slim-" + verb)).string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return words;
+}
+
+Words job_words(const Job& job) {
+    Words words = {job.file.string()};
+    for (const std::string& setting : job.settings) words.push_back("--set=" + setting);
+    return words;
+}
+
+fs::path made_by(const fs::path& file, const Job& job) {
+    for (const JobStep& step : job.steps)
+        if (step.output == file) return step.target;
+    return file;
+}
+
+Words joining_build(const JobStep& step, const Job& job, const fs::path& programs) {
+    Words words = verb_command(programs, step.verb, step.arguments);
+    words.push_back("--work=" + job.stages.work.string());
+    return words;
+}
+
+bool normals_in_order(const Job& job, const SlicePlan& plan) {
+    return job.stages.estimate_normals || !plan.has_normals;
+}
+
+}  // namespace slim
