@@ -122,8 +122,10 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
     if (lends && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
+    // A few points beside an edge that a leaf could not be clear of would bend it.
+    const Enough enough = rules_.sharp ? Enough::freedom : Enough::points;
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced, rules_.noise_variance, work.exact.ball);
+                      choice.forced, rules_.noise_variance, work.exact.ball, enough);
 }
 
 /// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
@@ -174,10 +176,10 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;
-        // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by chance: no leaf
-        // becomes smaller than the finest ball that its search admits.
+        // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by chance: unless edges
+        // are looked for, no leaf becomes smaller than the finest ball that its search admits.
         const double radius = smaller.value_or(kGoldenRatio * c.choice.radius);
-        if (radius < c.choice.finest) return;
+        if (!rules_.sharp && radius < c.choice.finest) return;
         c.choice.radius = static_cast<float>(radius);
         c.choice.saturated = false;
         c.leaf = c.choice.radius >= lower;
@@ -203,7 +205,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
-    if (choice.forced) return {};
+    if (choice.forced || (!rules_.sharp && radius < choice.finest)) return {};
     if (radius < kClearlySmaller * rho) return radius;
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
     RadiusChoice moved_choice = choice;

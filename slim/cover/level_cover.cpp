@@ -56,6 +56,7 @@ public:
           leaves_(points, rules, pyramid_),
           states_(points.size()),
           radius_(points.size(), 0.0f),
+          finest_(points.size(), 0.0f),
           open_(points.size()),
           work_([&rules] {
               LeafWork w;
@@ -154,6 +155,7 @@ private:
     LeafMaker leaves_;
     std::vector<PointState> states_;
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
+    std::vector<float> finest_;        // the smallest ball that search admitted
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
@@ -233,7 +235,8 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.level = level;
     if (radius_[c.point] > 0) {
         c.choice = {radius_[c.point], states_[c.point].degree, (states_[c.point].flags & kSaturatedTop) != 0,
-                    (states_[c.point].flags & kForced) != 0, false, (states_[c.point].flags & kLimited) != 0};
+                    (states_[c.point].flags & kForced) != 0, false, (states_[c.point].flags & kLimited) != 0,
+                    0, finest_[c.point]};
         c.sparse = (states_[c.point].flags & kThin) != 0;
         c.n_sheets = states_[c.point].flags & kThreeSheets ? 3 : states_[c.point].flags & kTwoSheets ? 2 : 1;
     } else {
@@ -265,6 +268,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 
 void LevelCover::accept(Candidate& c, int level) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
+    finest_[c.point] = static_cast<float>(c.choice.finest);
     states_[c.point].degree = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) states_[c.point].flags |= kForced;
     if (c.choice.saturated) states_[c.point].flags |= kSaturatedTop;

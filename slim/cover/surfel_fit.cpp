@@ -165,13 +165,13 @@ struct BallFit {
 };
 
 BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d& normal,
-                       double radius, int degree, bool forced, double noise_variance,
+                       double radius, int degree, bool forced, double noise_variance, Enough enough,
                        BallPoints<double>& ball) {
     gather_ball(points, center, radius, ball);
     const BallNormal average = average_normal(ball, 1, normal);
     BallFit out{frame_from_normal(round_normal(average.normal)), {}, {}, average.disagree};
     set_contrary_aside(ball, out.frame.normal, out.aside);
-    out.fit = fit_ball(ball, 1, out.frame, forced ? 1 : degree);
+    out.fit = forced ? fit_ball(ball, 1, out.frame, 1) : fit_ball(ball, 1, out.frame, degree, enough);
     for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
         out.fit = fit_ball(ball, 1, out.frame, d);
     if (out.fit.fallback == Fallback::none && out.fit.degree < degree)
@@ -201,9 +201,9 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& ball) {
+                          BallPoints<double>& ball, Enough enough) {
     const BallFit fit =
-        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, ball);
+        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, enough, ball);
     return cover_by(points, center, fit, noise_variance, ball);
 }
 
@@ -211,7 +211,7 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work) {
     BallFit fit = fit_all_points(points.all(), center, normal, radius, degree, forced,
-                                 noise_variance, work.ball);
+                                 noise_variance, Enough::freedom, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
     if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;

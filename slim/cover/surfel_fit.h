@@ -47,10 +47,10 @@ struct CoveringSurfel {
 /// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
 /// With `forced` (the radius was not chosen by E, the points are few) the surfel takes the lowest degree
 /// that explains them within the noise, eps <= 2 sqrt(lambda): a higher one would fit the noise and
-/// speckle a curvature map.
+/// speckle a curvature map. Any other takes the degree if the points are `enough` (notes/0009).
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& work);
+                          BallPoints<double>& work, Enough enough = Enough::points);
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {

@@ -14,6 +14,7 @@ namespace slim {
 namespace {
 
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
+constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
 /// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its ball. A parabola
 /// over a right-angled edge has 2.4 (notes/0008).
@@ -160,17 +161,24 @@ BallSolution<MomentDegree> solve_ball(const BallPoints<T>& points, double shrink
     return {m, NestedCholesky(MomentDegree, m.monomial, m.height, m.sq_height), n};
 }
 
+/// Whether n points, of which n_effective count under G, are enough for a degree.
+bool are_enough(std::size_t n, double n_effective, int degree, Enough enough) {
+    const int k = n_coefficients(degree);
+    return n >= 2 * static_cast<std::size_t>(k) &&
+           (enough == Enough::points || n_effective >= k + kLeastFreedom);
+}
+
 /// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
 template <int MomentDegree, class T>
 LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
-                       const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+                       const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                       Enough enough = Enough::freedom) {
     const auto& [m, solver, n] = solution;
     const bool looks_ahead = MomentDegree > degree;
     LocalFit fit;
     Fallback cause = Fallback::none;
     const double n_eff = m.n_effective();
-    const auto has_points_for = [n = n](int d) { return n >= 2 * static_cast<std::size_t>(n_coefficients(d)); };
-    while (degree > 1 && !has_points_for(degree)) --degree, cause = Fallback::few_points;
+    while (degree > 1 && !are_enough(n, n_eff, degree, enough)) --degree, cause = Fallback::few_points;
     if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
     for (; degree >= 1; --degree, cause = Fallback::steep) {
         const auto a = solver.coefficients(degree);
@@ -195,9 +203,10 @@ LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
 }
 
 template <int Degree, int MomentDegree, class T>
-LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame) {
+LocalFit fit_degree(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
+                    Enough enough = Enough::freedom) {
     return fit_of_degree(solve_ball<MomentDegree>(points, shrink, frame), Degree, points, shrink,
-                         frame);
+                         frame, enough);
 }
 
 template <int Degree, class T>
@@ -286,10 +295,10 @@ std::size_t count_off_sheet(const BallPoints<T>& p, std::span<const SetAside<T>>
 
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
-                  int degree) {
+                  int degree, Enough enough) {
     if (degree <= 1) return fit_degree<1, 1>(points, shrink, frame);
-    if (degree == 2) return fit_degree<2, 2>(points, shrink, frame);
-    return fit_degree<3, 3>(points, shrink, frame);
+    if (degree == 2) return fit_degree<2, 2>(points, shrink, frame, enough);
+    return fit_degree<3, 3>(points, shrink, frame, enough);
 }
 
 template <class T>
@@ -325,8 +334,8 @@ template std::size_t count_off_sheet(const BallPoints<float>&, std::span<const S
                                      const Frame<double>&, const LocalFit&, double);
 template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const SetAside<double>>,
                                      const Frame<double>&, const LocalFit&, double);
-template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int);
-template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int);
+template LocalFit fit_ball(const BallPoints<float>&, double, const Frame<double>&, int, Enough);
+template LocalFit fit_ball(const BallPoints<double>&, double, const Frame<double>&, int, Enough);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<float>&, double,
                                                            const Frame<double>&);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,

@@ -67,13 +67,18 @@ template <class T>
 std::size_t count_off_sheet(const BallPoints<T>& points, std::span<const SetAside<T>> aside,
                             const Frame<double>& frame, const LocalFit& fit, double tolerance);
 
+/// What a degree of K coefficients asks of the points besides rank (NUMERICS 2.4): 2 K of them, or K + 2 effective
+/// ones as well. Without the latter eps is no estimate: fits that are compared by it, and those of balls that it
+/// did not choose, ask for them (slim/cover/notes/0009).
+enum class Enough : std::uint8_t { points, freedom };
+
 /// Weighted least squares w = P(u, v) of Ohtake 2005 sec. 2 in `frame`, radius = shrink * points.radius,
 /// of the asked degree (1..3) or what NUMERICS 2.4 leaves of it. Never fails: the last resort is the plane
 /// through the weighted mean, or through the centre where there is no weight at all.
 /// Cost: one pass over the points (two where the residual is lost to cancellation), O(K^3) for the solve.
 template <class T>
 LocalFit fit_ball(const BallPoints<T>& points, double shrink, const Frame<double>& frame,
-                  int degree);
+                  int degree, Enough enough = Enough::freedom);
 
 /// fit_ball that also looks at the terms of the next degree, in the same pass and factor (notes/0005).
 /// Cost: the sums of the next degree.

@@ -258,19 +258,24 @@ TEST(LocalFit, Row08ScanLinesLowerTheDegreeWhateverTheirDirection) {
 }
 
 TEST(LocalFit, FewPointsLowerTheDegree) {
-    const auto degree_of = [](std::size_t n, int wanted) {
+    const auto degree_of = [](std::size_t n, int wanted, Enough enough = Enough::points) {
         const auto ball = ball_of<double>(n, 1, 11, [](double u, double v) { return 0.1 * u * v; }, 0.6);
         EXPECT_EQ(ball.n, n);
-        const LocalFit fit = fit_ball(ball, 1, kUpright, wanted);
+        const LocalFit fit = fit_ball(ball, 1, kUpright, wanted, enough);
         EXPECT_TRUE(std::isfinite(fit.sq_error));
         EXPECT_EQ(fit.fallback == Fallback::none, fit.degree == wanted);
         return fit.degree;
     };
-    // Below 2 K points, however little the weights let them count.
+    // 2 K points.
     EXPECT_EQ(degree_of(20, 3), 3);
     EXPECT_EQ(degree_of(19, 3), 2);
     EXPECT_EQ(degree_of(12, 2), 2);
     EXPECT_EQ(degree_of(11, 2), 1);
+    // The weights make a third of the points count here: K + 2 effective ones, for an estimate of eps, are more.
+    EXPECT_EQ(degree_of(60, 3, Enough::freedom), 3);
+    EXPECT_EQ(degree_of(20, 3, Enough::freedom), 2);
+    EXPECT_EQ(degree_of(24, 2, Enough::freedom), 2);
+    EXPECT_EQ(degree_of(12, 2, Enough::freedom), 1);
     EXPECT_EQ(degree_of(11, 3), 1);
     EXPECT_EQ(degree_of(6, 1), 1);
     EXPECT_EQ(degree_of(2, 2), 0);
