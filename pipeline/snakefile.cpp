@@ -90,7 +90,8 @@ public:
             "    output: {}\n    params:\n        command=lambda w: {},\n        version={}\n",
             rule.output, rule.command, python_string(program_version()));
         if (!rule.about.empty())
-            text_.insert(text_.size() - 1, fmt::format(",\n        about={}", python_string(hash_text(rule.about))));
+            text_.insert(text_.size() - 1, fmt::format(",\n        about={}",
+                                                       python_string(hash_text(rule.about))));
         text_ += fmt::format("    threads: {}\n    resources: mem_mb={}\n", resources_.threads,
                              (resources_.memory_bytes + (1 << 20) - 1) >> 20);
         text_ += "    shell: \"SLIM_THREADS={threads} {params.command:q}\"\n";
