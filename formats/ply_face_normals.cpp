@@ -80,7 +80,7 @@ bool PlyFaceNormals::read(PointChunk& out, std::size_t max_points) {
 std::unique_ptr<PointSource> open_ply(const std::string& path) {
     auto reader = std::make_unique<PlyReader>(path);
     const CloudInfo& info = reader->info();
-    if (info.has_normals || !info.has_faces || !reader->has_corner_lists()) return reader;
+    if (info.has_normals || !info.has_faces() || !reader->has_corner_lists()) return reader;
     return std::make_unique<PlyFaceNormals>(*reader);
 }
 

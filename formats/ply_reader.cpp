@@ -150,7 +150,7 @@ void PlyReader::describe() {
     info_.has_normals = n[0] >= 0 && n[1] >= 0 && n[2] >= 0;
     info_.has_scan = columns_.scan >= 0;
     const PlyElement* face = header_.find("face");
-    info_.has_faces = face && face->count > 0;
+    info_.n_faces = face ? face->count : 0;
     info_.coordinates = coordinate_type(*vertex_, columns_.position);
     info_.origin = header_.origin;
     info_.file_size = in_.file_size();

@@ -23,7 +23,8 @@ struct CloudInfo {
     bool has_normals = false;               ///< read or made from faces
     bool has_scan = false;
     bool reads_color = false;  ///< opened by open_colored_cloud
-    bool has_faces = false;
+    std::uint64_t n_faces = 0;  ///< as declared
+    bool has_faces() const { return n_faces > 0; }
     bool normals_from_faces = false;
     /// a closed mesh wound inwards: its normals were turned
     bool faces_turned = false;

@@ -78,8 +78,7 @@ void apply_set(const std::string& text, const FieldList& fields) {
     if (!field)
         throw ConfigError(fmt::format("--set {}: unknown key '{}'{}", text, key,
                                       fields.settings()
-                                          ? "; a key of the job is written TABLE.KEY, such as "
-                                            "fit.t_mdl"
+                                          ? "; " + fields.settings_help()
                                           : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
 }

@@ -139,9 +139,14 @@ public:
         add(std::move(key), &member, std::move(help), FieldRole::path);
     }
 
-    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads.
-    void settings(std::vector<std::string>& member) { settings_ = &member; }
+    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads. `how` says to who leaves
+    /// out the table what is written: "a key of the job is written TABLE.KEY, such as fit.t_mdl".
+    void settings(std::vector<std::string>& member, std::string how) {
+        settings_ = &member;
+        settings_help_ = std::move(how);
+    }
     std::vector<std::string>* settings() const { return settings_; }
+    const std::string& settings_help() const { return settings_help_; }
 
     void append(const Field& field) { fields_.push_back(field); }
 
@@ -158,6 +163,7 @@ private:
 
     std::vector<Field> fields_;
     std::vector<std::string>* settings_ = nullptr;
+    std::string settings_help_;
 };
 
 /// The fields of a config, bound to its members; valid while the config lives where it is.

@@ -2,7 +2,6 @@
 
 #include "formats/fit_file.h"
 #include "formats/model_file.h"
-#include "formats/ply_faces.h"
 #include "formats/point_source.h"
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
@@ -230,12 +229,6 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
     return out;
 }
 
-std::uint64_t count_faces(const std::string& path, std::uint64_t n_vertices) {
-    std::uint64_t n = 0;
-    read_ply_faces(path, n_vertices, [&](std::span<const std::size_t>) { ++n; });
-    return n;
-}
-
 json cloud_info(const std::string& path, StageContext& context) {
     const std::unique_ptr<PointSource> source = open_cloud(path);
     CloudTotals totals;
@@ -244,7 +237,7 @@ json cloud_info(const std::string& path, StageContext& context) {
         context.reporter.progress("bytes read", source->bytes_read(), source->info().file_size);
     }
     json out = cloud_json(source->info(), totals);
-    if (source->info().has_faces) out["faces"] = count_faces(path, totals.points);
+    if (source->info().has_faces()) out["faces"] = source->info().n_faces;
     return out;
 }
 

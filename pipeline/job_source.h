@@ -22,7 +22,7 @@ struct JobSource {
         field.optional_output(
             "output", output,
             "folder in place of the job's own (with clouds: <first cloud>_<job> here)");
-        field.settings(settings);
+        field.settings(settings, "a key of the job is written TABLE.KEY, such as fit.t_mdl");
     }
 };
 

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -119,6 +120,23 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     return stamp.commit(outputs, std::move(result));
 }
 
+/// Options that are of the other kind of measure and were given all the same.
+void refuse_without_effect(const MeasureConfig& config, bool pictures) {
+    const MeasureConfig as_before;
+    const std::pair<bool, const char*> given[] = {
+        {pictures && !config.per_point.empty(), "per_point"},
+        {pictures && !config.truth.empty(), "truth"},
+        {pictures && config.two_way, "two_way"},
+        {pictures && config.samples != as_before.samples, "samples"},
+        {pictures && config.tolerance != as_before.tolerance, "tolerance"},
+        {!pictures && config.threshold != as_before.threshold, "threshold"}};
+    for (const auto& [is_given, key] : given)
+        if (is_given)
+            throw ConfigError(fmt::format("{}: is of {}; found {} and {}", key,
+                                          pictures ? "a cloud against a model" : "two pictures",
+                                          config.model, config.cloud));
+}
+
 /// A difference picture without any is black: said in words.
 json said_if_equal(const MeasureConfig& config, json result, StageContext& context) {
     if (result["max"] == 0.0 && result["not_finite"] == 0)
@@ -130,6 +148,9 @@ json said_if_equal(const MeasureConfig& config, json result, StageContext& conte
 }
 
 json measure_pictures(const MeasureConfig& config, StageContext& context) {
+    context.headlines = {{"identical", ""}, {"max", ""},       {"rms", ""},
+                         {"mean", ""},      {"above", "of the pixels"}, {"max_at", ""},
+                         {"pixels", ""}};
     refuse_to_overwrite(config.output, {config.model, config.cloud});
     if (config.output.empty())
         return said_if_equal(config, compare_pictures(config.model, config.cloud, "", config.threshold),
@@ -153,6 +174,7 @@ json run_measure(const MeasureConfig& config, StageContext& context) {
         throw ConfigError(fmt::format("{}: a picture is compared with a picture; found {}",
                                       a ? config.model : config.cloud,
                                       a ? config.cloud : config.model));
+    refuse_without_effect(config, a);
     return a ? measure_pictures(config, context) : measure_points(config, context);
 }
 

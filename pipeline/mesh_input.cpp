@@ -21,7 +21,7 @@ constexpr std::size_t kChunk = 1 << 18;
 bool is_mesh(const std::string& path) {
     if (cloud_kind(path, ByteReader(path).peek(4096).substr(0, 4096)) != CloudKind::ply) return false;
     const PlyReader reader(path);
-    return reader.info().has_faces && reader.has_corner_lists();
+    return reader.info().has_faces() && reader.has_corner_lists();
 }
 
 Mesh read_mesh(const std::string& path, const Vec3d& origin) {

@@ -27,9 +27,9 @@ struct PlanConfig {
                      "call these themselves)",
                      {"make", "slurm", "snakemake", "slices", "slurm-slices"});
         field("memory", memory,
-              "of slurm and snakemake: what each job asks for, besides --threads; without it [fit] "
-              "memory, a "
-              "quarter and 256MiB more");
+              "of slurm and snakemake: what each job asks for, at least 64MiB, besides --threads "
+              "(4 without it, on any machine); without it [fit] memory, a quarter and 256MiB more, "
+              "at least 1GiB");
         field("explain", explain, "instead, say what is done, what is left out and why");
     }
 };

@@ -149,18 +149,35 @@ double reference_scale(const PictureSize& size) {
     return static_cast<double>(reference_size(size).width) / size.width;
 }
 
+std::vector<std::string> reference_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    for (const std::string& aov : job.plan.drawn)
+        if (needs_reference(job.config, aov)) aovs.push_back(aov);
+    // A data file shows the contours of a relief that is not its preview.
+    if (job.wants("hillshade") && job.config.contours == "auto" && !contains(aovs, "hillshade"))
+        aovs.push_back("hillshade");
+    return aovs;
+}
+
+Camera camera_of_range(const RenderJob& job, const std::string& name) {
+    RenderConfig config = job.config;
+    config.camera = name;
+    return make_camera(config, job.header(), job.size, legend_room(config, job.size));
+}
+
 namespace {
 
 /// For each map the union of its ranges from all cameras of same_range.
 std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
                                                     const std::vector<std::string>& aovs) {
-    const Camera own = job.camera;
     std::map<std::string, ValueRange> ranges;
+    if (aovs.empty()) return ranges;
+    const Camera own = job.camera;
     const PictureSize size = reference_size(job.size);
     for (const std::string& name : job.config.same_range) {
         RenderConfig config = job.config;
         config.camera = name;
-        job.camera = make_camera(config, job.header(), job.size, legend_room(config, job.size));
+        job.camera = camera_of_range(job, name);
         RenderedFrame frame;
         draw_buffer(job, size, {0, 0, size.width, size.height},
                     config.lod * reference_scale(job.size), channels_of(aovs, false), frame);
@@ -182,15 +199,8 @@ std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
 
 void choose_looks(RenderJob& job) {
     RenderedFrame reference;
-    std::vector<std::string> aovs;
-    const auto has = [&](const char* aov) {
-        return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
-    };
-    for (const std::string& aov : job.plan.drawn)
-        if (needs_reference(job.config, aov)) aovs.push_back(aov);
-    // A data file shows the contours of a relief that is not its preview.
-    if (job.wants("hillshade") && job.config.contours == "auto" && !has("hillshade"))
-        aovs.push_back("hillshade");
+    const std::vector<std::string> aovs = reference_aovs(job);
+    const auto has = [&](const char* aov) { return contains(aovs, aov); };
     if (!aovs.empty()) {
         const PictureSize size = reference_size(job.size);
         draw_buffer(job, size, {0, 0, size.width, size.height},

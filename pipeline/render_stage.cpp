@@ -27,12 +27,22 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 /// Nodes that a view of that size visits.
-void visit_view(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
-                double lod, std::vector<std::uint32_t>& visited) {
+void visit_view(const RenderJob& job, const Camera& camera, const PictureSize& size,
+                const PixelWindow& window, double lod, std::vector<std::uint32_t>& visited) {
     CutCounts counts;
     counts.visited = &visited;
-    lod_cut(job.tree, pixel_view(job.camera, size.width, size.height), whole_tiles(window),
+    lod_cut(job.tree, pixel_view(camera, size.width, size.height), whole_tiles(window),
             {lod, job.config.loose}, counts);
+}
+
+/// The same of the pictures that ranges are taken from.
+void visit_references(const RenderJob& job, std::vector<std::uint32_t>& visited) {
+    const PictureSize size = reference_size(job.size);
+    const PixelWindow all{0, 0, size.width, size.height};
+    const double lod = job.config.lod * reference_scale(job.size);
+    visit_view(job, job.camera, size, all, lod, visited);
+    for (const std::string& name : job.config.same_range)
+        visit_view(job, camera_of_range(job, name), size, all, lod, visited);
 }
 
 /// Whether a picture takes all of the model: rays and the blend of colours go through trees
@@ -55,12 +65,9 @@ std::uint64_t check_what_is_drawn(const ModelFile& model, const RenderJob& job,
                                   std::vector<std::uint32_t> visited) {
     if (takes_all_leaves(job.config, job.aovs)) return model.file_size();
     if (model.file_size() > kCheckedWhole && job.tree.sharp().empty() && job.n_frames == 1) {
-        visit_view(job, job.size, drawn_window(job.window, job.size), job.config.lod, visited);
-        const PictureSize reference = reference_size(job.size);
-        if (std::any_of(job.aovs.begin(), job.aovs.end(),
-                        [&](const std::string& aov) { return needs_reference(job.config, aov); }))
-            visit_view(job, reference, {0, 0, reference.width, reference.height},
-                       job.config.lod * reference_scale(job.size), visited);
+        visit_view(job, job.camera, job.size, drawn_window(job.window, job.size), job.config.lod,
+                   visited);
+        if (!reference_aovs(job).empty()) visit_references(job, visited);
         const std::uint64_t bytes = model.bytes_of_pages(visited);
         if (2 * bytes < model.file_size()) return model.check(visited), bytes;
     }

@@ -26,7 +26,7 @@ struct ReportConfig {
         field("seed", seed, "of all random numbers that experiments name");
         field("cap", cap, "leave out rows of more points than this (0: none)");
         field.path("programs", programs, "folders to look for commands in, before PATH (peers)");
-        field.settings(settings);
+        field.settings(settings, "a value of the report is written values.KEY, as values.points");
     }
 };
 

@@ -29,8 +29,12 @@ constexpr const char* kSubmit = R"(
 submit() {{
     name=$1
     shift
+    case " ${{SLIM_SBATCH-}} " in   # sbatch takes one way to ask for memory
+    *" --mem="*|*" --mem "*|*" --mem-per-"*) memory= ;;
+    *) memory=--mem={}M ;;
+    esac
     id=$(sbatch --parsable --export=ALL --job-name="slim-$name" --output={} \
-         --cpus-per-task={} --mem={}M --signal=B:TERM@60 --kill-on-invalid-dep=yes "$@" ${{SLIM_SBATCH-}})
+         --cpus-per-task={} $memory --signal=B:TERM@60 --kill-on-invalid-dep=yes "$@" ${{SLIM_SBATCH-}})
     id=${{id%%;*}}
     echo "$name: job $id"
 }}
@@ -53,7 +57,7 @@ std::string quoted_line(const Words& words) {
 
 std::string submit_function(const Job& job, const ClusterResources& resources) {
     const std::uint64_t mib = (resources.memory_bytes + (1 << 20) - 1) >> 20;
-    return fmt::format(kSubmit, log_pattern(logs_of(job)), resources.threads, mib);
+    return fmt::format(kSubmit, mib, log_pattern(logs_of(job)), resources.threads);
 }
 
 /// One job: `options` of sbatch, unquoted; `script` its commands.

@@ -71,10 +71,11 @@ std::string files_list(const std::vector<fs::path>& files) {
     return out;
 }
 
-/// One rule; `input`, `output` and `command` are Python.
+/// One rule; `input`, `output` and `command` are Python. `about` is what else it depends on: its hash
+/// is one of the params.
 struct Rule {
     std::string kind = "rule";
-    std::string name, input, output, command;
+    std::string name, input, output, command, about = {};
 };
 
 class Rules {
@@ -88,6 +89,9 @@ public:
         text_ += fmt::format(
             "    output: {}\n    params:\n        command=lambda w: {},\n        version={}\n",
             rule.output, rule.command, python_string(program_version()));
+        if (!rule.about.empty())
+            text_.insert(text_.size() - 1, fmt::format(",\n        about={}",
+                                                       python_string(hash_text(rule.about))));
         text_ += fmt::format("    threads: {}\n    resources: mem_mb={}\n", resources_.threads,
                              (resources_.memory_bytes + (1 << 20) - 1) >> 20);
         text_ += "    shell: \"SLIM_THREADS={threads} {params.command:q}\"\n";
@@ -165,9 +169,11 @@ std::string snakefile_of(const Job& job, const fs::path& programs,
                          const ClusterResources& resources) {
     Rules rules(resources);
     std::vector<fs::path> goals;
+    std::string about = job.title;
     int number = 0;
     for (const JobStep& step : job.steps) {
-        goals.push_back(step.target);
+        for (const fs::path& file : outputs_of(step)) goals.push_back(file);
+        about += fmt::format("\n{}", fmt::join(step.arguments, "\n"));
         if (step.verb == "build") {
             add_build(step, job, programs, rules);
             continue;
@@ -179,8 +185,8 @@ std::string snakefile_of(const Job& job, const fs::path& programs,
     if (job.html) {
         const fs::path page = job.folder / "index.html";
         rules.add({"rule", "page", files_list(goals), files_list({page, page_target(job)}),
-                   python_list(verb_command(programs, "run", job_words(job)))});
-        goals = {page_target(job)};
+                   python_list(verb_command(programs, "run", job_words(job))), about});
+        goals.insert(goals.end(), {page, page_target(job)});
     }
     return kHeader + fmt::format("\nrule all:\n    input: {}\n", files_list(goals)) + rules.text();
 }

@@ -96,7 +96,9 @@ void print_result(const ErasedStage& stage, const CommonOptions& common,
         std::string text = context.text;
         const bool all_asked = common.verbose && !stage.description.answers;
         if (text.empty() || all_asked)
-            append_summary(result, "", stage.description.headlines, text);
+            append_summary(result, "",
+                           context.headlines.empty() ? stage.description.headlines : context.headlines,
+                           text);
         write_stdout(text);
     }
 }
@@ -141,6 +143,7 @@ void work(const ErasedStage& stage, int argc, char** argv) {
     StageContext context{console, threads, common.force, stage.description.name,
                          canonical_config(stage.fields), print_config(stage.fields), "",
                          passed_on(common, threads)};
+    context.threads_given = common.threads;
     if (common.verbose) console.info("configuration:\n" + context.config_toml);
     json result = stage.run(context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -43,6 +43,11 @@ private:
     PointBlock points_;
 };
 
+/// A key of a result that people look for first, with the unit of its value, empty for none.
+struct Headline {
+    std::string key, unit;
+};
+
 /// What a stage is given besides its configuration. A stage called inside another one (build calls
 /// slice) gets a context of its own: for_stage().
 struct StageContext {
@@ -59,17 +64,14 @@ struct StageContext {
     /// for its hash again.
     std::map<std::string, std::string>* written = nullptr;
     HandedPoints* handed = nullptr;  ///< within a build
+    int threads_given = 0;           ///< by --threads; 0: `threads` are this machine's or the environment's
+    std::vector<Headline> headlines = {};  ///< if set: of this result, instead of the verb's
 
     bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }
 
     /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it
     /// too.
     void check_stop() const;
-};
-
-/// A key of a result that people look for first, with the unit of its value, empty for none.
-struct Headline {
-    std::string key, unit;
 };
 
 /// The name, one line and example command lines of a verb, for --help.

@@ -106,10 +106,17 @@ const char* kind_name(Field::Kind kind) {
     }
 }
 
+/// A word may be a number (contours: "auto" or a distance) and then stands without quotes.
+bool is_bare_number(const TomlValue& value, const Field& field) {
+    return field.kind() == Field::Kind::text && !field.is_path() &&
+           (value.kind == Field::Kind::integer || value.kind == Field::Kind::real);
+}
+
 void check_type(const TomlValue& value, const Field& field, const std::string& where) {
     const bool same = value.kind == field.kind() || value.items.empty() ||
                       (field.kind() == Field::Kind::real && value.kind == Field::Kind::integer) ||
-                      (!field.choices.empty() && value.kind == Field::Kind::integer);
+                      (!field.choices.empty() && value.kind == Field::Kind::integer) ||
+                      is_bare_number(value, field);
     if (same && value.is_list == field.is_list()) return;
     throw ConfigError(fmt::format("{}: expected {}{}, found {}{}", where,
                                   field.is_list() ? "an array, each item " : "",

@@ -135,13 +135,24 @@ redone = [step["name"] for step in again["steps"] if not step["up_to_date"]]
 check(not redone, f"after the script, slim run does {redone} again")
 
 # Without --memory a job asks for more than the points take; what fails stops the script.
-check("--mem=576M" in plan("slurm"), "memory of a job is not that of [fit], a quarter and 256 MiB")
+script = plan("slurm")
+check("--mem=1024M" in script, "a job asks for less than a view takes")
+large = plan("slurm", "--set", "fit.memory=2GiB")
+check("--mem=2816M" in large, "memory of a job is not that of [fit], a quarter and 256 MiB")
+check("--cpus-per-task=4 " in script and script == subprocess.run(
+    [harness.bin / "slim", "plan", job, "--format", "slurm"], env={**os.environ, "SLIM_THREADS": "1"},
+    capture_output=True, text=True).stdout, "the script depends on the machine that prints it")
 (out / "model.slim").unlink()
 (out / "model.slim").mkdir()
 jobs, done = submit(script)
 check("slim-fit" in jobs and "slim-build" not in jobs and "slim-page" not in jobs and done.returncode != 0,
       f"a build that fails: {done.returncode}, {list(jobs)}")
 (out / "model.slim").rmdir()
+
+# sbatch takes one way to ask for memory: the reader's.
+for option, own in (("--mem-per-cpu=2G", None), ("--mem=3G", "3G"), ("--mem-bind=local", "1024M")):
+    jobs, done = submit(script, option)
+    check(jobs and all(asked.get("mem") == own for asked in jobs.values()), f"{option}: {jobs} {done.stderr}")
 
 # Estimated normals take their signs from the slice before: one job, in order.
 write_job(normals="estimate")
@@ -187,6 +198,14 @@ else:
         check(ran == ALL, f"snakemake ran {ran}")
         check(contents() == bytes_of_run, f"normals {normals}: snakemake and slim run differ")
     check(not snakemake(), "snakemake ran something a second time")
+    (out / "corner.k1.png").unlink()
+    ran = snakemake()
+    ran.pop("all", None)
+    check(ran == {"render_4": 1, "page": 1}, f"a picture is missing: snakemake ran {ran}")
+    job.write_text(job.read_text().replace("[output]", "[output]\ntitle = 'Another'"))
+    ran = snakemake()
+    ran.pop("all", None)
+    check(ran == {"page": 1} and "Another" in (out / "index.html").read_text(), f"another title: snakemake ran {ran}")
     write_job(percentile="percentile = 90")
     ran = snakemake()
     ran.pop("all", None)

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Every ready style on a scan it does not know, without editing: pictures, legends and a page in a folder of their own; and
 what `slim run` and `slim plan` make of clouds on the command line."""
+import re
+
 from harness import SOURCE, Harness
 
 harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-run", "slim-plan")
@@ -46,8 +48,23 @@ def folders_and_names():
     check(make.code == 0 and "scan_plate" in make.out, make.err)
 
 
+def headers_say_what_works():
+    """Every change that the head of a style names is taken."""
+    n = 0
+    for style in STYLES:
+        head = (SOURCE / f"configs/styles/{style}.toml").read_text().split("[input]")[0]
+        for setting in re.findall(r"--set ('[^']*'|[^\s)]+)", head):
+            planned = run("slim", "plan", style, "scan.ply", "--explain", "--set", setting.strip("'"))
+            check(planned.code == 0, f"{style}: --set {setting}: {planned.err}")
+            n += 1
+    check(n >= 7, f"{n} changes in the heads of styles")
+    explained = run("slim", "plan", "terrain", "scan.ply", "--explain", "--set", "render.contours=2").out
+    check("--contours=2" in explained, explained)
+
+
 result = run("slim", "scan", "bumpy", "--points", "6000", "-o", "scan.ply")
 check(result.code == 0, result.err)
 every_style()
 folders_and_names()
+headers_say_what_works()
 harness.end()

@@ -109,6 +109,19 @@ TEST_F(RenderParts, AViewOfAPartReadsThatPartOfTheModel) {
     EXPECT_GE(part["model_bytes_read"].get<double>(), 24 * part["nodes_visited"].get<double>());
 }
 
+TEST_F(RenderParts, CamerasOfTheSameRangeReadWhatTheySee) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 250000), "{}");
+    RenderConfig c = config("x.png");
+    c.aov = {"depth"};
+    c.zoom = 30, c.lod = 0;
+    const auto alone = run(c);
+    c.same_range = {"back"};  // zoomed as well: the far side
+    const auto both = run(c);
+    EXPECT_GT(both["model_bytes_read"], alone["model_bytes_read"]);
+    c.same_range = {"front", "back", "left", "right", "top", "bottom", "iso"};
+    EXPECT_GT(run(c)["model_bytes_read"], both["model_bytes_read"]);
+}
+
 TEST_F(RenderParts, AViewOfAPartOfASmallModelSeesDamageElsewhere) {
     write_model(file("m.slim"), test::two_level_sphere(1, 100, 20000), "{}");
     RenderConfig c = config("x.png");
