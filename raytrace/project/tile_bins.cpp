@@ -56,7 +56,7 @@ TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
             start += std::exchange(next[part * n_tiles + t], static_cast<std::uint32_t>(start));
         bins.start[t + 1] = start;
     }
-    SLIM_CHECK(bins.start.back() <= std::numeric_limits<std::uint32_t>::max());  // places of `next`
+    SLIM_CHECK(bins.start.back(), <=, std::numeric_limits<std::uint32_t>::max());  // places of `next`
     bins.entries.resize(bins.start.back());
     for_parts([&](std::size_t at, std::uint32_t i) { bins.entries[next[at]++] = i; });
     return bins;
