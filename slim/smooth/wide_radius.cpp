@@ -41,10 +41,13 @@ double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * st
 
 bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
 
-/// Whether the cloud is the one that the leaf was fitted to, or as dense: a refit to fewer points would be worse.
-bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points) {
-    const auto wanted = static_cast<std::size_t>(kSameCloud * points.share(0) * n_points);
-    return count_in_ball(points.all(), s.center, s.support_radius, wanted) >= wanted;
+/// Whether the cloud is the one that the leaf was fitted to, or as dense, and faces as it does: a refit to fewer
+/// points would be worse, one to points whose normals are contrary finds another sheet's.
+bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points, WideWork& work) {
+    const double wanted = kSameCloud * points.share(0) * n_points;
+    gather_ball(points.all(), s.center, s.support_radius, work.ball);
+    set_contrary_aside(work.ball, s.frame.normal, work.aside);
+    return static_cast<double>(work.ball.n - work.aside.size()) >= std::max(1.0, wanted);
 }
 
 /// Climbs from the narrowest rung until the bias is plain.
@@ -62,6 +65,7 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
             if (out.has(k + 1) || radius > kSearch * s.support_radius) break;
             continue;
         }
+        if (!(length(center + frame.normal * (fit->polynomial.a[0] * radius) - s.center) < s.support_radius)) break;
         if (out.widest == kRungs) out.narrowest = k;
         out.widest = k;
         // All points know it better than a thinning.
@@ -118,13 +122,15 @@ double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bi
         for (int part = 0; part < kParts; ++part) {
             const double t = static_cast<double>(part) / kParts;
             if (part > 0 && !ladder.has(k + 1)) break;
-            const auto between = [&](double a, double b) { return a * std::pow(b / a, t); };
-            const double sq = part == 0 ? ladder.sq_error[k] + bias_at(k)
-                                        : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
-                                              between(bias_at(k), bias_at(k + 1));
+            const std::size_t next = k + (part > 0 ? 1 : 0);
+            const auto between = [&](double a, double b) {
+                return a > 0 && b > 0 ? a * std::pow(b / a, t) : a + (b - a) * t;
+            };
+            const double squared = between(bias_at(k), bias_at(next));
+            const double sq = between(ladder.sq_error[k], ladder.sq_error[next]) + squared;
             if (!(sq < least)) continue;
             least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t);
-            sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
+            sq_noise = between(ladder.sq_noise[k], ladder.sq_noise[next]), bias = squared;
         }
     }
     const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
@@ -142,7 +148,7 @@ std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points))
+            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points, work))
                 ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
     });
     const auto sq_bias = pooled(model, ladders);

@@ -177,6 +177,17 @@ TEST_F(SmoothStage, ASparseShareOfTheModelsCloudIsPutOnTheModelAsItIs) {
     EXPECT_LE(share, 1.05 * rms_distance("bumpy", on_model));
 }
 
+TEST_F(SmoothStage, NormalsTurnedAroundThrowNoPointOntoAnotherSheet) {
+    Cloud cloud = sampled("torus", 20000, 1, 3e-6);
+    BuildConfig c = build_config(write(cloud, "c.ply"), "m.slim");
+    c.t_mdl = 0.001;
+    build(c);
+    for (Vec3f& n : cloud.normals) n = {-n.x, -n.y, -n.z};
+    const auto said = smooth(write(cloud, "turned.ply"));
+    EXPECT_LT(said["max_displacement"], 1e-3);
+    EXPECT_LT(rms_distance("torus", read_all(file("smooth.ply"), 20000).position), 1e-4);
+}
+
 TEST_F(SmoothStage, ThreadsDoNotChangeAByte) {
     const std::string cloud = noisy("bumpy", 0.003), m = mesh(0.02);
     std::string bytes[2][2];
