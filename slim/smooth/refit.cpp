@@ -79,8 +79,9 @@ double most_off_model(const Surfel& leaf, double noise) {
 }
 
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise,
-                                 std::span<const double> radii, const PointPyramid& points)
-    : RefittedSurface(model, noise, fit(model, noise, radii, points)) {}
+                                 std::span<const double> radii, const PointPyramid& points,
+                                 const EachBatch& each_batch)
+    : RefittedSurface(model, noise, fit(model, noise, radii, points, each_batch)) {}
 
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits)
     : model_(model), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
@@ -98,11 +99,12 @@ double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const
 }
 
 RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,
-                                           std::span<const double> radii, const PointPyramid& points) {
+                                           std::span<const double> radii, const PointPyramid& points,
+                                           const EachBatch& each_batch) {
     SLIM_CHECK(noise.size(), ==, model.n_leaves());
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
     std::vector<std::vector<Surfel>> fitted(radii.size());
-    parallel_blocks(radii.size(), 4, [&](std::size_t begin, std::size_t end) {
+    parallel_batches(radii.size(), 4, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
             if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
@@ -115,6 +117,7 @@ RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<con
             out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
             out.near.push_back(s);
         }
+        fitted[i] = {};
     }
     return out;
 }

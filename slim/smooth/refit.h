@@ -21,7 +21,7 @@ public:
     /// noise, radii: of each leaf, in the index's order; wide_radii gives the latter. In parallel, the same for any
     /// thread count.
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
-                    const PointPyramid& points);
+                    const PointPyramid& points, const EachBatch& each_batch = {});
 
     const BallIndex& fits() const { return fits_; }
     /// Foot of a point that may lie outside all fits' balls, on the nearest fit's surface along the fit's normal:
@@ -38,7 +38,7 @@ private:
         std::vector<Surfel> near, far;  // the same, the balls of the latter wide enough for foot()
     };
     static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
-                    const PointPyramid& points);
+                    const PointPyramid& points, const EachBatch& each_batch = {});
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits);
     const BallIndex& model_;  // must outlive this
     std::vector<double> off_;  // of the model's leaves

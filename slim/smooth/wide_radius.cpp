@@ -140,12 +140,22 @@ double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bi
 
 }  // namespace
 
+void parallel_batches(std::size_t n, std::size_t grain, const EachBatch& each_batch,
+                      const std::function<void(std::size_t begin, std::size_t end)>& body) {
+    constexpr std::size_t kBatch = 4096;
+    for (std::size_t first = 0; first < n; first += kBatch) {
+        const std::size_t count = std::min(kBatch, n - first);
+        parallel_blocks(count, grain, [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
+        if (each_batch) each_batch(first + count, n);
+    }
+}
+
 std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
-                               const PointPyramid& points, double diagonal) {
+                               const PointPyramid& points, double diagonal, const EachBatch& each_batch) {
     const std::size_t n = model.n_leaves();
     SLIM_CHECK(noise.size(), ==, n);
     std::vector<Ladder> ladders(n);
-    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_batches(n, kGrain, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
             if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points, work))

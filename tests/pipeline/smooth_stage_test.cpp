@@ -73,6 +73,7 @@ TEST_F(SmoothStage, TakesMostOfTheNoiseOffKnownShapes) {
         const auto said = smooth(cloud);
         EXPECT_EQ(said["points"], 20000);
         EXPECT_EQ(said["moved"], 20000);
+        EXPECT_GT(said["leaves_refitted"], said["leaves_kept"]);
         const double before = rms_distance(shape, read_all(cloud, 20000).position);
         const double after = rms_distance(shape, read_all(file("smooth.ply"), 20000).position);
         EXPECT_LT(after, before / 6.5);
