@@ -252,6 +252,10 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
         context.reporter.warn(fmt::format(
             "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
             config.cloud, lost, n, config.model));
+    else if (const auto kept = result.value("leaves_kept", std::size_t{0}); 2 * kept > index.n_leaves())
+        context.reporter.warn(fmt::format(
+            "{} of {} leaves of {} were not fitted anew: points there get the model's own error, which may be more "
+            "than their noise; build with a smaller --t-mdl if so", kept, index.n_leaves(), config.model));
     return result;
 }
 

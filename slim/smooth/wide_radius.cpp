@@ -82,41 +82,38 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
 }
 
 /// The mean over a leaf, which counts twice, and those that hold its centre, of each rung's squared bias; kRounds times.
-std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std::vector<Ladder>& ladders) {
-    std::vector<std::array<double, kRungs>> now(ladders.size()), next(ladders.size());
-    for (std::size_t i = 0; i < ladders.size(); ++i) now[i] = ladders[i].sq_bias;
+void pool(const BallIndex& model, std::vector<Ladder>& ladders) {
+    std::vector<std::array<double, kRungs>> next(ladders.size());
     const auto knows = [&](std::size_t i, std::size_t k) {
         return ladders[i].widest < kRungs && k <= ladders[i].narrowest;
     };
     for (int round = 0; round < kRounds; ++round) {
-        parallel_blocks(now.size(), 256, [&](std::size_t begin, std::size_t end) {
+        parallel_blocks(ladders.size(), 256, [&](std::size_t begin, std::size_t end) {
             std::vector<const Surfel*> around;
             for (std::size_t i = begin; i < end; ++i) {
                 model.supporters(model.leaf(i).center, around);
                 for (std::size_t k = 0; k < kRungs; ++k) {
                     double sum = 0, weight = 0;
-                    if (knows(i, k)) sum = now[i][k], weight = 1;
+                    if (knows(i, k)) sum = ladders[i].sq_bias[k], weight = 1;
                     for (const Surfel* s : around) {
                         const std::size_t j = model.number_of(s);
-                        if (knows(j, k)) sum += now[j][k], weight += 1;
+                        if (knows(j, k)) sum += ladders[j].sq_bias[k], weight += 1;
                     }
                     next[i][k] = weight > 0 ? sum / weight : 0;
                 }
             }
         });
-        std::swap(now, next);
+        for (std::size_t i = 0; i < ladders.size(); ++i) ladders[i].sq_bias = next[i];
     }
     // A wider rung knows its bias better.
-    for (auto& sq_bias : now)
-        for (std::size_t k = 1; k < kRungs; ++k) sq_bias[k] = std::max(sq_bias[k], sq_bias[k - 1] / kDecay);
-    return now;
+    for (Ladder& l : ladders)
+        for (std::size_t k = 1; k < kRungs; ++k) l.sq_bias[k] = std::max(l.sq_bias[k], l.sq_bias[k - 1] / kDecay);
 }
 
 /// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
-double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
-                   const LeafNoise& noise, double diagonal) {
+double best_radius(const Ladder& ladder, const Surfel& s, const LeafNoise& noise, double diagonal) {
     double least = INFINITY, radius = 0, sq_noise = 0, bias = 0;
-    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], sq_bias[k]); };
+    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], ladder.sq_bias[k]); };
     for (std::size_t k = 0; k < kRungs; ++k) {
         if (!ladder.has(k)) continue;
         for (int part = 0; part < kParts; ++part) {
@@ -161,10 +158,10 @@ std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise
             if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points, work))
                 ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
     });
-    const auto sq_bias = pooled(model, ladders);
+    pool(model, ladders);
     std::vector<double> radii(n);
     for (std::size_t i = 0; i < n; ++i)
-        radii[i] = best_radius(ladders[i], sq_bias[i], model.leaf(i), noise[i], diagonal);
+        radii[i] = best_radius(ladders[i], model.leaf(i), noise[i], diagonal);
     return radii;
 }
 

@@ -278,6 +278,16 @@ TEST_F(SmoothStage, MistakesAreRefusedByTheirCode) {
     EXPECT_FALSE(std::filesystem::exists(file("smooth.ply")));
 }
 
+TEST_F(SmoothStage, WarnsWhereMostLeavesAreKept) {
+    const std::string cloud = write(sampled("torus", 20000, 1, 3e-6), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    listener_.warnings.clear();
+    const auto said = smooth(cloud);
+    EXPECT_GT(said["leaves_kept"], said["leaves_refitted"]);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("not fitted anew"), std::string::npos);
+}
+
 TEST_F(SmoothStage, WarnsWhereTheCloudLiesElsewhere) {
     Cloud cloud = sampled("sphere", 3000);
     build(build_config(write(cloud, "c.ply"), "m.slim"));
