@@ -60,6 +60,8 @@ struct Counts {
 
 /// Most points that the surface is fitted anew to; of a larger cloud a random share. 90 bytes each.
 constexpr std::size_t kMostRefit = std::size_t{1} << 22;
+/// Most leaves of a model that is fitted anew: about 3 kB each.
+constexpr std::size_t kMostLeaves = std::size_t{1} << 19;
 constexpr std::uint64_t kSeed = 0;
 
 /// A cloud's finite points, frame of the model, or a random share of them.
@@ -104,8 +106,20 @@ Sample read_sample(const std::string& path, const Vec3d& origin, StageContext& c
     return out;
 }
 
+/// Leaves that were fitted anew, and those that stay.
+struct LeafCounts {
+    std::size_t refitted = 0, kept = 0;
+};
+
 /// The model's surface fitted anew to the cloud that is smoothed.
-RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, Sample sample) {
+RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, Sample sample,
+                         StageContext& context, LeafCounts& counts) {
+    const auto telling = [&context](const char* what) {
+        return [&context, what](std::size_t done, std::size_t total) {
+            context.reporter.progress(what, done, total);
+            context.check_stop();
+        };
+    };
     Bbox box;
     for (const Vec3d& p : sample.points.position) box.extend(p);
     sort_along_curve(sample.points, box);
@@ -115,7 +129,10 @@ RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double 
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
-    return {model, noise, wide_radii(model, noise, points, diagonal), points};
+    const std::vector<double> radii = wide_radii(model, noise, points, diagonal, telling("radii"));
+    counts.refitted = static_cast<std::size_t>(std::count_if(radii.begin(), radii.end(), [](double r) { return r > 0; }));
+    counts.kept = radii.size() - counts.refitted;
+    return {model, noise, radii, points, telling("fits")};
 }
 
 /// A model opened for smoothing, and how.
@@ -137,9 +154,16 @@ struct Smoother {
 
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
-    Sample sample = read_sample(config.cloud, smoother.origin, smoother.context);
     std::optional<RefittedSurface> anew;
-    if (!sample.points.empty()) anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample)));
+    LeafCounts leaves{0, smoother.index.n_leaves()};
+    if (smoother.index.n_leaves() > kMostLeaves) {
+        smoother.context.reporter.warn(fmt::format(
+            "{} leaves: more than {} are not fitted anew, for memory; the points go on the model as it is",
+            smoother.index.n_leaves(), kMostLeaves));
+    } else if (Sample sample = read_sample(config.cloud, smoother.origin, smoother.context); !sample.points.empty()) {
+        anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample), smoother.context,
+                              leaves));
+    }
     const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
     const auto source = open_cloud(config.cloud);
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
@@ -166,6 +190,8 @@ json smooth_cloud(const Smoother& smoother) {
     json result = counts.to_json("points");
     result["opposed"] = counts.opposed;
     result["astray"] = counts.astray;
+    result["leaves_refitted"] = leaves.refitted;
+    result["leaves_kept"] = leaves.kept;
     return result;
 }
 
@@ -226,6 +252,10 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
         context.reporter.warn(fmt::format(
             "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
             config.cloud, lost, n, config.model));
+    else if (const auto kept = result.value("leaves_kept", std::size_t{0}); 2 * kept > index.n_leaves())
+        context.reporter.warn(fmt::format(
+            "{} of {} leaves of {} were not fitted anew: points there get the model's own error, which may be more "
+            "than their noise; build with a smaller --t-mdl if so", kept, index.n_leaves(), config.model));
     return result;
 }
 

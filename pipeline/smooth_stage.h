@@ -36,10 +36,12 @@ struct SmoothConfig {
 /// Points go on the surface fitted anew to them (RefittedSurface), a mesh's faces on the model's own.
 /// Points without support, or whose line meets no surface in reach, are kept as they are. Keys: mode points
 /// moved unsupported opposed astray not_finite rms_displacement (of those that moved) max_displacement; for
-/// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed and astray.
+/// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed, astray,
+/// leaves_refitted and leaves_kept (as the model has them: wide_radii).
 /// throws  DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or
 ///         has another format's name; as open_cloud, CloudRewriter and ModelFile
-/// cost    points: read twice; 90 bytes for each of at most 4 million, 250 a leaf, 560 a fit (a mesh without
+/// cost    points: read twice; 90 bytes for each of at most 4 million, 3 kB a leaf
+///         (of more than 524,288 leaves none is fitted anew, with a warning), 560 a fit (a mesh without
 ///         normals as points: its vertices as well); a
 ///         mesh: about 300 bytes a vertex, in text twice that
 nlohmann::json run_smooth(const SmoothConfig& config, StageContext& context);

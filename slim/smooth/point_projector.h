@@ -37,6 +37,9 @@ public:
     /// own_normal  any length; zero or not finite: along the model's own
     ProjectedPoint project(const Vec3d& p, const Vec3d& own_normal, bool want_curvature = false);
 
+    /// The surfels that hold the last point.
+    const std::vector<const Surfel*>& supporters() const { return found_; }
+
 private:
     std::optional<Projection> along(const Vec3d& p, const Vec3d& n, bool want_curvature) const;
 

@@ -5,6 +5,7 @@
 #include "slim/model/weight_kernel.h"
 #include "slim/smooth/wide_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,8 +14,9 @@ namespace {
 
 constexpr double kBlend = 2 * kCore;  ///< of a fit's radius: how far it is blended
 constexpr double kReach = 6;          ///< of the noise: points so far off still have a foot
+constexpr double kOffNoises = 6, kOffRadii = 0.25;  ///< a fit's surface this far off the model is another sheet's
 constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
-constexpr double kMostSpread = 30;    ///< variance of the middle over noise / n; 4 to 5 where points are all around
+constexpr double kMostSpread = 30;    ///< of WideFit::spread
 
 /// Whether a leaf is the one that weighs most at a place, of equals the first.
 bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vector<const Surfel*>& found) {
@@ -37,13 +39,16 @@ Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
     return out;
 }
 
-void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, const PointPyramid& points,
-               WideWork& work, std::vector<Surfel>& out) {
+void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, double most_off,
+               const PointPyramid& points, WideWork& work, std::vector<Surfel>& out) {
+    const Vec3d on_model = place;
     Frame<double> frame = frame_from_normal(normal);
     auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
     for (int i = 0; i < kMostMoves && fit && put_on(*fit, radius, noise, place, frame); ++i)
         fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
-    if (!fit || fit->sq_error * fit->n > kMostSpread * fit->sq_noise) return;
+    if (!fit || !(fit->spread <= kMostSpread)) return;
+    const double height = fit->polynomial.a[0] * radius;
+    if (!(length(place + frame.normal * height - on_model) <= most_off)) return;
     out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
 }
 
@@ -62,22 +67,44 @@ void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double no
             const Vec3d place = s.center + s.frame.world_from_local(local) * s.support_radius;
             if (!owns(model, leaf, place, found)) continue;
             const Vec3d gradient{-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1};
-            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, noise, points, work, out);
+            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, noise,
+                      most_off_model(s, noise), points, work, out);
         }
 }
 
 }  // namespace
 
+double most_off_model(const Surfel& leaf, double noise) {
+    return std::max(kOffNoises * noise, kOffRadii * leaf.support_radius);
+}
+
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise,
-                                 std::span<const double> radii, const PointPyramid& points)
-    : RefittedSurface(fit(model, noise, radii, points)) {}
+                                 std::span<const double> radii, const PointPyramid& points,
+                                 const EachBatch& each_batch)
+    : RefittedSurface(model, noise, fit(model, noise, radii, points, each_batch)) {}
+
+RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits)
+    : model_(model), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
+    off_.reserve(noise.size());
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        off_.push_back(most_off_model(model.leaf(i), noise[i].fit_error));
+        least_off_ = std::min(least_off_, off_.back());
+    }
+}
+
+double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const {
+    double most = 0;
+    for (const Surfel* s : leaves) most = std::max(most, off_[model_.number_of(s)]);
+    return most;
+}
 
 RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,
-                                           std::span<const double> radii, const PointPyramid& points) {
+                                           std::span<const double> radii, const PointPyramid& points,
+                                           const EachBatch& each_batch) {
     SLIM_CHECK(noise.size(), ==, model.n_leaves());
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
     std::vector<std::vector<Surfel>> fitted(radii.size());
-    parallel_blocks(radii.size(), 4, [&](std::size_t begin, std::size_t end) {
+    parallel_batches(radii.size(), 4, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
             if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
@@ -90,6 +117,7 @@ RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<con
             out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
             out.near.push_back(s);
         }
+        fitted[i] = {};
     }
     return out;
 }

@@ -2,12 +2,16 @@
 
 #include "slim/smooth/wide_radius.h"
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace slim {
+
+/// How far the surface fitted anew may be from the model's own: the larger of 6 of the leaf's noise and 0.25 radii.
+double most_off_model(const Surfel& leaf, double noise);
 
 /// The surface of a model fitted anew to a cloud for the least error of position (notes/0003): quadratics at places
 /// a core apart (kCore), each to all points within the radius that wide_radii gives the leaf there, and the leaves
@@ -17,7 +21,7 @@ public:
     /// noise, radii: of each leaf, in the index's order; wide_radii gives the latter. In parallel, the same for any
     /// thread count.
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
-                    const PointPyramid& points);
+                    const PointPyramid& points, const EachBatch& each_batch = {});
 
     const BallIndex& fits() const { return fits_; }
     /// Foot of a point that may lie outside all fits' balls, on the nearest fit's surface along the fit's normal:
@@ -25,13 +29,20 @@ public:
     /// there is none.
     std::optional<Vec3d> foot(const Vec3d& p, const Vec3d& normal) const;
 
+    /// The largest most_off_model() of leaves of the model, and the least of all of them.
+    double most_off(const std::vector<const Surfel*>& leaves) const;
+    double least_off() const { return least_off_; }
+
 private:
     struct Fits {
         std::vector<Surfel> near, far;  // the same, the balls of the latter wide enough for foot()
     };
     static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
-                    const PointPyramid& points);
-    explicit RefittedSurface(Fits fits) : fits_(std::move(fits.near)), far_(std::move(fits.far)) {}
+                    const PointPyramid& points, const EachBatch& each_batch = {});
+    RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits);
+    const BallIndex& model_;  // must outlive this
+    std::vector<double> off_;  // of the model's leaves
+    double least_off_ = INFINITY;
     BallIndex fits_, far_;
 };
 

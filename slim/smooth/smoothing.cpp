@@ -24,6 +24,7 @@ void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
 }
 
 /// Puts points on the fits made anew; those out of their reach by way of the nearest fit's foot, or of the model.
+/// Where that ends farther from the model's own projection than fits may be from the model, the latter counts.
 class SurfaceProjector {
 public:
     explicit SurfaceProjector(const SmoothSurface& surface)
@@ -32,6 +33,16 @@ public:
     }
     ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
         if (!surface_) return model_.project(p, normal);
+        const ProjectedPoint put = on_fits(p, normal);
+        if (!put.hit || length(put.hit->point - p) <= surface_->least_off()) return put;
+        ProjectedPoint own = model_.project(p, normal);
+        if (!own.hit) return put;
+        const double off = length(put.hit->point - own.hit->point);
+        return off <= surface_->most_off(model_.supporters()) ? put : own;
+    }
+
+private:
+    ProjectedPoint on_fits(const Vec3d& p, const Vec3d& normal) {
         ProjectedPoint put = fits_->project(p, normal);
         if (put.hit) return put;
         if (const auto foot = surface_->foot(p, is_finite(normal) ? normal : Vec3d{})) {
@@ -44,7 +55,6 @@ public:
         return put;
     }
 
-private:
     PointProjector model_;
     const RefittedSurface* surface_;
     std::optional<PointProjector> fits_;

@@ -19,6 +19,9 @@ constexpr double kOff = 0.25;
 constexpr double kThickness = 6;
 constexpr double kLeastPoints = 60;
 constexpr double kLeastOfQuadratic = 18;
+constexpr float kSqInner = 0.25f;    ///< squared, of the disc's radius: no fit without a point so near the middle
+constexpr double kCancelled = 1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
+constexpr double kRounding = 6e-8;   ///< of a coordinate over the radius, a float
 
 template <int K>
 using Square = Eigen::Matrix<double, K, K>;
@@ -87,12 +90,36 @@ double core_variance(const Square<K>& inverse) {
     return (even_core<K>().cwiseProduct(inverse)).sum();
 }
 
+bool has_inner_point(const BallPoints<float>& ball) {
+    return std::any_of(ball.sq.begin(), ball.sq.begin() + static_cast<std::ptrdiff_t>(ball.n),
+                       [](float sq) { return sq < kSqInner; });
+}
+
+/// Sum of squares by a pass over the residuals, coordinates over the radius.
+template <int K>
+double residual_pass(const BallPoints<float>& ball, const Frame<double>& frame, const Column<K>& a) {
+    double sum = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        if (!(ball.sq[i] < 1)) continue;
+        const Vec3d x = frame.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
+        Column<K> phi;
+        phi(0) = 1;
+        for (int d = 1, at = 1, below = 0; at < K; below += d, ++d) {
+            for (int t = 0; t < d; ++t) phi(at++) = phi(below + t) * x.x;
+            phi(at) = phi(at - d - 1) * x.y;
+            ++at;
+        }
+        sum += std::pow(x.z - a.dot(phi), 2);
+    }
+    return sum;
+}
+
 template <int Degree>
 std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& frame) {
     constexpr int kAll = Moments<Degree>::kBasis, kOwn = n_coefficients(2);
     const auto m = accumulate_moments<Degree>(work.ball, frame, 1);
     const double n = m.weight();
-    if (!(n >= (Degree > 2 ? kLeastPoints : kLeastOfQuadratic))) return std::nullopt;
+    if (!(n >= (Degree > 2 ? kLeastPoints : kLeastOfQuadratic)) || !has_inner_point(work.ball)) return std::nullopt;
     const auto own = solve<kOwn>(m);
     const auto all = solve<kAll>(m);
     if (!own || !all) return std::nullopt;
@@ -102,8 +129,11 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     WideFit fit;
     for (int i = 0; i < kOwn; ++i) fit.polynomial.a[static_cast<std::size_t>(i)] = own->a(i);
     fit.n = n;
-    fit.sq_noise = sq * std::max(0.0, m.sq_height - height.dot(all->a)) / (n - kAll);
+    double residual = m.sq_height - height.dot(all->a);
+    if (!(residual >= kCancelled * m.sq_height)) residual = residual_pass<kAll>(work.ball, frame, all->a);
+    fit.sq_noise = sq * std::max(residual / (n - kAll), kRounding * kRounding);
     const double spread = core_variance<kOwn>(own->inverse);
+    fit.spread = spread * n;
     fit.sq_error = fit.sq_noise * spread;
     if (Degree == 2) return fit;
     Column<kAll> off = all->a;

@@ -25,8 +25,9 @@ struct WideWork {
 struct WideFit {
     Polynomial<double> polynomial;  ///< in the frame given, coordinates over the radius
     double n = 0;                   ///< points
-    double sq_noise = 0;            ///< of a height, length^2
+    double sq_noise = 0;            ///< of a height, length^2; no less than the rounding of floats
     double sq_error = 0;            ///< variance of the middle's height by noise, mean over the core, length^2
+    double spread = 0;  ///< that variance over sq_noise / n; 4 to 5 where points are all around
     /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
     /// standard error of that; may be negative. Zero unless asked for.
     double sq_bias = 0, sq_bias_error = 0;
@@ -35,7 +36,8 @@ struct WideFit {
 /// Least squares of the points whose feet in the frame's plane are nearer to `center` than `radius`, out to 6 `noise`
 /// beyond the ball of that radius (a ball cuts thick noise off towards its rim); those whose normals are below
 /// kLeastCos to the frame's do not count. With `ahead` also looks at degrees 3 and 4. Nothing if there are fewer than
-/// 60 points (18 without `ahead`), or no such polynomial goes through them. Cost: one pass, a factor of 15 rows.
+/// 60 points (18 without `ahead`), none within half the radius, or no such polynomial goes through them. Cost: one pass (two where the residual
+/// is lost to cancellation), a factor of 15 rows.
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
                                 double radius, double noise, bool ahead, WideWork& work);
 

@@ -41,10 +41,13 @@ double rung_radius(std::size_t k, double diagonal) { return kTop * diagonal * st
 
 bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree >= 1; }
 
-/// Whether the cloud is the one that the leaf was fitted to, or as dense: a refit to fewer points would be worse.
-bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points) {
-    const auto wanted = static_cast<std::size_t>(kSameCloud * points.share(0) * n_points);
-    return count_in_ball(points.all(), s.center, s.support_radius, wanted) >= wanted;
+/// Whether the cloud is the one that the leaf was fitted to, or as dense, and faces as it does: a refit to fewer
+/// points would be worse, one to points whose normals are contrary finds another sheet's.
+bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points, WideWork& work) {
+    const double wanted = kSameCloud * points.share(0) * n_points;
+    gather_ball(points.all(), s.center, s.support_radius, work.ball);
+    set_contrary_aside(work.ball, s.frame.normal, work.aside);
+    return static_cast<double>(work.ball.n - work.aside.size()) >= std::max(1.0, wanted);
 }
 
 /// Climbs from the narrowest rung until the bias is plain.
@@ -62,6 +65,7 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
             if (out.has(k + 1) || radius > kSearch * s.support_radius) break;
             continue;
         }
+        if (!(length(center + frame.normal * (fit->polynomial.a[0] * radius) - s.center) < s.support_radius)) break;
         if (out.widest == kRungs) out.narrowest = k;
         out.widest = k;
         // All points know it better than a thinning.
@@ -78,53 +82,52 @@ Ladder climb(const Surfel& s, double noise, const PointPyramid& points, double d
 }
 
 /// The mean over a leaf, which counts twice, and those that hold its centre, of each rung's squared bias; kRounds times.
-std::vector<std::array<double, kRungs>> pooled(const BallIndex& model, const std::vector<Ladder>& ladders) {
-    std::vector<std::array<double, kRungs>> now(ladders.size()), next(ladders.size());
-    for (std::size_t i = 0; i < ladders.size(); ++i) now[i] = ladders[i].sq_bias;
+void pool(const BallIndex& model, std::vector<Ladder>& ladders) {
+    std::vector<std::array<double, kRungs>> next(ladders.size());
     const auto knows = [&](std::size_t i, std::size_t k) {
         return ladders[i].widest < kRungs && k <= ladders[i].narrowest;
     };
     for (int round = 0; round < kRounds; ++round) {
-        parallel_blocks(now.size(), 256, [&](std::size_t begin, std::size_t end) {
+        parallel_blocks(ladders.size(), 256, [&](std::size_t begin, std::size_t end) {
             std::vector<const Surfel*> around;
             for (std::size_t i = begin; i < end; ++i) {
                 model.supporters(model.leaf(i).center, around);
                 for (std::size_t k = 0; k < kRungs; ++k) {
                     double sum = 0, weight = 0;
-                    if (knows(i, k)) sum = now[i][k], weight = 1;
+                    if (knows(i, k)) sum = ladders[i].sq_bias[k], weight = 1;
                     for (const Surfel* s : around) {
                         const std::size_t j = model.number_of(s);
-                        if (knows(j, k)) sum += now[j][k], weight += 1;
+                        if (knows(j, k)) sum += ladders[j].sq_bias[k], weight += 1;
                     }
                     next[i][k] = weight > 0 ? sum / weight : 0;
                 }
             }
         });
-        std::swap(now, next);
+        for (std::size_t i = 0; i < ladders.size(); ++i) ladders[i].sq_bias = next[i];
     }
     // A wider rung knows its bias better.
-    for (auto& sq_bias : now)
-        for (std::size_t k = 1; k < kRungs; ++k) sq_bias[k] = std::max(sq_bias[k], sq_bias[k - 1] / kDecay);
-    return now;
+    for (Ladder& l : ladders)
+        for (std::size_t k = 1; k < kRungs; ++k) l.sq_bias[k] = std::max(l.sq_bias[k], l.sq_bias[k - 1] / kDecay);
 }
 
 /// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
-double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bias, const Surfel& s,
-                   const LeafNoise& noise, double diagonal) {
+double best_radius(const Ladder& ladder, const Surfel& s, const LeafNoise& noise, double diagonal) {
     double least = INFINITY, radius = 0, sq_noise = 0, bias = 0;
-    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], sq_bias[k]); };
+    const auto bias_at = [&](std::size_t k) { return std::max(kBiasFloor * ladder.sq_error[k], ladder.sq_bias[k]); };
     for (std::size_t k = 0; k < kRungs; ++k) {
         if (!ladder.has(k)) continue;
         for (int part = 0; part < kParts; ++part) {
             const double t = static_cast<double>(part) / kParts;
             if (part > 0 && !ladder.has(k + 1)) break;
-            const auto between = [&](double a, double b) { return a * std::pow(b / a, t); };
-            const double sq = part == 0 ? ladder.sq_error[k] + bias_at(k)
-                                        : between(ladder.sq_error[k], ladder.sq_error[k + 1]) +
-                                              between(bias_at(k), bias_at(k + 1));
+            const std::size_t next = k + (part > 0 ? 1 : 0);
+            const auto between = [&](double a, double b) {
+                return a > 0 && b > 0 ? a * std::pow(b / a, t) : a + (b - a) * t;
+            };
+            const double squared = between(bias_at(k), bias_at(next));
+            const double sq = between(ladder.sq_error[k], ladder.sq_error[next]) + squared;
             if (!(sq < least)) continue;
             least = sq, radius = rung_radius(k, diagonal) * std::pow(kStep, t);
-            sq_noise = ladder.sq_noise[k], bias = sq_bias[k + (part > 0 ? 1 : 0)];
+            sq_noise = between(ladder.sq_noise[k], ladder.sq_noise[next]), bias = squared;
         }
     }
     const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
@@ -134,21 +137,31 @@ double best_radius(const Ladder& ladder, const std::array<double, kRungs>& sq_bi
 
 }  // namespace
 
+void parallel_batches(std::size_t n, std::size_t grain, const EachBatch& each_batch,
+                      const std::function<void(std::size_t begin, std::size_t end)>& body) {
+    constexpr std::size_t kBatch = 4096;
+    for (std::size_t first = 0; first < n; first += kBatch) {
+        const std::size_t count = std::min(kBatch, n - first);
+        parallel_blocks(count, grain, [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
+        if (each_batch) each_batch(first + count, n);
+    }
+}
+
 std::vector<double> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
-                               const PointPyramid& points, double diagonal) {
+                               const PointPyramid& points, double diagonal, const EachBatch& each_batch) {
     const std::size_t n = model.n_leaves();
     SLIM_CHECK(noise.size(), ==, n);
     std::vector<Ladder> ladders(n);
-    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_batches(n, kGrain, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points))
+            if (is_plain(model.leaf(i)) && has_its_points(model.leaf(i), noise[i].n_points, points, work))
                 ladders[i] = climb(model.leaf(i), noise[i].fit_error, points, diagonal, work);
     });
-    const auto sq_bias = pooled(model, ladders);
+    pool(model, ladders);
     std::vector<double> radii(n);
     for (std::size_t i = 0; i < n; ++i)
-        radii[i] = best_radius(ladders[i], sq_bias[i], model.leaf(i), noise[i], diagonal);
+        radii[i] = best_radius(ladders[i], model.leaf(i), noise[i], diagonal);
     return radii;
 }
 

@@ -63,10 +63,14 @@ void BallIndex::Boxes::set(std::size_t i, const Bbox& box) {
 
 BallIndex::BallIndex(const SurfelTree& tree) : BallIndex(leaves_of(tree), leaf_nodes(tree)) {}
 
-BallIndex::BallIndex(std::vector<Surfel> leaves)
-    : BallIndex(leaves, numbers_up_to(leaves.size())) {}
+BallIndex::BallIndex(std::vector<Surfel> leaves) {
+    std::vector<std::uint32_t> nodes = numbers_up_to(leaves.size());
+    build(leaves, nodes);
+}
 
-BallIndex::BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes) {
+BallIndex::BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes) { build(leaves, nodes); }
+
+void BallIndex::build(std::vector<Surfel>& leaves, const std::vector<std::uint32_t>& nodes) {
     Bbox box;
     for (const Surfel& s : leaves) box.extend(s.center);
     const MortonCurve curve(box);

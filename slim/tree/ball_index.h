@@ -46,6 +46,7 @@ private:
     };
     static std::uint64_t holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up);
     BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes);
+    void build(std::vector<Surfel>& leaves, const std::vector<std::uint32_t>& nodes);
     void add_level(const std::vector<Bbox>& boxes);
 
     std::vector<Surfel> leaves_;              // along a Morton curve

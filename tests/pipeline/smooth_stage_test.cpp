@@ -73,6 +73,7 @@ TEST_F(SmoothStage, TakesMostOfTheNoiseOffKnownShapes) {
         const auto said = smooth(cloud);
         EXPECT_EQ(said["points"], 20000);
         EXPECT_EQ(said["moved"], 20000);
+        EXPECT_GT(said["leaves_refitted"], said["leaves_kept"]);
         const double before = rms_distance(shape, read_all(cloud, 20000).position);
         const double after = rms_distance(shape, read_all(file("smooth.ply"), 20000).position);
         EXPECT_LT(after, before / 6.5);
@@ -177,6 +178,17 @@ TEST_F(SmoothStage, ASparseShareOfTheModelsCloudIsPutOnTheModelAsItIs) {
     EXPECT_LE(share, 1.05 * rms_distance("bumpy", on_model));
 }
 
+TEST_F(SmoothStage, NormalsTurnedAroundThrowNoPointOntoAnotherSheet) {
+    Cloud cloud = sampled("torus", 20000, 1, 3e-6);
+    BuildConfig c = build_config(write(cloud, "c.ply"), "m.slim");
+    c.t_mdl = 0.001;
+    build(c);
+    for (Vec3f& n : cloud.normals) n = {-n.x, -n.y, -n.z};
+    const auto said = smooth(write(cloud, "turned.ply"));
+    EXPECT_LT(said["max_displacement"], 1e-3);
+    EXPECT_LT(rms_distance("torus", read_all(file("smooth.ply"), 20000).position), 1e-4);
+}
+
 TEST_F(SmoothStage, ThreadsDoNotChangeAByte) {
     const std::string cloud = noisy("bumpy", 0.003), m = mesh(0.02);
     std::string bytes[2][2];
@@ -264,6 +276,16 @@ TEST_F(SmoothStage, MistakesAreRefusedByTheirCode) {
     EXPECT_EQ(code_of([&] { smooth(folder_.write("face.ply", face + "3 0 0 5\n")); }), ExitCode::bad_data);
     EXPECT_NE(message_.find("vertex index 5"), std::string::npos) << message_;
     EXPECT_FALSE(std::filesystem::exists(file("smooth.ply")));
+}
+
+TEST_F(SmoothStage, WarnsWhereMostLeavesAreKept) {
+    const std::string cloud = write(sampled("torus", 20000, 1, 3e-6), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    listener_.warnings.clear();
+    const auto said = smooth(cloud);
+    EXPECT_GT(said["leaves_kept"], said["leaves_refitted"]);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("not fitted anew"), std::string::npos);
 }
 
 TEST_F(SmoothStage, WarnsWhereTheCloudLiesElsewhere) {

@@ -40,6 +40,27 @@ std::optional<WideFit> fit(PointBlock block, double radius, double noise, bool a
 
 double quadratic(double x, double y) { return 0.3 * x * x - 0.2 * x * y + 0.1 * y; }
 
+TEST(WideFit, NeedsAPointNearTheMiddle) {
+    PointBlock ring = field(5000, 1, 0.01, quadratic), whole = ring;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i)
+        if (std::hypot(ring.position[i].x, ring.position[i].y) > 0.3) ring.position[n] = ring.position[i], ring.id[n++] = ring.id[i];
+    ring.position.resize(n), ring.id.resize(n);
+    EXPECT_TRUE(fit(whole, 0.5, 0.01, true));
+    EXPECT_FALSE(fit(ring, 0.5, 0.01, true));
+    EXPECT_FALSE(fit(ring, 0.5, 0.01, false));
+}
+
+TEST(WideFit, NoiseIsNotLostToTheCancellationOfSums) {
+    const auto f = fit(field(5000, 1, 1e-6, quadratic), 0.5, 1e-6, true);
+    ASSERT_TRUE(f);
+    EXPECT_NEAR(std::sqrt(f->sq_noise) / 1e-6, 1, 0.1);
+    const auto exact = fit(field(5000, 1, 0, quadratic), 0.5, 0, true);
+    ASSERT_TRUE(exact);
+    EXPECT_GT(exact->sq_noise, 0);
+    EXPECT_LT(exact->sq_noise, 1e-13);
+}
+
 TEST(WideFit, KnowsItsVarianceAndSeesNoBiasInAQuadratic) {
     constexpr double kNoise = 0.01;
     double sq = 0, sq_error = 0, sq_bias = 0, sq_noise = 0;
