@@ -27,6 +27,8 @@ namespace {
 
 // of the normals: estimated ones tell nothing new of the points
 constexpr double kFewEstimated = 0.01;
+// Noise over spacing below which leaves are fitted again: their errors are bias then (slim/cover/notes/0010).
+constexpr double kLittleNoise = 0.12;
 
 nlohmann::json counts_json(const CoverCounts& c) {
     nlohmann::json fallbacks, degrees;
@@ -41,6 +43,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"forced", c.forced},
             {"contrary", c.contrary},
             {"normals_disagree", c.normals_disagree},
+            {"refitted", c.refitted},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
             {"sharp_corners", c.sharp_corners},
@@ -74,6 +77,8 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
     rules.follow_normals = noise.normals_inform && !rules.windows;
+    rules.refits = !rules.follow_normals && !rules.windows &&
+                   std::sqrt(noise.noise_variance) < kLittleNoise * noise.spacing;
     return rules;
 }
 
@@ -129,6 +134,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     coarse.last_level = division.last_coarse;
     if (division.last_coarse == division.first_fine) coarse.provisional = division.halo;
     coarse.share = division.share;
+    coarse.refits = false;  // not all leaves are known yet
     nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
     result["sample"] = sample.size();
     return stamp.commit({output}, result, Outlasts::process);

@@ -32,6 +32,7 @@ struct CoverRules {
     CoverReading reading = CoverReading::b;
     bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
     bool follow_normals = false;  ///< fits follow the points' normals as well (slim/fit/notes/0007)
+    bool refits = false;  ///< leaves are fitted a second time, to what their blend leaves over (blend_refit.h)
     double spacing = 0;  ///< square root of the area that one of the job's points usually has; 0: as these have
     double share = 1;    ///< of the job's points that are here, by in_share(); what < 1 does not resolve waits
     std::function<bool(const Vec3d&)> owns;  ///< centres of surfels to keep and to count; empty: all

@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
+#include "slim/cover/blend_refit.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
@@ -57,6 +58,7 @@ public:
           states_(points.size()),
           radius_(points.size(), 0.0f),
           finest_(points.size(), 0.0f),
+          blend_(rules.refits ? points.size() : 0),
           open_(points.size()),
           work_([&rules] {
               LeafWork w;
@@ -80,6 +82,7 @@ public:
             out_.counts.levels = static_cast<std::uint64_t>(level);
             reporter.progress("fit", block_.size() - open, block_.size());
         }
+        if (rules_.refits) keep_refitted();
         for (const LeafWork& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
             out_.counts.sharp_rungs += w.ladder.sharp_rungs;
@@ -147,6 +150,8 @@ private:
     void accept_leaf(Candidate& c, int level);
     bool drop(std::uint32_t point);
     void mark(const CoveringSurfel& leaf);
+    void blend(const CoveringSurfel& leaf);
+    void keep_refitted();
     bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
     const PointBlock& block_;
@@ -156,7 +161,9 @@ private:
     std::vector<PointState> states_;
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<float> finest_;        // the smallest ball that search admitted
+    std::vector<BlendResidual> blend_;  // of rules_.refits only
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
+    std::vector<FittedSurfel> refitted_;  // leaves that wait for their second fit, those of others too
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
@@ -307,7 +314,8 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
     const bool saturated = c.choice.saturated && rules_.first_level == 1;
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
-                                        (c.choice.forced ? slim::kForced : 0));
+                                        (c.choice.forced ? slim::kForced : 0) |
+                                        (c.choice.limited ? slim::kLimited : 0));
     f.point_id = block_.id[c.center];
     if (is_raw() && (states_[c.point].flags & kBeside) && is_doubtful(f, rules_.noise_variance)) {
         out_.counts.beside += drop(c.point);
@@ -315,11 +323,33 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     }
     states_[c.point].flags |= kClosed;
     mark(c.surfel);
+    if (rules_.refits) refitted_.push_back(f);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
-    keep(f);
+    if (!rules_.refits) keep(f);
+}
+
+/// Adds a leaf to what the blend leaves over at its points.
+void LevelCover::blend(const CoveringSurfel& leaf) {
+    const Surfel& s = leaf.fitted.surfel;
+    const auto rho = static_cast<float>(s.support_radius);
+    for (const Covered& p : leaf.covered) {
+        const float weight = p.weight * static_cast<float>(rim_share(s.rims, p.u, p.v));
+        blend_[p.point].weight += weight;
+        blend_[p.point].height += weight * p.off * rho;
+    }
+}
+
+/// The leaves' second fit, once all are known. Those of coarse levels, of whose points a slice sees a part only,
+/// stay as they are.
+void LevelCover::keep_refitted() {
+    for (auto* at : {&radius_, &finest_}) std::vector<float>().swap(*at);
+    std::vector<std::uint32_t>().swap(open_);
+    out_.counts.refitted = refit_to_blend(pyramid_.all(), blend_, refitted_);
+    for (const FittedSurfel& f : refitted_)
+        if (is_kept(f)) keep(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
@@ -340,11 +370,13 @@ void LevelCover::mark(const CoveringSurfel& leaf) {
     };
     const bool stands_for_more = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
     const std::uint16_t beside = stands_for_more ? kBeside : 0;
+    const float times = leaf.fitted.flags & (slim::kForced | slim::kLimited) ? kLimitedTimes : 1;
     for (const Covered& p : leaf.covered) {
         PointState& state = states_[p.point];
-        state.weight += overlap(p);
+        state.weight += times * overlap(p);
         state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));
     }
+    if (rules_.refits) blend(leaf);
     if (!stands_for_more) return;
     for (const std::uint32_t p : leaf.beside) states_[p].flags |= kBeside;
 }

@@ -40,7 +40,7 @@ using Lanes = stdx::native_simd<double>;
 
 Lanes lanes_at(const std::vector<double>& a, std::size_t i) { return {&a[i], stdx::element_aligned}; }
 
-/// |f| at the ball's points, a group at a time, and who is near enough to be looked at.
+/// f at the ball's points, a group at a time, and who is near enough to be looked at.
 /// Other sheets' points and padding have sq = 2 and are passed over.
 class Residuals {
 public:
@@ -49,16 +49,16 @@ public:
         frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
         for (std::size_t k = 0; k < polynomial_.a.size(); ++k) polynomial_.a[k] = surfel.polynomial.a[k];
     }
-    /// Bits of the points of group `first` that lie no farther than `most`; their |f| is in off(), their place in
+    /// Bits of the points of group `first` that lie no farther than `most`; their f is in off(), their place in
     /// the tangent plane in u(), v().
     std::uint64_t within(double most, std::size_t first) {
         const Lanes sq = lanes_at(ball_.sq, first);
         const Vec3<Lanes> local = frame_.local_from_world(
             {lanes_at(ball_.x, first), lanes_at(ball_.y, first), lanes_at(ball_.z, first)});
         u_ = local.x, v_ = local.y;
-        off_ = stdx::abs(local.z - polynomial_.value(local.x, local.y));
+        off_ = local.z - polynomial_.value(local.x, local.y);
         if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
-        return lane_bits(sq < 1.0 && off_ <= most);
+        return lane_bits(sq < 1.0 && stdx::abs(off_) <= most);
     }
     double off(std::size_t lane) const { return off_[lane]; }
     float u(std::size_t lane) const { return static_cast<float>(u_[lane]); }
@@ -66,7 +66,7 @@ public:
 
 private:
     double joined_at(std::size_t i) const {
-        return std::abs(surfel_.value({ball_.x[i], ball_.y[i], ball_.z[i]}));
+        return surfel_.value({ball_.x[i], ball_.y[i], ball_.z[i]});
     }
     const Surfel& surfel_;
     const BallPoints<double>& ball_;
@@ -115,10 +115,10 @@ std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& 
                                       {ball.nx[i], ball.ny[i], ball.nz[i]}))
                 continue;
             const std::uint32_t point = tree.source(ball.index[i]);
-            if (residuals.off(lane) <= tolerance)
+            if (std::abs(residuals.off(lane)) <= tolerance)
                 out.covered.push_back(
                     {point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
-                     ball.sq[i] < kTrim * kTrim});
+                     static_cast<float>(residuals.off(lane)), ball.sq[i] < kTrim * kTrim});
             else
                 out.beside.push_back(point);
         }

@@ -18,6 +18,7 @@ struct Covered {
     std::uint32_t point;  ///< index in the block
     float weight;         ///< G(|p - c| / rho)
     float u, v;           ///< place in the tangent plane, over rho
+    float off;            ///< height above the surface, over rho
     bool in_core;         ///< |p - c| < alpha rho
 };
 

@@ -34,6 +34,7 @@ enum NodeFlags : std::uint8_t {
     kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
     /// no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
     kLoose = 16,
+    kLimited = 64,  ///< radius ended by a fold or another sheet, not by E
 };
 
 /// Where the further sheets of a sharp node stand; sorted by node, so that smooth models carry

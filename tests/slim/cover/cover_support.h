@@ -65,8 +65,9 @@ inline std::size_t uncovered(const PointBlock& block, const Cover& c, double noi
     BallPoints<double> work;
     for (const FittedSurfel& s : leaves_of(c)) {
         centers.insert(s.point_id);
+        const float times = s.flags & (kForced | kLimited) ? kLimitedTimes : 1;
         for (const Covered& p : cover_again(tree, s, noise_variance, work).covered) {
-            weight[p.point] += p.weight;
+            weight[p.point] += times * p.weight;
             if (p.in_core) core[p.point] = true;
         }
     }

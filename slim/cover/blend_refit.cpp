@@ -1,0 +1,82 @@
+#include "slim/cover/blend_refit.h"
+
+#include "slim/base/parallel.h"
+#include "slim/fit/ball_points.h"
+#include "slim/fit/local_fit.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+/// Of the variance that a fit of K coefficients to n_eff independent residuals has: the leaf's own residuals are
+/// orthogonal to it already, and the blend averages its neighbours'.
+constexpr double kChance = 0.3;
+constexpr double kLeastFreedom = 0.25;  // eps^2 grows fourfold at most by its correction (LocalFit)
+constexpr double kOutside = 2;          // squared distance of a point that takes no part (BallPoints)
+
+/// Puts the ball's points where the leaf must add height: at (u, v, off / rho). Points that are no part of its
+/// surface, by place or normal, are left out. Returns the mean square of the heights under G.
+double aim_at_blend(const PointTree& points, const Surfel& s, std::span<const BlendResidual> residuals,
+                    BallPoints<double>& ball) {
+    double weight = 0, square = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
+        const Vec3d local = s.frame.local_from_world(x);
+        const bool is_alike = dot(s.frame.normal, {ball.nx[i], ball.ny[i], ball.nz[i]}) > kLeastCos;
+        const BlendResidual& r = residuals[points.source(ball.index[i])];
+        if (!is_alike || !(r.weight > 0) ||
+            !(std::abs(local.z - s.polynomial.value(local.x, local.y)) <= kBelongs)) {
+            ball.sq[i] = kOutside;
+            continue;
+        }
+        const double height = r.off() / s.support_radius, g = weight_kernel(ball.sq[i]);
+        weight += g, square += g * height * height;
+        const Vec3d aim = x + s.frame.normal * (height - local.z);
+        ball.x[i] = aim.x, ball.y[i] = aim.y, ball.z[i] = aim.z;
+    }
+    return weight > 0 ? square / weight : 0;
+}
+
+/// What is left of a fit when chance is taken off its mean square (James and Stein's positive part).
+double believed_share(const LocalFit& fit, double radius, double mean_square) {
+    const double k = n_coefficients(fit.degree);
+    const double rest = fit.sq_error / (radius * radius) * std::max(1 - k / fit.n_effective, kLeastFreedom);
+    const double explained = mean_square - rest;
+    if (!(explained > 0)) return 0;
+    return std::max(0.0, 1 - kChance * k * rest / (fit.n_effective * explained));
+}
+
+bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Surfel& s, BallPoints<double>& ball) {
+    if (s.sharp || s.degree < 1) return false;
+    gather_ball(points, s.center, s.support_radius, ball);
+    const double mean_square = aim_at_blend(points, s, residuals, ball);
+    const LocalFit fit = fit_ball(ball, 1, s.frame, s.degree, Enough::points);
+    if (fit.fallback != Fallback::none) return false;
+    const double share = believed_share(fit, s.support_radius, mean_square);
+    if (!(share > 0)) return false;
+    Polynomial<double> moved = s.polynomial;
+    for (std::size_t k = 0; k < moved.a.size(); ++k) moved.a[k] += share * fit.polynomial.a[k];
+    if (too_steep(moved)) return false;
+    s.polynomial = moved;
+    return true;
+}
+
+}  // namespace
+
+std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
+                           std::span<FittedSurfel> leaves) {
+    tbb::enumerable_thread_specific<BallPoints<double>> balls;
+    std::atomic<std::size_t> n_moved = 0;
+    parallel_blocks(leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            n_moved += refit(points, residuals, leaves[i].surfel, balls.local()) ? 1u : 0u;
+    });
+    return n_moved;
+}
+
+}  // namespace slim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "slim/model/fitted_surfel.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <cstddef>
+#include <span>
+
+namespace slim {
+
+/// How far a point stands off the blend of the leaves that cover it: off() = sum G_i h_i / sum G_i, h_i its height above
+/// leaf i; to first order the distance of eq. (6), Ohtake 2005, without its sign.
+struct BlendResidual {
+    float weight = 0;  ///< sum G
+    float height = 0;  ///< sum G h, length
+
+    double off() const { return weight > 0 ? height / weight : 0; }
+};
+
+/// Fits smooth leaves a second time, to what their blend leaves over (notes/0010; twicing, Tukey 1977): a polynomial of
+/// the leaf's own degree to off() over its ball under G, added to its own, less the share of it that chance explains. What
+/// neighbours err alike shrinks; what single points err stays.
+/// residuals: of the block's points. Sharp leaves stay as they are. Returns how many leaves moved; the same for any
+/// number of threads. Cost: a visit a point and ball that holds it, a fit a leaf.
+std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
+                           std::span<FittedSurfel> leaves);
+
+}  // namespace slim

@@ -1,0 +1,114 @@
+#include "slim/cover/blend_refit.h"
+
+#include "slim/base/parallel.h"
+#include "slim/blend/blend.h"
+#include "tests/slim/cover/cover_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+/// RMS distance of points to the blend of leaves, along their normals; points that no leaf supports fail.
+double rms_off(const PointBlock& points, const std::vector<FittedSurfel>& leaves) {
+    double sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<const Surfel*> near;
+        for (const FittedSurfel& s : leaves)
+            if (sq_length(points.position[i] - s.surfel.center) < s.surfel.support_radius * s.surfel.support_radius)
+                near.push_back(&s.surfel);
+        const auto at = project_along(points.position[i], to_double(points.normal[i]), near);
+        if (!at) {
+            ADD_FAILURE() << "no support at point " << i;
+            return INFINITY;
+        }
+        sum += at->t * at->t;
+    }
+    return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+struct Pair {
+    Cover once, twice;
+};
+
+Pair covers_of(const PointBlock& block, double mdl_threshold, int degree = 2) {
+    CoverRules rules = rules_for(block, mdl_threshold, degree);
+    Pair out;
+    out.once = cover(block, rules);
+    rules.refits = true;
+    out.twice = cover(block, rules);
+    return out;
+}
+
+// The points that are measured are not those that were fitted.
+TEST(BlendRefit, SameLeavesAreNearerToTheTruth) {
+    const PointBlock block = block_of(sampled("torus", 20000)), truth = block_of(sampled("torus", 3000, 2));
+    for (const int degree : {2, 3}) {
+        const Pair p = covers_of(block, 0.02, degree);
+        ASSERT_EQ(p.once.counts.leaves, p.twice.counts.leaves);
+        EXPECT_GT(p.twice.counts.refitted, p.twice.counts.leaves / 2);
+        EXPECT_LT(rms_off(truth, leaves_of(p.twice)), 0.95 * rms_off(truth, leaves_of(p.once))) << degree;
+    }
+}
+
+TEST(BlendRefit, OnlyThePolynomialsChange) {
+    const Pair p = covers_of(block_of(sampled("torus", 10000)), 0.02);
+    const auto a = leaves_of(p.once), b = leaves_of(p.twice);
+    ASSERT_EQ(a.size(), b.size());
+    std::size_t moved = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        moved += a[i].surfel.polynomial.a != b[i].surfel.polynomial.a;
+        FittedSurfel other = b[i];
+        other.surfel.polynomial = a[i].surfel.polynomial;
+        EXPECT_TRUE(same(a[i], other)) << i;
+    }
+    EXPECT_EQ(moved, p.twice.counts.refitted);
+}
+
+TEST(BlendRefit, IsTheSameForAnyNumberOfThreads) {
+    const PointBlock block = block_of(sampled("sculpture", 10000));
+    CoverRules rules = rules_for(block, 0.01);
+    rules.refits = true;
+    const auto with = [&](int n) {
+        const ThreadLimit limit(n);
+        return cover(block, rules);
+    };
+    expect_same(with(1), with(2));
+}
+
+// Points of two planes off a leaf alike by d: the blend tells d, and all of it is believed.
+TEST(BlendRefit, WhatAllPointsSayIsTakenOver) {
+    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.01; }));
+    for (Vec3f& n : block.normal) n = {0, 0, 1};
+    const PointTree tree = tree_of(block);
+    std::vector<FittedSurfel> leaf(1);
+    leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
+    leaf[0].flags = kLeaf;
+    const std::vector<BlendResidual> residuals(block.size(), BlendResidual{0.5f, 0.005f});
+    EXPECT_EQ(refit_to_blend(tree, residuals, leaf), 1u);
+    EXPECT_NEAR(leaf[0].surfel.polynomial.a[0], 0.01, 1e-6);
+    EXPECT_NEAR(leaf[0].surfel.polynomial.a[1], 0, 1e-6);
+}
+
+// Residuals without any order are chance.
+TEST(BlendRefit, ChanceIsNotBelieved) {
+    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.0; }));
+    for (Vec3f& n : block.normal) n = {0, 0, 1};
+    const PointTree tree = tree_of(block);
+    std::vector<FittedSurfel> leaf(1);
+    leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
+    std::vector<BlendResidual> residuals(block.size());
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+        residuals[i] = {1, keyed_hash(5, block.id[i]) & 1 ? 0.01f : -0.01f};
+    refit_to_blend(tree, residuals, leaf);
+    for (const double a : leaf[0].surfel.polynomial.a) EXPECT_LT(std::abs(a), 0.004);
+    std::fill(residuals.begin(), residuals.end(), BlendResidual{1, 0});
+    leaf[0].surfel.polynomial = {};
+    EXPECT_EQ(refit_to_blend(tree, residuals, leaf), 0u) << "nothing is left over";
+}
+
+}  // namespace
+}  // namespace slim::test
