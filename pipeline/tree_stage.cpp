@@ -10,6 +10,7 @@
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 #include "slim/slicing/block_plan.h"
+#include "slim/tree/drawn_bounds.h"
 #include "slim/tree/loose_leaves.h"
 #include "slim/tree/tree_builder.h"
 
@@ -148,6 +149,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
         build_tree(surfels, fits.n_surfels(), header_of(plan, fits.rules), counts);
     context.check_stop();
     const LooseCounts loose = mark_loose(data);
+    set_drawn_bounds(data);
     context.check_stop();
     write_model(config.output, data, text_of(provenance_of(plan, fits, counts)));
     return stamp.commit({config.output},
