@@ -183,6 +183,10 @@ std::uint64_t ChunkFile::file_size() const { return state_->size; }
 std::uint32_t ChunkFile::version() const { return state_->header.version; }
 bool ChunkFile::has(std::string_view name) const { return state_->find(name) != nullptr; }
 std::uint64_t ChunkFile::offset(std::string_view name) const { return state_->entry(name).offset; }
+std::uint64_t ChunkFile::n_bytes(std::string_view name) const {
+    const ChunkEntry& e = state_->entry(name);
+    return e.count * e.element_size;
+}
 
 std::vector<std::string> ChunkFile::names() const {
     std::vector<std::string> names;

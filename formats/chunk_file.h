@@ -73,6 +73,8 @@ public:
     bool has(std::string_view name) const;
     /// Byte offset of a chunk in the file, for messages.
     std::uint64_t offset(std::string_view name) const;
+    /// Bytes of a chunk's array.
+    std::uint64_t n_bytes(std::string_view name) const;
     /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks,
     /// so that files of different contents differ in it, and no chunk is read for it.
     std::string identity() const;

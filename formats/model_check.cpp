@@ -10,6 +10,16 @@ namespace {
 
 constexpr double kRounding = 1e-6;  // of bounds kept as floats
 
+/// Whether a box lies in another one; one that is not there does.
+bool is_part(const Bbox& box, const Bbox& whole) {
+    if (box.lo == Bbox{}.lo && box.hi == Bbox{}.hi) return true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(whole.lo[axis] <= box.lo[axis] && box.lo[axis] <= box.hi[axis] &&
+              box.hi[axis] <= whole.hi[axis]))
+            return false;
+    return true;
+}
+
 ModelFault check_header(const SurfelTree& tree) {
     const ModelHeader& h = tree.header();
     const auto fault = [](auto... parts) { return ModelFault{"header", 0, message(parts...)}; };
@@ -17,6 +27,9 @@ ModelFault check_header(const SurfelTree& tree) {
     if (!is_finite(h.origin) || !is_finite(h.bounds.lo) || !is_finite(h.bounds.hi))
         return fault("origin or bounds are not finite");
     if (!(std::isfinite(h.diagonal) && h.diagonal >= 0)) return fault("diagonal ", h.diagonal);
+    for (const Bbox& box : {h.drawn, h.drawn_loose})
+        if (!is_part(box, h.bounds))
+            return {"drawn", 0, "the box of what is drawn is no part of the points' box"};
     const std::size_t n = tree.n_nodes();
     const std::size_t stride = static_cast<std::size_t>(floats_per_surfel(h.degree));
     if (n == 0) return fault("a model has at least a root, found no node");

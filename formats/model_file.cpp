@@ -35,16 +35,30 @@ HeaderRecord pack(const ModelHeader& h) {
 }
 
 ModelHeader unpack(const HeaderRecord& r) {
-    return {r.degree,         r.origin,        {r.lo, r.hi}, r.diagonal, r.noise_variance,
-            r.mdl_threshold, r.n_points,      r.n_leaves,   r.seed};
+    return {r.degree,        r.origin,   {r.lo, r.hi}, r.diagonal, r.noise_variance,
+            r.mdl_threshold, r.n_points, r.n_leaves,   r.seed,     {}, {}};
 }
+
+/// One of "drawn": the box without loose surfels, then that with them.
+struct BoxRecord {
+    Vec3d lo, hi;
+};
+static_assert(sizeof(BoxRecord) == 6 * 8);
 
 ModelHeader read_header(const ChunkFile& file) {
     const auto records = file.array<HeaderRecord>("header");
     if (records.size() != 1)
         throw FormatError(message(file.path(), ": byte ", file.offset("header"),
                                   ": expected one header, found ", records.size()));
-    return unpack(records[0]);
+    ModelHeader header = unpack(records[0]);
+    if (!file.has("drawn")) return header;
+    const auto boxes = file.array<BoxRecord>("drawn");
+    if (boxes.size() != 2)
+        throw FormatError(message(file.path(), ": byte ", file.offset("drawn"),
+                                  ": expected two boxes, found ", boxes.size()));
+    header.drawn = {boxes[0].lo, boxes[0].hi};
+    header.drawn_loose = {boxes[1].lo, boxes[1].hi};
+    return header;
 }
 
 std::uint64_t byte_of(const ChunkFile& file, const SurfelTree& tree, const ModelFault& fault) {
@@ -72,6 +86,9 @@ void write_arrays(const std::string& path, const SurfelTree& tree,
                              : !tree.sharp().empty() ? kSharpModelKind
                                                      : kSmoothModelKind);
     writer.add("header", std::span<const HeaderRecord>(&header, 1));
+    const ModelHeader& h = tree.header();
+    const BoxRecord drawn[] = {{h.drawn.lo, h.drawn.hi}, {h.drawn_loose.lo, h.drawn_loose.hi}};
+    if (!h.drawn.empty()) writer.add("drawn", std::span<const BoxRecord>(drawn));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", tree.page_origins());
     writer.add("nodes", tree.nodes());
@@ -132,7 +149,7 @@ ModelFile ModelFile::open(const std::string& path) {
 
 ModelFile ModelFile::open_by_pages(const std::string& path) {
     ModelFile model(ChunkFile::open(path, kModelKind, true));
-    for (const char* chunk : {"header", "provenance", "pages", "page_start", "in_page"})
+    for (const char* chunk : kSmallChunks)
         if (model.file_.has(chunk)) model.file_.verify(chunk);
     model.read_small_chunks();
     if (const ModelFault fault = check_sizes(model.tree()); !fault.chunk.empty()) model.fail(fault);
@@ -149,32 +166,6 @@ void ModelFile::check(std::span<const std::uint32_t> nodes) const {
     const SurfelTree all = tree();
     for (const std::uint32_t i : nodes)
         if (const ModelFault fault = check_alone(all, i); !fault.chunk.empty()) fail(fault);
-}
-
-std::uint64_t ModelFile::bytes_of_pages(std::span<const std::uint32_t> nodes) const {
-    constexpr std::uint64_t kPage = 4096;
-    std::vector<bool> touched((file_.file_size() + kPage - 1) / kPage);
-    const auto touch = [&](std::uint64_t offset, std::uint64_t n) {
-        for (std::uint64_t page = offset / kPage; n > 0 && page <= (offset + n - 1) / kPage; ++page)
-            touched[page] = true;
-    };
-    const SurfelTree all = tree();
-    touch(0, sizeof(HeaderRecord));
-    touch(file_.file_size() - 1, 1);  // the table
-    touch(file_.offset("provenance"), provenance_.size());
-    touch(file_.offset("pages"), all.page_origins().size_bytes());
-    if (!all.record_index().empty()) {
-        touch(file_.offset("page_start"), all.record_index().page_start.size_bytes());
-        touch(file_.offset("in_page"), all.record_index().in_page.size_bytes());
-    }
-    const std::uint64_t node_chunk = file_.offset("nodes"), record_chunk = file_.offset("records");
-    for (const std::uint32_t i : nodes) {
-        touch(node_chunk + i * sizeof(TreeNode), sizeof(TreeNode));
-        const auto first = static_cast<std::uint64_t>(all.record(i) - all.records().data());
-        const auto length = static_cast<std::uint64_t>(floats_per_surfel(all.record_degree(i)));
-        touch(record_chunk + sizeof(float) * first, sizeof(float) * length);
-    }
-    return kPage * static_cast<std::uint64_t>(std::count(touched.begin(), touched.end(), true));
 }
 
 SurfelTree ModelFile::tree() const {

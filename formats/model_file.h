@@ -26,18 +26,18 @@ public:
     /// throws FormatError naming the file, the chunk and byte, the node and the reason; IoError
     static ModelFile open(const std::string& path);
 
-    /// Checks and reads only header, table, page origins, provenance and the index of records: for
-    /// views of a part. Before nodes and records are used either check() them all, or those of a
-    /// list.
+    /// What open_by_pages reads, where it is there.
+    static constexpr const char* kSmallChunks[] = {"header", "drawn",      "provenance",
+                                                   "pages",  "page_start", "in_page"};
+    /// Checks and reads only the table and the small chunks: header, boxes of what is drawn,
+    /// provenance, page origins and the index of records: for views of a part. Before nodes and
+    /// records are used either check() them all, or those of a list.
     static ModelFile open_by_pages(const std::string& path);
     /// The rest of what open() checks.
     void check() const;
     /// Checks nodes and records of a list as open() would, but for checksums and parents.
     /// throws FormatError
     void check(std::span<const std::uint32_t> nodes) const;
-    /// Bytes of the file's pages (4 KiB) that hold these nodes and their records, or what
-    /// open_by_pages reads.
-    std::uint64_t bytes_of_pages(std::span<const std::uint32_t> nodes) const;
     /// See ChunkFile.
     std::string identity() const { return file_.identity(); }
 
@@ -49,6 +49,8 @@ public:
     const std::string& provenance_json() const { return provenance_; }
     std::uint64_t file_size() const { return file_.file_size(); }
     const std::string& path() const { return file_.path(); }
+    /// Where things are in the file.
+    const ChunkFile& chunks() const { return file_; }
 
 private:
     explicit ModelFile(ChunkFile file) : file_(std::move(file)) {}

@@ -117,7 +117,9 @@ struct RenderConfig {
         field("ground_color", ground_color,
               "#rrggbb, or shadow: only its shadows are seen, over the background");
         field.path("add", add, "raytrace: further models of the scene");
-        field("lod", lod, "draw a ball's stand-in when smaller than this in pixels (0: never; forward only)",
+        field("lod", lod,
+              "draw a ball's stand-in when smaller than this in pixels, or what it shows is (0: never; "
+              "forward only)",
               0, 1e6);
         field("loose", loose,
               "draw loose surfels too: small pieces that agree with no surface about them");

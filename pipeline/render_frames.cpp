@@ -36,8 +36,9 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
     frame.size = size, frame.window = window;
     frame.pixels = pixel_view(job.camera, size.width, size.height);
     frame.view = shade_view(job.camera, size, window.x, window.y);
-    const RenderRequest request{job.camera, size.width, size.height,     wanted,
-                                lod,        window,     job.config.loose};
+    RenderRequest request{job.camera, size.width, size.height,     wanted,
+                          lod,        window,     job.config.loose};
+    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     frame.diagonals.clear();
     if (job.models().size() > 1)
         for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
@@ -136,6 +137,10 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
     return frames;
 }
 
+namespace {
+
+/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
+/// pixels on the longer side.
 PictureSize reference_size(const PictureSize& size) {
     const int longer = std::max(size.width, size.height);
     if (longer <= kReferenceSide) return size;
@@ -145,10 +150,12 @@ PictureSize reference_size(const PictureSize& size) {
     return {scaled(size.width), scaled(size.height)};
 }
 
+/// A pixel of the picture in pixels of that frame.
 double reference_scale(const PictureSize& size) {
     return static_cast<double>(reference_size(size).width) / size.width;
 }
 
+/// What reference pictures are drawn for: ranges, legends and contour spacing; none if it is empty.
 std::vector<std::string> reference_aovs(const RenderJob& job) {
     std::vector<std::string> aovs;
     for (const std::string& aov : job.plan.drawn)
@@ -159,13 +166,12 @@ std::vector<std::string> reference_aovs(const RenderJob& job) {
     return aovs;
 }
 
+/// A camera of same_range.
 Camera camera_of_range(const RenderJob& job, const std::string& name) {
     RenderConfig config = job.config;
     config.camera = name;
     return make_camera(config, job.header(), job.size, legend_room(config, job.size));
 }
-
-namespace {
 
 /// For each map the union of its ranges from all cameras of same_range.
 std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,

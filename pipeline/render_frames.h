@@ -5,19 +5,6 @@
 
 namespace slim {
 
-/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
-/// pixels on the longer side.
-PictureSize reference_size(const PictureSize& size);
-
-/// A pixel of the picture in pixels of that frame.
-double reference_scale(const PictureSize& size);
-
-/// What reference pictures are drawn for: ranges, legends and contour spacing; none if it is empty.
-std::vector<std::string> reference_aovs(const RenderJob& job);
-
-/// A camera of same_range.
-Camera camera_of_range(const RenderJob& job, const std::string& name);
-
 /// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
 void choose_looks(RenderJob& job);
 

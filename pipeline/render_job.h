@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/contains.h"
+#include "pipeline/model_reads.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_config.h"
 #include "pipeline/render_files.h"
@@ -35,6 +36,7 @@ struct RenderJob {
     int n_frames = 1;
     ModelHeader drawn;  ///< the model's; its bounds are those of what is drawn, of all models
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
+    ModelReads* reads = nullptr;           ///< is told of every node before it is drawn
     std::map<std::string, AovLook> looks = {};
 
     /// Its bounds are those of what is drawn; of several models these and its diagonal are those of

@@ -14,7 +14,9 @@ namespace slim {
 /// (projection and shading, no
 ///          files; the median of config.repeat frames), ranges {aov: [lo, hi]} of the maps,
 /// model_bytes,
-///          model_bytes_read (pages of the file, see ModelFile), lines {kind: {polylines, length,
+///          model_bytes_read (pages of the file, each counted once, however many pictures show it),
+///          model_nodes_checked (nodes checked by themselves, once each; 0 where the whole file was
+///          checked), lines {kind: {polylines, length,
 /// length_px,
 ///          strength}} if asked for; orthographic: pixel_size; of a turntable or path: frames,
 /// film_commands

@@ -10,7 +10,9 @@
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 #include "slim/slicing/block_plan.h"
+#include "slim/tree/drawn_bounds.h"
 #include "slim/tree/loose_leaves.h"
+#include "slim/tree/stand_ins.h"
 #include "slim/tree/tree_builder.h"
 
 #include <fmt/format.h>
@@ -148,6 +150,9 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
         build_tree(surfels, fits.n_surfels(), header_of(plan, fits.rules), counts);
     context.check_stop();
     const LooseCounts loose = mark_loose(data);
+    set_drawn_bounds(data);
+    const std::uint64_t n_stand_ins = mark_stand_ins(data);
+    context.check_stop();
     context.check_stop();
     write_model(config.output, data, text_of(provenance_of(plan, fits, counts)));
     return stamp.commit({config.output},
@@ -158,6 +163,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
                          {"pieces", loose.pieces},
                          {"loose", loose.loose()},
                          {"loose_astray", loose.astray},
+                         {"stand_ins", n_stand_ins},
                          {"points", plan.n_points},
                          {"bytes", std::filesystem::file_size(config.output)}});
 }

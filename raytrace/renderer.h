@@ -4,6 +4,8 @@
 #include "raytrace/frame.h"
 
 #include <cstdint>
+#include <functional>
+#include <span>
 
 namespace slim {
 
@@ -20,6 +22,9 @@ struct RenderRequest {
     double lod_px = 4;      ///< descend while a ball's projected diameter exceeds it; 0: leaves only
     PixelWindow window{};   ///< the part to render; the G-buffer has its size
     bool loose = false;     ///< draw loose surfels as well (kLoose)
+    /// If set: gets the nodes that the cut met, before their surfels are drawn. In the forward
+    /// renderer only: the others go through all leaves.
+    std::function<void(std::span<const std::uint32_t>)> on_met = {};
 
     /// The window, resolved and checked against the picture (ConfigError).
     PixelWindow resolved_window() const;

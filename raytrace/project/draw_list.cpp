@@ -2,6 +2,7 @@
 
 #include "raytrace/project/pixel_records.h"
 #include "slim/base/parallel.h"
+#include "slim/model/stand_in.h"
 
 #include <algorithm>
 #include <array>
@@ -167,7 +168,7 @@ private:
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                 std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
-    const Surfel s = tree.surfel(node);
+    const Surfel s = drawn_surfel(tree, node);
     const Vec3d c = view.camera_from_local(s.center);
     DrawItem& item = list.items[i];
     item.z_center = c.z;
@@ -186,7 +187,7 @@ void add_general(const PixelView& view, const SurfelTree& tree, DrawList<Degree>
         DrawItem& item = list.items[i];
         if (item.general == kFast) continue;
         item.general = static_cast<std::uint32_t>(list.general.size());
-        list.general.push_back(sharp_record(view, tree.surfel(item.node), item.node));
+        list.general.push_back(sharp_record(view, drawn_surfel(tree, item.node), item.node));
     }
 }
 

@@ -6,6 +6,8 @@
 #include "slim/base/parallel.h"
 
 #include <chrono>
+#include <cstdint>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -142,9 +144,12 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     const PixelWindow window = request.resolved_window();
     out.resize(window.width, window.height, request.wanted);
     CutCounts met;
+    std::vector<std::uint32_t> visited;
+    if (request.on_met) met.visited = &visited;
     const auto cut = lod_cut(tree, view, whole_tiles(window), {request.lod_px, request.loose}, met);
     stats.nodes_visited = met.nodes_visited;
     stats.loose_hidden = met.loose_hidden;
+    if (request.on_met) request.on_met(visited);
     stats.cut_ms = clock.lap_ms();
     const int degree = tree.header().degree;
     const auto draw = degree <= 1 ? draw_cut<1> : degree == 2 ? draw_cut<2> : draw_cut<3>;

@@ -2,10 +2,12 @@
 
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
+#include "slim/model/stand_in.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -60,6 +62,33 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 
 namespace {
 
+/// Whether an internal surfel of that radius and diameter in pixels is drawn for all below it: one of
+/// at most lod_px, or one that kStandsIn says it of, up to three levels larger, where its children
+/// have less than (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A leaf may be
+/// three levels finer than the ball above it.
+bool is_enough(const TreeNode& node, double radius, double diameter, double lod_px) {
+    if (node.n_children == 0) return false;
+    if (diameter <= lod_px) return true;
+    constexpr double kLevels = 4.236;  // the ratio of radii
+    if (!(node.flags & kStandsIn) || diameter > kLevels * lod_px) return false;
+    const double disc = std::numbers::pi / 4 * diameter * diameter;
+    const double error = static_cast<double>(node.fit_error) / (2 * radius) * diameter;
+    return disc < node.n_children * lod_px * lod_px / 4 && error < lod_px / 64;
+}
+
+/// The window with a margin for what stands in, which is drawn in a larger ball than its own
+/// (stand_in): subtrees are left out by the balls in them. It sticks out by less than lod_px, turned
+/// by the tilt of the ray to the picture's corner.
+PixelWindow with_margin(const PixelView& view, PixelWindow w, double lod_px) {
+    const auto farthest = [](double center, int begin, int n) {
+        return std::max(std::abs(begin - center), std::abs(begin + n - center));
+    };
+    const double x = farthest(view.center_x, w.x, w.width), y = farthest(view.center_y, w.y, w.height);
+    const double tilt = view.orthographic ? 0 : (x * x + y * y) / (view.focal_px * view.focal_px);
+    const int margin = static_cast<int>(std::min(std::ceil(lod_px * (1 + tilt)), 1e6));
+    return {w.x - margin, w.y - margin, w.width + 2 * margin, w.height + 2 * margin};
+}
+
 /// Walks down from some nodes.
 class CutWalk {
 public:
@@ -91,8 +120,8 @@ public:
         const Vec3d center = view_.camera_from_local(tree_.center(i));
         const double radius = tree_.support_radius(i);
         if (!volume_.may_see(center, std::max<double>(node.bound_radius, radius))) return false;
-        const bool small = i != 0 && projected_diameter(view_, center, radius) <= rules_.lod_px;
-        if (node.is_leaf() || (small && node.n_children > 0)) {
+        const double diameter = projected_diameter(view_, center, radius);
+        if (node.is_leaf() || (i != 0 && is_enough(node, radius, diameter, rules_.lod_px))) {
             if (!volume_.may_see(center, radius)) return false;
             if (rules_.loose || !node.is_loose()) cut.push_back(i);
             else
@@ -150,7 +179,7 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
                                    CutCounts& counts) {
     std::vector<std::uint32_t> cut;
     if (tree.n_nodes() == 0) return cut;
-    const ViewVolume volume(view, window);
+    const ViewVolume volume(view, with_margin(view, window, rules.lod_px));
     const CutWalk none(tree, view, volume, rules);
     std::vector<Branch> branches = branches_of(none);
     parallel_blocks(branches.size(), 1, [&](std::size_t k, std::size_t) {

@@ -95,6 +95,9 @@ struct ModelHeader {
     std::uint64_t n_points = 0; ///< finite input points
     std::uint64_t n_leaves = 0;
     std::uint64_t seed = 0;
+    /// Boxes of what pictures show without and with loose surfels (slim/tree/drawn_bounds.h); empty in
+    /// older files.
+    Bbox drawn, drawn_loose;
 };
 
 /// Read-only view of a model, wherever its arrays live (a mapped file, or vectors in a test).

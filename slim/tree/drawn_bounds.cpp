@@ -61,6 +61,26 @@ struct Direction {
     double most(const Bbox& box) const { return sign > 0 ? box.hi[axis] : -box.lo[axis]; }
 };
 
+/// Boxes of leaves' cores.
+class LeafBoxes {
+public:
+    explicit LeafBoxes(const SurfelTree& tree)
+        : tree_(tree), noise_(std::sqrt(tree.header().noise_variance)) {}
+
+    Bbox whole(std::uint32_t i) const {
+        const Surfel s = tree_.surfel(i);
+        // A covered point is no farther from the leaf (slim/cover).
+        const double residual = 4 * std::max<double>(tree_.node(i).fit_error, noise_);
+        return box_about(s.center, reach_of(s, residual));
+    }
+    /// Where points are; empty if none are.
+    Bbox shown(std::uint32_t i) const { return common(whole(i), tree_.header().bounds); }
+
+private:
+    const SurfelTree& tree_;
+    double noise_;
+};
+
 class Search {
 public:
     Search(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited)
@@ -68,7 +88,7 @@ public:
           loose_(loose),
           visited_(visited),
           points_(tree.header().bounds),
-          noise_(std::sqrt(tree.header().noise_variance)) {}
+          boxes_(tree) {}
 
     /// Widens the box as far as anything reaches in a direction: what may reach farthest first.
     void widen(const Direction& d) {
@@ -81,7 +101,7 @@ public:
             heap.pop_back();
             const TreeNode& node = tree_.node(next.node);
             check_children(next.node, n_met);
-            if (node.is_leaf()) box_.extend(common(box_of(next.node), points_));
+            if (node.is_leaf()) box_.extend(boxes_.shown(next.node));
             for (std::uint32_t c = 0; c < node.n_children; ++c) push(node.first_child + c, d, heap);
         }
     }
@@ -104,7 +124,7 @@ private:
         const double radius = std::max<double>(node.bound_radius, tree_.support_radius(i));
         const double middle = d.along(tree_.center(i));
         const double reach =
-            node.is_leaf() && node.n_children == 0 ? d.most(box_of(i)) : middle + radius;
+            node.is_leaf() && node.n_children == 0 ? d.most(boxes_.whole(i)) : middle + radius;
         // Where points end counts no more than what is found already.
         heap.push_back({std::min(reach, d.most(points_)), middle, i});
         std::push_heap(heap.begin(), heap.end());
@@ -120,24 +140,35 @@ private:
                               ": its children are no part of a tree");
     }
 
-    Bbox box_of(std::uint32_t i) const {
-        const Surfel s = tree_.surfel(i);
-        // A covered point is no farther from the leaf (slim/cover).
-        const double residual = 4 * std::max<double>(tree_.node(i).fit_error, noise_);
-        return box_about(s.center, reach_of(s, residual));
-    }
-
     const SurfelTree& tree_;
     bool loose_;
     std::vector<std::uint32_t>* visited_;
     const Bbox& points_;
-    double noise_;
+    LeafBoxes boxes_;
     Bbox box_;
 };
 
 }  // namespace
 
+void set_drawn_bounds(SurfelTreeData& data) {
+    const SurfelTree tree = data.view();
+    const LeafBoxes boxes(tree);
+    Bbox drawn, loose;
+    for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) {
+        const TreeNode& node = tree.node(i);
+        if (!node.is_leaf()) continue;
+        const Bbox box = boxes.shown(i);
+        loose.extend(box);
+        if (!node.is_loose()) drawn.extend(box);
+    }
+    const Bbox& points = tree.header().bounds;
+    data.header.drawn = drawn.empty() ? points : drawn;
+    data.header.drawn_loose = loose.empty() ? points : loose;
+}
+
 Bbox drawn_bounds(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
+    const Bbox& known = loose ? tree.header().drawn_loose : tree.header().drawn;
+    if (!known.empty()) return known;
     if (tree.n_nodes() == 0) return tree.header().bounds;
     Search search(tree, loose, visited);
     for (const std::size_t axis : {0u, 1u, 2u})

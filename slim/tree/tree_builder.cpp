@@ -133,7 +133,9 @@ std::vector<bool> keep_fruitful(std::span<const Ball> balls,
     return kept;
 }
 
-/// Node order: the root, then every family as one run, depth first.
+/// Node order: the root, then generation by generation, families in the order of their parents: what
+/// a view shows from afar is the front of the file, what it shows of a part are some runs of each
+/// generation (notes/0005).
 struct Layout {
     std::vector<std::uint32_t> surfel_of;  // node -> input surfel, kRoot for node 0
     std::vector<TreeNode> nodes;
@@ -146,10 +148,7 @@ Layout lay_out(const Families& families, const std::vector<bool>& kept, std::siz
     out.nodes.reserve(n_nodes);
     out.surfel_of.push_back(kRoot);
     out.nodes.emplace_back();
-    std::vector<std::uint32_t> stack{0};
-    while (!stack.empty()) {
-        const std::uint32_t node = stack.back();
-        stack.pop_back();
+    for (std::size_t node = 0; node < out.nodes.size(); ++node) {
         const std::size_t slot = out.surfel_of[node] == kRoot ? n : out.surfel_of[node];
         const auto first = static_cast<std::uint32_t>(out.nodes.size());
         for (std::uint32_t c = families.begin[slot]; c < families.begin[slot + 1]; ++c) {
@@ -161,7 +160,6 @@ Layout lay_out(const Families& families, const std::vector<bool>& kept, std::siz
         if (count == 0) continue;
         out.nodes[node].first_child = first;
         out.nodes[node].n_children = count;
-        for (std::uint32_t c = count; c-- > 0;) stack.push_back(first + c);
     }
     return out;
 }

@@ -24,7 +24,8 @@ inline constexpr std::uint64_t kTreeBytesPerSurfel = 100;
 /// smallest |c' - c| / rho), the root encloses all.
 /// Departs from the paper: one parent a node instead of every ball that holds the centre, so that a
 /// traversal meets each surfel once (NUMERICS 3.5); children stick out, hence the bound radii.
-/// Siblings stand together and families near in space stand near in the file.
+/// Siblings stand together, generation after generation, and families near in space stand near in
+/// the file.
 /// header.n_leaves and the page arrays are filled in. Throws DataError if there is no leaf.
 /// Asks the source, of n surfels, twice: for the balls, then for the surfaces, which go to their
 /// places one by one.

@@ -174,9 +174,46 @@ TEST(ModelFile, RoundTripsThroughTheMappedFile) {
     EXPECT_EQ(read_bytes(folder.file("m")), read_bytes(folder.file("again")));
 }
 
+TEST(ModelFile, BoxesOfWhatIsDrawnRoundTripInAnyVersion) {
+    const TempFolder folder;
+    SurfelTreeData data = some_model();
+    write_model(folder.file("m"), data, "{}");
+    EXPECT_TRUE(ModelFile::open(folder.file("m")).header().drawn.empty());  // as older files
+    data.header.drawn = {{1, 0, 2}, {3, 4, 4}};
+    data.header.drawn_loose = {{0, 0, 2}, {3, 4, 4}};
+    write_model(folder.file("m"), data, "{}");
+    EXPECT_EQ(read_bytes(folder.file("m"))[8], 1);
+    write_model_colors(folder.file("m"), std::vector<PackedColor>(3));
+    for (const auto& open : {ModelFile::open, ModelFile::open_by_pages}) {
+        const ModelFile model = open(folder.file("m"));
+        EXPECT_EQ(model.header().drawn.lo, data.header.drawn.lo);
+        EXPECT_EQ(model.header().drawn.hi, data.header.drawn.hi);
+        EXPECT_EQ(model.header().drawn_loose.lo, data.header.drawn_loose.lo);
+    }
+}
+
+TEST(ModelFile, RefusesBoxesOfWhatIsDrawnBeyondThePoints) {
+    const TempFolder folder;
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    for (const Bbox& box : {Bbox{{-1, 0, 0}, {1, 1, 1}}, Bbox{{0, 0, 0}, {1, 5, 1}},
+                            Bbox{{0, 3, 0}, {1, 2, 1}}, Bbox{{0, 0, kNan}, {1, 1, 1}}}) {
+        SurfelTreeData data = some_model();
+        data.header.drawn = {{0, 0, 0}, {1, 1, 1}};
+        data.header.drawn_loose = box;
+        write_model(folder.file("m"), data, "{}");
+        for (const auto& open : {ModelFile::open, ModelFile::open_by_pages}) {
+            const std::string error = error_of([&] { open(folder.file("m")); });
+            EXPECT_NE(error.find("chunk drawn"), std::string::npos) << error;
+            EXPECT_NE(error.find("no part of the points' box"), std::string::npos) << error;
+        }
+    }
+}
+
 TEST(ModelFile, SeesEveryFlippedByteAndEveryTruncation) {
     const TempFolder folder;
-    write_model(folder.file("m"), some_model(), "{\"a\": 1}");
+    SurfelTreeData data = some_model();
+    data.header.drawn = data.header.drawn_loose = {{1, 0, 2}, {3, 4, 4}};
+    write_model(folder.file("m"), data, "{\"a\": 1}");
     expect_every_damage_is_seen(folder, read_bytes(folder.file("m")),
                                 [](const std::string& path) { ModelFile::open(path); });
 }

@@ -1,5 +1,6 @@
 #include "pipeline/render_parts.h"
 
+#include "slim/tree/drawn_bounds.h"
 #include "tests/pipeline/render_outputs_support.h"
 
 #include <gtest/gtest.h>
@@ -120,6 +121,60 @@ TEST_F(RenderParts, CamerasOfTheSameRangeReadWhatTheySee) {
     EXPECT_GT(both["model_bytes_read"], alone["model_bytes_read"]);
     c.same_range = {"front", "back", "left", "right", "top", "bottom", "iso"};
     EXPECT_GT(run(c)["model_bytes_read"], both["model_bytes_read"]);
+}
+
+TEST_F(RenderParts, AFilmOfAPartReadsThatPartOnce) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 250000), "{}");
+    RenderConfig c = config("x.png");
+    c.lod = 0;
+    c.path = "front zoom 30; front zoom 40", c.frames = 2;
+    const auto two = run(c);
+    c.frames = 12;
+    const auto film = run(c);
+    EXPECT_EQ(film["frames"], 12);
+    // The wider end is the first picture, and what the others see lies in it.
+    EXPECT_LT(film["model_bytes_read"].get<double>(), 0.4 * film["model_bytes"].get<double>());
+    EXPECT_LE(film["model_bytes_read"].get<double>(), 1.1 * two["model_bytes_read"].get<double>());
+    EXPECT_GT(film["model_nodes_checked"], 0);
+    EXPECT_LT(film["model_nodes_checked"].get<double>(), 0.3 * film["nodes_visited"].get<double>());
+    // A film all around meets everything: then it is checked as a whole.
+    c.path = "", c.frames = 0, c.turntable = 4;
+    const auto around = run(c);
+    EXPECT_EQ(around["model_bytes_read"], around["model_bytes"]);
+}
+
+TEST_F(RenderParts, APictureOfAFilmAloneIsTheSame) {
+    write_model(file("m.slim"), test::two_level_sphere(1, 100, 250000), "{}");
+    RenderConfig c = config("film.png");
+    c.path = "front zoom 30; iso zoom 30", c.frames = 3, c.aov = {"depth"};
+    run(c);
+    c.output = file("second.png"), c.frame = 2;
+    run(c);
+    EXPECT_EQ(read_png(file("film_0002.png")).rgba, read_png(file("second_0002.png")).rgba);
+}
+
+TEST_F(RenderParts, DamageThatAFilmMeetsEndsIt) {
+    SurfelTreeData model = test::two_level_sphere(1, 100, 250000);
+    const SurfelTree tree = model.view();
+    // The leaf nearest the eye of the second picture; the first one looks past it.
+    std::size_t farthest = 1;
+    for (std::size_t i = 1; i < tree.n_nodes(); ++i)
+        if (tree.node(i).is_leaf() && tree.center(i).x > tree.center(farthest).x) farthest = i;
+    set_drawn_bounds(model);  // cameras are framed without looking at leaves
+    model.records[12 * farthest + 5] = 3;  // no normal
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = config("x.png");
+    c.lod = 0, c.path = "front zoom 30; right zoom 30", c.frames = 2;
+    try {
+        run(c);
+        FAIL() << "the damage was not seen";
+    } catch (const FormatError& error) {
+        EXPECT_NE(std::string(error.what()).find("node " + std::to_string(farthest)),
+                  std::string::npos)
+            << error.what();
+    }
+    EXPECT_TRUE(std::filesystem::exists(file("x_0001.png")));
+    EXPECT_FALSE(std::filesystem::exists(file("x_0002.png")));
 }
 
 TEST_F(RenderParts, AViewOfAPartOfASmallModelSeesDamageElsewhere) {

@@ -150,6 +150,20 @@ TEST(TreeBuilder, FamiliesStandNearInSpace) {
     EXPECT_LT(near, 0.25 * far);
 }
 
+TEST(TreeBuilder, GenerationsFollowEachOther) {
+    TreeCounts counts;
+    const SurfelTreeData data = build(fitted(), counts);
+    const SurfelTree tree = data.view();
+    const auto parent = parents_of(tree);
+    std::vector<int> generation(tree.n_nodes(), 0);
+    for (std::size_t i = 1; i < tree.n_nodes(); ++i) {
+        generation[i] = generation[parent[i]] + 1;
+        EXPECT_GE(generation[i], generation[i - 1]) << i;
+        if (i > 1) EXPECT_GE(parent[i], parent[i - 1]) << i;
+    }
+    EXPECT_GT(generation.back(), 2);
+}
+
 TEST(TreeBuilder, OrphansHangOnTheNearestAndChildlessBallsAreLeftOut) {
     const std::vector<FittedSurfel> surfels{
         simple({0, 0, 0}, 1, 1, false),     // has both leaves of level 2 near it

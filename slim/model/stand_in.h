@@ -1,0 +1,36 @@
+#pragma once
+
+#include "slim/model/surfel.h"
+#include "slim/model/surfel_tree.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace slim {
+
+/// A flag of internal nodes beside NodeFlags: leaves agree with their surfel all over its ball, so
+/// that it shows what is below where that is finer than a picture (slim/tree/stand_ins.h). Older
+/// files have none.
+inline constexpr std::uint8_t kStandsIn = 32;
+static_assert((kStandsIn & (kLeaf | kSaturated | kForced | kSharp | kLoose)) == 0);
+
+/// Such a surfel as it is drawn: in a ball so much larger that renderers, which look for hits in the
+/// core (kHitTrim), look in all of its own. Balls of internal surfels cover the points of their
+/// level, their cores do not: the far side was seen through gaps between them.
+inline Surfel stand_in(Surfel s) {
+    constexpr double kScale = 1 / kHitTrim;
+    constexpr int kDegree[] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};
+    s.support_radius *= kScale;
+    for (std::size_t k = 0; k < s.polynomial.a.size(); ++k)
+        s.polynomial.a[k] *= std::pow(kScale, kDegree[k] - 1);
+    return s;
+}
+
+/// What renderers draw of a node of a cut.
+inline Surfel drawn_surfel(const SurfelTree& tree, std::size_t node) {
+    const Surfel s = tree.surfel(node);
+    return tree.node(node).flags & kStandsIn ? stand_in(s) : s;
+}
+
+}  // namespace slim
