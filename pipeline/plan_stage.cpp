@@ -21,7 +21,7 @@ constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 /// Of a job's memory: less holds no points (build's --memory is at least that).
 constexpr std::uint64_t kLeastMemory = 64 * kMiB;
 /// A view holds up to 384 MiB of a picture's bands and what is made of them, whatever [fit] memory is:
-/// 608 MiB for 4096x4096 of 100,000 points; with lines, which have no bands, 1160 MiB.
+/// 608 MiB for 4096x4096 of 100,000 points; with lines 640 MiB, for 16384x16384 780 MiB.
 constexpr std::uint64_t kMemoryOfViews = 1024 * kMiB;
 /// The script must not depend on the machine that prints it.
 constexpr int kThreads = 4;

@@ -3,7 +3,6 @@
 #include "pipeline/render_config.h"
 #include "pipeline/render_view.h"
 #include "raytrace/frame.h"
-#include "raytrace/lines/feature_line.h"
 #include "raytrace/picture.h"
 #include "raytrace/renderer.h"
 #include "raytrace/trace/trace_renderer.h"
@@ -43,7 +42,6 @@ struct RenderedFrame {
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
     TraceCounts light_counts;           ///< rays for light
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for
-    std::vector<FeatureLine> lines;     ///< those asked for, in the order of drawing
 };
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in

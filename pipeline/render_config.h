@@ -166,7 +166,7 @@ struct RenderConfig {
               "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
-              "whole has there; without --lines");
+              "whole has there");
         field("turntable", turntable,
               "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
@@ -178,7 +178,7 @@ struct RenderConfig {
               9999);
         field(
             "tile", tile,
-            "i/n: draws only part i (1 to n) of n bands of rows, for array jobs; without --lines");
+            "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
     }
 };
 

@@ -92,13 +92,13 @@ void add_second_direction(const GBuffer& buffer, std::vector<std::vector<float>>
 }
 
 /// Strength planes of the kinds asked for; lines.crest is ridges and valleys together.
-void add_lines(const RenderedFrame& frame, std::span<const LineKind> kinds,
-               std::vector<std::vector<float>>& planes, std::vector<ExrChannel>& out) {
+void add_lines(const DrawnLines& drawn, std::vector<std::vector<float>>& planes, std::vector<ExrChannel>& out) {
     const auto add = [&](const char* name, std::vector<LineKind> of) {
-        planes.push_back(strength_plane(frame.lines, of, frame.size.width, frame.size.height));
+        planes.push_back(
+            strength_plane(drawn.lines, of, drawn.size.width, drawn.size.height, drawn.window));
         out.push_back({name, ChannelType::float32, planes.back(), {}});
     };
-    for (const LineKind kind : kinds) switch (kind) {
+    for (const LineKind kind : drawn.kinds) switch (kind) {
             case LineKind::ridge:
                 add("lines.crest", {LineKind::ridge, LineKind::valley});
                 add("lines.ridge", {kind});
@@ -199,11 +199,10 @@ void make_folder(const OutputPlan& plan) {
 
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      const RenderedFrame& frame, std::span<const ColorPlane> colors,
-                                     std::span<const LineKind> lines,
-                                     std::vector<std::vector<float>>& planes) {
+                                     const DrawnLines& lines, std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
     // The channels look at the planes' values, which moving a vector keeps.
-    planes.reserve(4 * colors.size() + 3 + lines.size() + 1);
+    planes.reserve(4 * colors.size() + 3 + lines.kinds.size() + 1);
     for (const ColorPlane& color : colors)
         add_color(color.picture, out.empty() ? "" : color.aov + ".", planes, out);
     for (const std::string& aov : aovs) {
@@ -213,7 +212,7 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
         for (const NamedPlane& plane : float_planes(aov, frame))
             out.push_back({plane.name, ChannelType::float32, *plane.values, {}});
     }
-    add_lines(frame, lines, planes, out);
+    add_lines(lines, planes, out);
     return out;
 }
 

@@ -3,6 +3,7 @@
 #include "formats/image_io.h"
 #include "pipeline/render_aov.h"
 #include "pipeline/render_config.h"
+#include "pipeline/render_lines.h"
 #include "raytrace/camera.h"
 #include "slim/model/surfel_tree.h"
 
@@ -57,8 +58,7 @@ struct ColorPlane {
 /// outlive the result.
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      const RenderedFrame& frame, std::span<const ColorPlane> colors,
-                                     std::span<const LineKind> lines,
-                                     std::vector<std::vector<float>>& planes);
+                                     const DrawnLines& lines, std::vector<std::vector<float>>& planes);
 
 /// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths
 /// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it.

@@ -16,11 +16,6 @@ namespace {
 /// The longer side of the frame that ranges are taken from.
 constexpr int kReferenceSide = 1000;
 
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-        .count();
-}
-
 RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
                            RenderedFrame& frame) {
     if (job.traced)
@@ -45,9 +40,16 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
     return render_surface(job, request, frame);
 }
 
+/// The lines of a picture that the frame holds as a whole.
+std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& frame) {
+    PictureLines search(job.models(), job.lines);
+    search.add(0, frame.buffer.height, frame);
+    return search.finish();
+}
+
 /// Projection, shading and lines: what a frame time means.
 RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
-                       const PicturePart& part, RenderedFrame& frame) {
+                       const PicturePart& part, RenderedFrame& frame, std::vector<FeatureLine>& lines) {
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
     const RenderStats stats =
         draw_buffer(job, {job.size.width * factor, job.size.height * factor},
@@ -60,7 +62,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
         find_openness(light, frame);
     if (with_shading) shade_frame(light, factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
-    if (factor == 1) frame.lines = find_lines(job.camera, job.models(), job.lines, frame);
+    if (factor == 1 && job.finds_lines()) lines = lines_of_frame(job, frame);
     // Lines have a rule of their own for umbilics, so this comes after them.
     if ((job.wants("dir1") || job.wants("dir2")) &&
         frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
@@ -73,13 +75,13 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
 
 /// Renders the frame of a factor as often as the job says; returns the median time.
 double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const PicturePart& part,
-                       StageContext& context, RenderedFrame& frame, RenderStats& stats) {
+                       StageContext& context, RenderedFrame& frame, Frames& frames) {
     std::vector<double> times;
     const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
     for (std::uint64_t k = 0; k < repeats; ++k) {
         context.reporter.progress("frames", k, repeats);
         const auto start = std::chrono::steady_clock::now();
-        stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame);
+        frames.stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
         times.push_back(milliseconds_since(start));
     }
     return median(times);
@@ -94,6 +96,10 @@ std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
 }
 
 }  // namespace
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
 /// What the plain frame is for: data files take all, pictures only what is never averaged.
 std::vector<std::string> plain_aovs(const RenderJob& job) {
@@ -121,12 +127,12 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
     frames.has_fine = !fine.empty();
     if (frames.has_fine) {
         frames.median_ms = draw_repeatedly(job, job.config.supersample, job.channels(fine),
-                                           part, context, frames.fine, frames.stats);
-        if (!plain.empty() || !job.lines.empty())
-            draw_frame(job, 1, plain_channels, false, part, frames.plain);
+                                           part, context, frames.fine, frames);
+        if (!plain.empty() || job.finds_lines())
+            draw_frame(job, 1, plain_channels, false, part, frames.plain, frames.lines);
     } else {
         frames.median_ms =
-            draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames.stats);
+            draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames);
     }
     frames.covered = frames.has_fine ? count_hits(frames.fine.buffer,
                                                   times(part.inside(), job.config.supersample))
@@ -135,6 +141,21 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
         frames.plain.truth_distance =
             truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
     return frames;
+}
+
+std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes, StageContext& context) {
+    const Channels channels = job.channels(plain_aovs(job)) | job.for_lines();
+    const PixelWindow whole{0, 0, job.size.width, job.size.height};
+    const auto parts = picture_parts(job.size, whole, pixel_bytes, line_margin(job.size.width, job.size.height));
+    PictureLines search(job.models(), job.lines);
+    RenderedFrame frame;
+    for (std::size_t band = 0; band < parts.size(); ++band) {
+        if (parts.size() > 1) context.reporter.progress("bands for lines", band, parts.size());
+        draw_buffer(job, job.size, parts[band].drawn, job.config.lod, channels, frame);
+        const PixelWindow inside = parts[band].inside();
+        search.add(inside.y, inside.y + inside.height, frame);
+    }
+    return search.finish();
 }
 
 namespace {

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct RenderJob {
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
     ModelReads* reads = nullptr;           ///< is told of every node before it is drawn
     std::map<std::string, AovLook> looks = {};
+    /// those of the picture, in the order of drawing, once they are found
+    std::optional<std::vector<FeatureLine>> found_lines = {};
 
     /// Its bounds are those of what is drawn; of several models these and its diagonal are those of
     /// all.
@@ -50,8 +53,16 @@ struct RenderJob {
     Channels channels(const std::vector<std::string>& of) const {
         return channels_of(of, config.light_maps) | light_channels(config, of);
     }
-    /// What the frame that lines are found in must hold for them.
-    Channels for_lines() const { return line_channels(lines, tree.header().degree); }
+    /// What a frame must hold for lines that are to be found in it.
+    Channels for_lines() const {
+        return found_lines ? Channels{0} : line_channels(lines, tree.header().degree);
+    }
+    bool finds_lines() const { return !lines.empty() && !found_lines; }
+    /// The lines found, to be shown in a part of the picture.
+    DrawnLines drawn_lines(const PixelWindow& part) const {
+        return {found_lines ? std::span<const FeatureLine>(*found_lines) : std::span<const FeatureLine>(), lines,
+                size, part};
+    }
     bool wants(const char* aov) const {
         return contains(aovs, aov);
     }
@@ -61,6 +72,7 @@ struct RenderJob {
 /// `plain` for all else. Without supersampling both are the same one.
 struct Frames {
     RenderedFrame plain, fine;
+    std::vector<FeatureLine> lines;  ///< of a whole picture, unless they were found before
     bool has_fine = false;
     RenderStats stats;
     double median_ms = 0;

@@ -4,7 +4,6 @@
 #include "formats/extension.h"
 #include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
-#include "raytrace/lines/extract.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
 #include "slim/base/error.h"
@@ -13,6 +12,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -89,60 +89,76 @@ namespace {
 /// Lines that say where the surface ends or what it mirrors, not how it bends.
 bool is_of_the_picture(LineKind kind) { return line_degree(kind) == 1; }
 
-/// Lines of one model of several: the others' pixels count as background meanwhile.
-std::vector<FeatureLine> lines_of_model(const PixelView& view, std::size_t number, double diagonal,
-                                        int degree, std::span<const LineKind> kinds, RenderedFrame& frame) {
-    std::vector<std::uint8_t> hit = frame.buffer.hit;
-    for (std::size_t i = 0; i < hit.size(); ++i) hit[i] = hit[i] && frame.traced.model[i] == number ? 1 : 0;
-    std::swap(hit, frame.buffer.hit);
-    std::vector<FeatureLine> lines = extract_lines({frame.buffer, view, diagonal, degree}, kinds);
-    std::swap(hit, frame.buffer.hit);
-    return lines;
-}
+/// Shows the pixels of one model of several alone: the others count as background meanwhile.
+class OneModel {
+public:
+    OneModel(std::size_t number, RenderedFrame& frame) : frame_(frame), all_(frame.buffer.hit) {
+        std::vector<std::uint8_t>& hit = frame.buffer.hit;
+        for (std::size_t i = 0; i < hit.size(); ++i) hit[i] = hit[i] && frame.traced.model[i] == number ? 1 : 0;
+    }
+    ~OneModel() { std::swap(frame_.buffer.hit, all_); }
+
+private:
+    RenderedFrame& frame_;
+    std::vector<std::uint8_t> all_;
+};
 
 }  // namespace
 
-std::vector<FeatureLine> find_lines(const Camera& camera, std::span<const ModelHeader* const> models,
-                                    std::span<const LineKind> kinds, RenderedFrame& frame) {
-    const PixelView view = pixel_view(camera, frame.size.width, frame.size.height);
+PictureLines::PictureLines(std::span<const ModelHeader* const> models, std::span<const LineKind> kinds)
+    : kinds_(kinds.begin(), kinds.end()) {
     const ModelHeader& first = *models[0];
-    if (models.size() == 1) return extract_lines({frame.buffer, view, first.diagonal, first.degree}, kinds);
+    if (models.size() == 1) {
+        searches_.push_back({kAllModels, first.diagonal, first.degree, LineSearch(kinds)});
+        return;
+    }
     std::vector<LineKind> whole;
     std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(whole), is_of_the_picture);
     double diagonal = 0;
     for (const ModelHeader* model : models) diagonal = std::max(diagonal, model->diagonal);
-    std::vector<FeatureLine> lines = extract_lines({frame.buffer, view, diagonal, first.degree}, whole);
+    searches_.push_back({kAllModels, diagonal, first.degree, LineSearch(whole)});
     for (std::size_t m = 0; m < models.size(); ++m) {
         // The frame holds what the first one needs.
         const int degree = std::min(first.degree, models[m]->degree);
         std::vector<LineKind> own;
         std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own),
                      [&](LineKind kind) { return !is_of_the_picture(kind) && line_degree(kind) <= degree; });
-        const auto more = lines_of_model(view, m, models[m]->diagonal, degree, own, frame);
-        lines.insert(lines.end(), more.begin(), more.end());
+        searches_.push_back({m, models[m]->diagonal, degree, LineSearch(own)});
     }
-    const auto rank = [&](const FeatureLine& line) {
-        return std::find(kinds.begin(), kinds.end(), line.kind);
-    };
+}
+
+void PictureLines::add(int begin, int end, RenderedFrame& frame) {
+    const SceneRows rows{frame.window.y, frame.size.height, begin, end};
+    for (Search& search : searches_) {
+        std::optional<OneModel> alone;
+        if (search.model != kAllModels) alone.emplace(search.model, frame);
+        search.lines.add({frame.buffer, frame.pixels, search.diagonal, search.degree, rows});
+    }
+}
+
+std::vector<FeatureLine> PictureLines::finish() {
+    std::vector<FeatureLine> lines;
+    for (Search& search : searches_) {
+        std::vector<FeatureLine> more = search.lines.finish();
+        std::move(more.begin(), more.end(), std::back_inserter(lines));
+    }
+    const auto rank = [&](const FeatureLine& line) { return std::find(kinds_.begin(), kinds_.end(), line.kind); };
     std::stable_sort(lines.begin(), lines.end(),
                      [&](const FeatureLine& a, const FeatureLine& b) { return rank(a) < rank(b); });
     return lines;
 }
 
-std::vector<std::filesystem::path> write_lines(const RenderConfig& config,
-                                               const std::filesystem::path& svg,
-                                               const PictureSize& size, const Vec3d& origin,
-                                               std::span<const FeatureLine> lines,
-                                               std::span<const LineKind> kinds) {
+std::vector<std::filesystem::path> write_lines(const RenderConfig& config, const std::filesystem::path& svg,
+                                               const Vec3d& origin, const DrawnLines& drawn) {
     std::vector<std::filesystem::path> written;
     const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
         if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
         write_file_atomically(path.string(), bytes);
         written.push_back(path);
     };
-    write(svg, lines_svg(lines, kinds, size.width, size.height));
-    if (!config.lines_ply.empty()) write(config.lines_ply, lines_ply(lines, origin));
-    if (!config.lines_obj.empty()) write(config.lines_obj, lines_obj(lines, origin));
+    write(svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window));
+    if (!config.lines_ply.empty()) write(config.lines_ply, lines_ply(drawn.lines, origin));
+    if (!config.lines_obj.empty()) write(config.lines_obj, lines_obj(drawn.lines, origin));
     return written;
 }
 

@@ -2,13 +2,14 @@
 
 #include "pipeline/render_aov.h"
 #include "pipeline/render_config.h"
-#include "raytrace/camera.h"
 #include "raytrace/lines/feature_line.h"
+#include "raytrace/lines/line_search.h"
 #include "slim/base/reporter.h"
 #include "slim/model/surfel_tree.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -25,19 +26,42 @@ void check_lines(const RenderConfig& config, const std::vector<std::string>& aov
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
                                    const ModelHeader& model, Reporter& reporter);
 
-/// The lines of a rendered frame of the picture's own size. Of several models contours and reflections are
-/// those of the picture; all else is found in each model by itself and measured by its own diagonal and
-/// degree, so that what is drawn of it does not depend on what stands beside it. (`frame` is changed and put
-/// back.)
-std::vector<FeatureLine> find_lines(const Camera& camera, std::span<const ModelHeader* const> models,
-                                    std::span<const LineKind> kinds, RenderedFrame& frame);
+/// The search for the lines of a picture in frames of its own size, whole or band by band from the top (LineSearch).
+/// Of several models contours and reflections are those of the picture; all else is found in each model by itself
+/// and measured by its own diagonal and degree, so that what is drawn of it does not depend on what stands beside it.
+class PictureLines {
+public:
+    PictureLines(std::span<const ModelHeader* const> models, std::span<const LineKind> kinds);
+
+    /// Rows [begin, end) of the frame's part. (`frame` is changed and put back.)
+    void add(int begin, int end, RenderedFrame& frame);
+    /// In the order of the kinds.
+    std::vector<FeatureLine> finish();
+
+private:
+    struct Search {
+        std::size_t model;  ///< kAllModels, or the one that these lines are of
+        double diagonal;
+        int degree;
+        LineSearch lines;
+    };
+    static constexpr std::size_t kAllModels = SIZE_MAX;
+
+    std::vector<LineKind> kinds_;
+    std::vector<Search> searches_;
+};
+
+/// What write_lines writes of a picture or a part of it.
+struct DrawnLines {
+    std::span<const FeatureLine> lines;
+    std::span<const LineKind> kinds;
+    PictureSize size;    ///< of the whole
+    PixelWindow window;  ///< the part
+};
 
 /// Writes svg, and PLY and OBJ if the configuration names them; returns what was written.
-std::vector<std::filesystem::path> write_lines(const RenderConfig& config,
-                                               const std::filesystem::path& svg,
-                                               const PictureSize& size, const Vec3d& origin,
-                                               std::span<const FeatureLine> lines,
-                                               std::span<const LineKind> kinds);
+std::vector<std::filesystem::path> write_lines(const RenderConfig& config, const std::filesystem::path& svg,
+                                               const Vec3d& origin, const DrawnLines& drawn);
 
 /// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name.
 nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const LineKind> kinds);

@@ -57,20 +57,17 @@ PixelWindow parse_tile(const std::string& text, const PictureSize& size) {
 
 }  // namespace
 
-PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size, bool lines) {
+PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size) {
     if (config.crop.empty() && config.tile.empty()) return {0, 0, size.width, size.height};
     if (!config.crop.empty() && !config.tile.empty())
         throw ConfigError("crop and tile both say what part to draw: give one");
-    if (lines)
-        throw ConfigError(std::string(config.crop.empty() ? "tile" : "crop") +
-                          ": feature lines are found in whole pictures only: leave out --lines, or "
-                          "draw the whole");
     return config.crop.empty() ? parse_tile(config.tile, size) : parse_crop(config.crop, size);
 }
 
-PixelWindow drawn_window(const PixelWindow& w, const PictureSize& size) {
+int shading_margin(const PictureSize& size) { return shade_reach(size.width, size.height) + 2; }
+
+PixelWindow drawn_window(const PixelWindow& w, const PictureSize& size, int margin) {
     if (w.width == size.width && w.height == size.height) return w;
-    const int margin = shade_reach(size.width, size.height) + 2;
     const auto down = [&](int v) { return std::max(0, v - margin) / kAlign * kAlign; };
     const auto up = [&](int v, int end) {
         return std::min(end, (v + margin + kAlign - 1) / kAlign * kAlign);
@@ -80,16 +77,16 @@ PixelWindow drawn_window(const PixelWindow& w, const PictureSize& size) {
 }
 
 std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window,
-                                       std::uint64_t pixel_bytes, bool at_once) {
+                                       std::uint64_t pixel_bytes, int margin) {
     const std::uint64_t row_bytes = pixel_bytes * static_cast<std::uint64_t>(window.width);
     const auto affordable =
         static_cast<int>(std::clamp<std::uint64_t>(kPartBytes / row_bytes, kAlign, 1 << 20));
-    const int rows = at_once ? window.height : affordable / kAlign * kAlign;
+    const int rows = affordable / kAlign * kAlign;
     std::vector<PicturePart> parts;
     for (int y = 0; y < window.height; y += rows) {
         const PixelWindow band{window.x, window.y + y, window.width,
                                std::min(rows, window.height - y)};
-        parts.push_back({band, drawn_window(band, size)});
+        parts.push_back({band, drawn_window(band, size, margin)});
     }
     return parts;
 }

@@ -10,9 +10,8 @@
 namespace slim {
 
 /// What of the picture is wanted: --crop or --tile of it, else the whole. ConfigError if both are
-/// given, are not of their form, lie outside, or if feature lines are wanted as well, which are
-/// found in whole pictures only.
-PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size, bool lines);
+/// given, are not of their form, or lie outside.
+PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size);
 
 /// A band of the wanted window that is drawn at once.
 struct PicturePart {
@@ -25,12 +24,15 @@ struct PicturePart {
     }
 };
 
-/// What is drawn for a window: itself and a margin, in whole tiles, inside the picture.
-PixelWindow drawn_window(const PixelWindow& wanted, const PictureSize& size);
+/// How far, in pixels, what is drawn for a part reaches beyond it for the sake of shading.
+int shading_margin(const PictureSize& size);
 
-/// Cuts the window into bands that take at most about 384 MiB, by the bytes of a pixel; one if
-/// `at_once`. Where it is cut changes no byte of the picture.
+/// What is drawn for a window: itself and a margin, in whole tiles, inside the picture.
+PixelWindow drawn_window(const PixelWindow& wanted, const PictureSize& size, int margin);
+
+/// Cuts the window into bands that take at most about 384 MiB without their margins, by the bytes of a pixel. Where it
+/// is cut changes no byte of the picture.
 std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window,
-                                       std::uint64_t pixel_bytes, bool at_once);
+                                       std::uint64_t pixel_bytes, int margin);
 
 }  // namespace slim

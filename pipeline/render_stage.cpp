@@ -7,10 +7,10 @@
 #include "pipeline/model_reads.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/ray_options.h"
+#include "pipeline/render_film.h"
 #include "pipeline/render_frames.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_trace.h"
-#include "pipeline/render_write.h"
 #include "raytrace/font.h"
 #include "slim/base/error.h"
 
@@ -32,114 +32,6 @@ bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>
     return config.mode != "forward" || std::find(aovs.begin(), aovs.end(), "color") != aovs.end();
 }
 
-/// What a run came to.
-struct Outcome {
-    RenderStats stats;
-    double frame_ms = 0;  ///< of all bands
-    int factor = 1;
-    int frames = 0;
-    std::uint64_t light_rays = 0;  ///< all but the primary ones
-    Json lines;
-    std::vector<fs::path> files;
-};
-
-/// Parts of a picture may be empty.
-void require_hits(const RenderJob& job, const RenderStats& stats) {
-    if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
-    const ModelHeader& m = job.header();
-    const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
-    throw NumericalError(
-        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
-                    "{:g}, {:g}) to "
-                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
-                    "these coordinates; "
-                    "a named camera, as --camera iso, frames the whole model{}",
-                    job.config.model, job.size.width, job.size.height,
-                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
-                    stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
-}
-
-void add(const RenderStats& part, RenderStats& sum) {
-    sum.nodes_visited += part.nodes_visited;
-    sum.surfels_drawn += part.surfels_drawn;
-    sum.loose_hidden += part.loose_hidden;
-    sum.root_tests += part.root_tests;
-    sum.distance_tests += part.distance_tests;
-    sum.unblended_pixels += part.unblended_pixels;
-}
-
-/// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its
-/// bytes.
-std::uint64_t pixel_bytes(const RenderJob& job) {
-    const auto planes = [&](const std::vector<std::string>& aovs) {
-        GBuffer one;
-        one.resize(1, 1, job.channels(aovs));
-        std::uint64_t bytes = 1;
-        one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
-        // Normals turned to the eye, openness, clearance and model of each hit.
-        return bytes + (job.traced ? 12 + 4 + 4 + 2 : 0);
-    };
-    const auto factor = static_cast<std::uint64_t>(job.config.supersample);
-    return 36 + planes(plain_aovs(job)) * (job.plan.exr.empty() ? 1 : 3) +
-           factor * factor * planes(fine_aovs(job));
-}
-
-/// One picture of each AOV, of a film or the only one.
-void draw_and_write(const RenderJob& job, const std::string& model_identity, StageContext& context,
-                    Outcome& outcome) {
-    const ImageMetadata metadata =
-        make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
-    const auto parts = picture_parts(job.size, job.window, pixel_bytes(job), !job.lines.empty());
-    PictureFiles files(job.plan, job.size, job.window, parts.size() == 1,
-                       make_matrices(job.camera, job.size));
-    for (std::size_t band = 0; band < parts.size(); ++band) {
-        if (parts.size() > 1) context.reporter.progress("bands", band, parts.size());
-        const Frames frames = draw_frames(job, parts[band], context);
-        add(frames.stats, outcome.stats);
-        outcome.stats.covered_pixels += frames.covered;
-        outcome.frame_ms += frames.median_ms;
-        outcome.light_rays += (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;
-        outcome.factor = frames.has_fine ? job.config.supersample : 1;
-        if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
-        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 &&
-            band == 0)
-            context.reporter.warn(
-                job.plan.named.string() +
-                ": too small for its legend or scale bar; legends are beside it as SVG");
-        if (job.lines.empty()) continue;
-        for (const auto& file :
-             write_lines(job.config, job.plan.lines_svg(), job.size, job.tree.header().origin,
-                         frames.plain.lines, job.lines))
-            outcome.files.push_back(file);
-        outcome.lines = lines_json(frames.plain.lines, job.lines);
-    }
-    if (job.n_frames == 1) require_hits(job, outcome.stats);
-    const auto pictures = files.commit();
-    outcome.files.insert(outcome.files.end(), pictures.begin(), pictures.end());
-    ++outcome.frames;
-}
-
-/// All pictures of the run; legends are those of the whole film.
-Outcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
-                  StageContext& context) {
-    const OutputPlan plan = job.plan;
-    const int wanted = job.config.frame;
-    Outcome outcome;
-    for (int k = wanted > 0 ? wanted : 1; k <= (wanted > 0 ? wanted : job.n_frames); ++k) {
-        if (job.n_frames > 1) {
-            context.reporter.progress("pictures", static_cast<std::uint64_t>(k - 1),
-                                      static_cast<std::uint64_t>(job.n_frames));
-            job.camera = frame_camera(job.config, job.header(), job.size, free_right, k - 1);
-            job.plan = plan.numbered(k);
-        }
-        draw_and_write(job, model_identity, context, outcome);
-    }
-    job.plan = plan;
-    require_hits(job, outcome.stats);
-    for (const fs::path& file : write_legends(job)) outcome.files.push_back(file);
-    return outcome;
-}
-
 Json ranges_json(const RenderJob& job) {
     Json ranges = Json::object();
     for (const std::string& aov : job.plan.drawn)
@@ -148,7 +40,7 @@ Json ranges_json(const RenderJob& job) {
     return ranges;
 }
 
-Json make_result(const RenderJob& job, const Outcome& outcome) {
+Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
     Json files = Json::array();
     for (const auto& file : outcome.files) files.push_back(file.string());
     const RenderStats& s = outcome.stats;
@@ -288,7 +180,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
                   size,
                   frame_camera(config, header, size, room, 0),
                   lines,
-                  wanted_window(config, size, !lines.empty()),
+                  wanted_window(config, size),
                   load_shadings(config, aovs, tree.header()),
                   frames,
                   header,
@@ -302,7 +194,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     choose_looks(job);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
-    const Outcome outcome = draw_film(job, room, model.identity(), context);
+    const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
     if (frames > 1)
         for (const std::string& command : film_commands(job.plan))
             context.reporter.info("as a film: " + command);

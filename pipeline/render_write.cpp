@@ -45,8 +45,8 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
                                     job.header().bounds, job.size),
                            part.inside());
     put_background(job, aov, part.wanted, picture);
-    draw_lines(frames.plain.lines, picture);
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
+    if (job.found_lines) draw_lines(*job.found_lines, canvas);
     all_fits &= burn_words(job, look, canvas);
     return picture;
 }
@@ -58,7 +58,6 @@ RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& insi
     out.buffer = crop(frame.buffer, inside);
     out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
     out.open = crop(frame.open, frame.buffer.width, inside);
-    out.lines = frame.lines;
     return out;
 }
 
@@ -75,8 +74,8 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
                            part.inside())});
     const RenderedFrame data = without_margin(frames.plain, part.inside());
     std::vector<std::vector<float>> planes;
-    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, job.lines, planes),
-                  metadata);
+    const DrawnLines lines = job.drawn_lines(part.wanted);
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, lines, planes), metadata);
 }
 
 }  // namespace

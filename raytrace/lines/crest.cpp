@@ -1,9 +1,11 @@
 #include "raytrace/lines/crossings.h"
+#include "raytrace/lines/line_search.h"
 #include "raytrace/lines/sheet_blur.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 namespace slim {
@@ -39,14 +41,16 @@ struct Family {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// How much k has fallen at a distance along t, as a share; NaN where that is not on the surface
-/// seen.
+/// seen, or too many rows away.
 float fall_at(const Family& f, std::size_t i, const Vec3f& p, float k) {
     const LineScene& s = f.s;
     const Vec3d c = s.view.camera_from_local(to_double(p));
     const double scale = s.view.orthographic ? s.view.px_per_unit : s.view.focal_px / c.z;
     const double x = s.view.center_x + scale * c.x, y = s.view.center_y + scale * c.y;
-    if (!(x >= 0 && y >= 0 && x < s.buffer.width && y < s.buffer.height)) return kNone;
-    const std::size_t j = s.buffer.index(static_cast<int>(x), static_cast<int>(y));
+    if (!(x >= 0 && y >= 0 && x < s.buffer.width && y < s.picture_height())) return kNone;
+    const int row = static_cast<int>(y) - s.rows.top;
+    if (std::abs(row - static_cast<int>(i / static_cast<std::size_t>(s.buffer.width))) > kMostRowsAway) return kNone;
+    const std::size_t j = s.buffer.index(static_cast<int>(x), row);
     const Vec3f q = s.point(i);
     if (!s.hit(j) || sq_length(s.point(j) - q) > 4 * sq_length(p - q)) return kNone;
     return 1 - f.k(j) / k;

@@ -9,7 +9,7 @@ Crossing place_crossing(const LineScene& scene, std::size_t a, std::size_t b, co
     const bool down = b != a + 1;
     Crossing c;
     c.x = static_cast<float>(a % width) + 0.5f + (down ? 0.0f : hit.s);
-    c.y = static_cast<float>(a / width) + 0.5f + (down ? hit.s : 0.0f);
+    c.y = static_cast<float>(a / width + static_cast<std::size_t>(scene.rows.top)) + 0.5f + (down ? hit.s : 0.0f);
     c.weight = hit.weight, c.evidence = hit.evidence;
     c.edge = static_cast<std::uint32_t>(2 * (a % width) + (down ? 1 : 0));
     if (hit.surface == EdgeHit::Side::both) {
@@ -30,7 +30,8 @@ void RowCrossings::add(std::size_t a, std::size_t b, const std::optional<EdgeHit
 }
 
 CrossingField joined_rows(const LineScene& scene, std::vector<RowCrossings> bands) {
-    CrossingField field{scene.buffer.width, scene.buffer.height, {}, {0}};
+    const auto n_rows = static_cast<int>(scene.end_row() - scene.first_row());
+    CrossingField field{scene.buffer.width, n_rows, {}, {0}};
     std::size_t n = 0;
     for (const RowCrossings& band : bands) n += band.crossings_.size();
     field.crossings.reserve(n);

@@ -35,10 +35,10 @@ struct Crossing {
     std::uint32_t edge = 0;   ///< twice the column of the edge's upper or left pixel, and 1 if it leads down
 };
 
-/// All crossings of one kind of line, in the order of rows, each pixel's right edge before its
-/// lower one.
+/// All crossings of one kind of line in the rows that are searched, in the order of rows, each pixel's right edge
+/// before its lower one.
 struct CrossingField {
-    int width = 0, height = 0;
+    int width = 0, height = 0;  ///< height: number of rows
     std::vector<Crossing> crossings;
     std::vector<std::size_t> row_start;  ///< height + 1 offsets: those of edges that begin in a row
 };
@@ -81,11 +81,12 @@ CrossingField joined_rows(const LineScene& scene, std::vector<RowCrossings> band
 /// search(rows, begin, end) for bands of rows, in parallel; the same for any number of threads.
 template <class Search>
 CrossingField search_rows(const LineScene& scene, std::size_t grain, const Search& search) {
-    const auto height = static_cast<std::size_t>(scene.buffer.height);
+    const std::size_t first = scene.first_row(), height = scene.end_row() - first;
     std::vector<RowCrossings> bands;
     for (std::size_t y = 0; y < height; y += grain) bands.emplace_back(scene, std::min(height, y + grain) - y);
-    parallel_blocks(height, grain,
-                    [&](std::size_t begin, std::size_t end) { search(bands[begin / grain], begin, end); });
+    parallel_blocks(height, grain, [&](std::size_t begin, std::size_t end) {
+        search(bands[begin / grain], first + begin, first + end);
+    });
     return joined_rows(scene, std::move(bands));
 }
 
@@ -114,7 +115,8 @@ CrossingField find_on_sheets(const LineScene& scene, const Sheets& sheets, const
 /// The crossings of each kind, by NUMERICS 5.4. Weights and evidence:
 ///
 ///     contour     1 / L; 1
-///     suggestive  sqrt(D_w kappa_r); D_w kappa_r over the square of the view's typical curvature
+///     suggestive  sqrt(D_w kappa_r); D_w kappa_r, which the search takes over the square of the view's typical
+///                 curvature once it has seen all of it (line_search.h)
 ///     ridge       k1; its sharpness -k1'' / k1^3 along t1: 3 (1 - b^2/a^2) at an ellipse's tip
 ///     valley      -k2; the same for -k2 along t2
 ///     parabolic   the curvature that does not vanish; 1
@@ -124,5 +126,11 @@ CrossingField suggestive_crossings(const LineScene& scene, const Sheets& sheets)
 CrossingField crest_crossings(const LineScene& scene, const Sheets& sheets, bool ridges);
 CrossingField parabolic_crossings(const LineScene& scene, const Sheets& sheets);
 CrossingField reflection_crossings(const LineScene& scene, const Sheets& sheets);
+
+/// Adds the greater curvatures, without their sign, of some 200,000 pixels of a picture: those of the rows that are
+/// searched, where they are hit.
+void sample_curvature(const LineScene& scene, std::vector<float>& sample);
+/// The curvature that half of a sample exceed: the scale of the view's shapes. 1 / diagonal at least.
+float typical_curvature(std::vector<float> sample, double diagonal);
 
 }  // namespace slim

@@ -9,13 +9,25 @@
 
 namespace slim {
 
-/// A rendered view as the search for lines sees it: positions and normals of the whole picture,
+/// Which rows of a picture the planes of a scene hold, and which of these are searched: all of both by default.
+struct SceneRows {
+    int top = 0;             ///< row of the picture that is the planes' first
+    int height = 0;          ///< of the picture; 0: the planes'
+    int begin = 0, end = 0;  ///< rows of the planes whose edges are searched; end 0: to the last
+};
+
+/// A rendered view as the search for lines sees it: positions and normals of the picture or of some of its rows,
 /// frame of the job; `a` and `b` are entries of the planes, mostly of neighbours.
 struct LineScene {
     const GBuffer& buffer;
     const PixelView& view;
     double diagonal = 1;  ///< L of the model, the unit of lengths without a scale of their own
     int degree = 2;       ///< of the model
+    SceneRows rows{};
+
+    int picture_height() const { return rows.height > 0 ? rows.height : buffer.height; }
+    std::size_t first_row() const { return static_cast<std::size_t>(rows.begin); }
+    std::size_t end_row() const { return static_cast<std::size_t>(rows.end > 0 ? rows.end : buffer.height); }
 
     bool hit(std::size_t a) const { return buffer.hit[a] != 0; }
     Vec3f point(std::size_t a) const {

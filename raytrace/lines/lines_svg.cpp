@@ -32,11 +32,12 @@ std::string path_of(const FeatureLine& line, int width, int height) {
 
 }  // namespace
 
-std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds,
-                      int width, int height) {
-    const std::string w = number(kMmPerPixel * width, 3), h = number(kMmPerPixel * height, 3);
+std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width, int height,
+                      const PixelWindow& window) {
+    const std::string w = number(kMmPerPixel * window.width, 3), h = number(kMmPerPixel * window.height, 3);
+    const auto from = [](int px) { return px == 0 ? std::string("0") : number(kMmPerPixel * px, 3); };
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
-                      "mm\" height=\"" + h + "mm\" viewBox=\"0 0 " + w + " " + h +
+                      "mm\" height=\"" + h + "mm\" viewBox=\"" + from(window.x) + " " + from(window.y) + " " + w + " " + h +
                       "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
     for (const LineKind kind : kinds) {
         const LineStyle style = line_style(kind);

@@ -14,9 +14,6 @@ namespace {
 constexpr std::int32_t kNobody = -1;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/// The two neighbours of every crossing on its line: first that in the upper or left one of its edge's two cells.
-using Links = std::vector<std::array<std::int32_t, 2>>;
-
 /// What it costs to link two crossings of a cell: their squared distance; never across sheets.
 /// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
 /// gap that no limb has counts as another sheet.
@@ -71,7 +68,7 @@ public:
           links_(field.crossings.size(), {kNobody, kNobody}) {}
 
     /// Cells in parallel by rows: each writes its own links.
-    Links run() {
+    LineLinks run() {
         constexpr std::size_t kGrain = 32;
         const auto height = static_cast<std::size_t>(field_.height);
         parallel_blocks(height > 0 ? height - 1 : 0, kGrain, [&](std::size_t begin, std::size_t end) {
@@ -149,20 +146,18 @@ private:
     const LineScene& scene_;
     const CrossingField& field_;
     LineKind kind_;
-    Links links_;
+    LineLinks links_;
 };
 
-LinePoint line_point(const Crossing& c) { return {c.x, c.y, c.point, c.weight, c.evidence}; }
-
 /// Follows the links from a crossing on; marks what it passes.
-FeatureLine follow(const CrossingField& field, const Links& links, std::int32_t start,
-                   LineKind kind, std::vector<std::uint8_t>& used) {
+FeatureLine follow(std::span<const LinePoint> crossings, const LineLinks& links, std::int32_t start, LineKind kind,
+                   std::vector<std::uint8_t>& used) {
     FeatureLine line;
     line.kind = kind;
     for (std::int32_t at = start; at != kNobody;) {
         const auto i = static_cast<std::size_t>(at);
         used[i] = 1;
-        line.points.push_back(line_point(field.crossings[i]));
+        line.points.push_back(crossings[i]);
         at = kNobody;
         for (const std::int32_t next : links[i])
             if (next != kNobody && !used[static_cast<std::size_t>(next)] && at == kNobody)
@@ -173,20 +168,30 @@ FeatureLine follow(const CrossingField& field, const Links& links, std::int32_t 
 
 }  // namespace
 
-std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field,
-                                        LineKind kind) {
-    const Links links = Linker(scene, field, kind).run();
+LinePoint line_point(const Crossing& c) { return {c.x, c.y, c.point, c.weight, c.evidence}; }
+
+LineLinks link_cells(const LineScene& scene, const CrossingField& field, LineKind kind) {
+    return Linker(scene, field, kind).run();
+}
+
+std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, const LineLinks& links, LineKind kind) {
     std::vector<std::uint8_t> used(links.size(), 0);
     std::vector<FeatureLine> lines;
     // Open lines from their ends, then what is left: loops.
     for (const bool open : {true, false})
         for (std::size_t i = 0; i < links.size(); ++i) {
             if (used[i] || (open && links[i][0] != kNobody && links[i][1] != kNobody)) continue;
-            FeatureLine line = follow(field, links, static_cast<std::int32_t>(i), kind, used);
+            FeatureLine line = follow(crossings, links, static_cast<std::int32_t>(i), kind, used);
             line.closed = !open && line.points.size() > 2;
             if (line.points.size() > 1) lines.push_back(std::move(line));
         }
     return lines;
+}
+
+std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field, LineKind kind) {
+    std::vector<LinePoint> points;
+    for (const Crossing& c : field.crossings) points.push_back(line_point(c));
+    return follow_links(points, link_cells(scene, field, kind), kind);
 }
 
 }  // namespace slim

@@ -11,11 +11,6 @@ namespace {
 
 constexpr std::size_t kRowGrain = 16;
 
-std::size_t blur_reach(const GBuffer& g) {
-    constexpr double kReachAt1000 = 3;
-    return static_cast<std::size_t>(std::max(1.0, std::round(kReachAt1000 * std::min(g.width, g.height) / 1000)));
-}
-
 void find_hits(const GBuffer& g, BitRows& hit) {
     const auto width = static_cast<std::size_t>(g.width);
     parallel_blocks(static_cast<std::size_t>(g.height), kRowGrain, [&](std::size_t begin, std::size_t end) {
@@ -66,10 +61,16 @@ SheetEdges no_edges(const GBuffer& g, std::size_t margin) {
 
 }  // namespace
 
+std::size_t blur_reach(int picture_width, int picture_height) {
+    constexpr double kReachAt1000 = 3;
+    const double at = kReachAt1000 * std::min(picture_width, picture_height) / 1000;
+    return static_cast<std::size_t>(std::max(1.0, std::round(at)));
+}
+
 Sheets::Sheets(const LineScene& s)
     : width(static_cast<std::size_t>(s.buffer.width)),
       height(static_cast<std::size_t>(s.buffer.height)),
-      reach(blur_reach(s.buffer)),
+      reach(blur_reach(s.buffer.width, s.picture_height())),
       hit(width, height, reach),
       right(no_edges(s.buffer, reach)),
       down(right) {

@@ -16,6 +16,9 @@ struct SheetEdges {
     BitRows creased;   ///< unbroken, and N turns by 30 degrees or more: an edge within the pixel
 };
 
+/// How many pixels to every side a blur averages: 3 in a picture 1000 high, in proportion.
+std::size_t blur_reach(int picture_width, int picture_height);
+
 /// Where the sheets of a view end, looked up once for all kinds of lines. cost O(pixels), in lanes, parallel by rows
 struct Sheets {
     explicit Sheets(const LineScene& scene);
@@ -28,7 +31,7 @@ struct Sheets {
     }
 
     std::size_t width, height;
-    std::size_t reach;  ///< of the blur and of the bits' margins: 3 pixels in a picture 1000 high, in proportion
+    std::size_t reach;  ///< blur_reach of the picture, and the bits' margins
     BitRows hit;
     SheetEdges right, down;
 };

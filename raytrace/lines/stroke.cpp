@@ -10,16 +10,22 @@ namespace {
 
 constexpr int kBandRows = 64;
 
-/// Rows [begin, end) of a picture with the coverage of one line.
+/// Columns [left, right) of rows [begin, end) of a picture with the coverage of one line.
 struct Band {
-    int width, begin, end;
+    int left, right, begin, end;
     std::vector<float> coverage;
     int x0, x1, y0, y1;  ///< what was touched
 
-    void start() { x0 = width, x1 = 0, y0 = end, y1 = begin; }
-    float& at(int x, int y) {
-        return coverage[static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(width) +
-                        static_cast<std::size_t>(x)];
+    Band(int a_left, int a_right, int a_begin, int an_end)
+        : left(a_left), right(a_right), begin(a_begin), end(an_end), coverage(index(left, end), 0.0f) {}
+
+    void start() { x0 = right, x1 = left, y0 = end, y1 = begin; }
+    float& at(int x, int y) { return coverage[index(x, y)]; }
+
+private:
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(right - left) +
+               static_cast<std::size_t>(x - left);
     }
 };
 
@@ -38,7 +44,7 @@ void cover_segment(const LinePoint& a, const LinePoint& b, float half, Band& ban
     const auto high = [&](float p, float q) {
         return static_cast<int>(std::ceil(std::max(p, q) + reach));
     };
-    const int x0 = std::max(0, low(a.x, b.x)), x1 = std::min(band.width, high(a.x, b.x));
+    const int x0 = std::max(band.left, low(a.x, b.x)), x1 = std::min(band.right, high(a.x, b.x));
     const int y0 = std::max(band.begin, low(a.y, b.y)), y1 = std::min(band.end, high(a.y, b.y));
     // A stroke thinner than a pixel is as pale as it is thin.
     const float most = std::min(1.0f, 2 * half);
@@ -55,28 +61,41 @@ void cover_segment(const LinePoint& a, const LinePoint& b, float half, Band& ban
 }
 
 /// Lays a line's colour over what it covers, and clears the coverage.
-void composite(const Vec3f& srgb, Band& band, Picture& picture) {
+void composite(const Vec3f& srgb, Band& band, const Canvas& canvas) {
     const Vec3f color{linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
     for (int y = band.y0; y < band.y1; ++y)
         for (int x = band.x0; x < band.x1; ++x) {
             float& c = band.at(x, y);
             if (c == 0) continue;
-            float* p = picture.pixel(x, y);
+            float* p = canvas.pixel(x, y);
             for (std::size_t i = 0; i < 3; ++i) p[i] = p[i] * (1 - c) + color[i] * c;
             p[3] = p[3] * (1 - c) + c;
             c = 0;
         }
 }
 
-/// Rows that a line may touch.
-struct RowSpan {
-    float top = INFINITY, bottom = -INFINITY;
+/// What a line's stroke may touch.
+struct StrokeBox {
+    float left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+
+    StrokeBox(const FeatureLine& line, int picture_width, int picture_height) {
+        for (const LinePoint& p : line.points) {
+            left = std::min(left, p.x), right = std::max(right, p.x);
+            top = std::min(top, p.y), bottom = std::max(bottom, p.y);
+        }
+        const float reach = 0.5f * stroke_width(line, picture_width, picture_height) + 1;
+        left -= reach, right += reach, top -= reach, bottom += reach;
+    }
+    bool meets(const PixelWindow& w) const {
+        return right >= static_cast<float>(w.x) && left <= static_cast<float>(w.x + w.width) &&
+               bottom >= static_cast<float>(w.y) && top <= static_cast<float>(w.y + w.height);
+    }
 };
-RowSpan rows_of(const FeatureLine& line) {
-    RowSpan rows;
-    for (const LinePoint& p : line.points)
-        rows.top = std::min(rows.top, p.y), rows.bottom = std::max(rows.bottom, p.y);
-    return rows;
+
+std::vector<StrokeBox> boxes_of(std::span<const FeatureLine> lines, int picture_width, int picture_height) {
+    std::vector<StrokeBox> boxes;
+    for (const FeatureLine& line : lines) boxes.emplace_back(line, picture_width, picture_height);
+    return boxes;
 }
 
 }  // namespace
@@ -107,34 +126,32 @@ float stroke_width(const FeatureLine& line, int picture_width, int picture_heigh
     return std::clamp(0.9f + 0.25f * std::log2(std::max(line.strength, 0.1f)), 0.6f, 2.2f) * scale;
 }
 
-void draw_lines(std::span<const FeatureLine> lines, Picture& picture) {
-    std::vector<RowSpan> rows;
-    for (const FeatureLine& line : lines) rows.push_back(rows_of(line));
-    const auto height = static_cast<std::size_t>(picture.height);
-    parallel_blocks(height, kBandRows, [&](std::size_t begin, std::size_t end) {
-        Band band{picture.width, static_cast<int>(begin), static_cast<int>(end), {}, 0, 0, 0, 0};
-        band.coverage.assign((end - begin) * static_cast<std::size_t>(picture.width), 0.0f);
+void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas) {
+    const std::vector<StrokeBox> boxes = boxes_of(lines, canvas.width, canvas.height);
+    const auto n_rows = static_cast<std::size_t>(canvas.part.height);
+    parallel_blocks(n_rows, kBandRows, [&](std::size_t first, std::size_t last) {
+        const int begin = canvas.y0 + static_cast<int>(first), end = canvas.y0 + static_cast<int>(last);
+        const PixelWindow window{canvas.x0, begin, canvas.part.width, end - begin};
+        Band band(canvas.x0, canvas.x_end(), begin, end);
         for (std::size_t i = 0; i < lines.size(); ++i) {
-            const float half = 0.5f * stroke_width(lines[i], picture.width, picture.height);
-            if (rows[i].bottom + half + 1 < static_cast<float>(begin) ||
-                rows[i].top - half - 1 > static_cast<float>(end))
-                continue;
+            if (!boxes[i].meets(window)) continue;
+            const float half = 0.5f * stroke_width(lines[i], canvas.width, canvas.height);
             band.start();
             lines[i].for_each_segment(
                 [&](const LinePoint& a, const LinePoint& b) { cover_segment(a, b, half, band); });
-            composite(line_style(lines[i].kind).srgb, band, picture);
+            composite(line_style(lines[i].kind).srgb, band, canvas);
         }
     });
 }
 
-std::vector<float> strength_plane(std::span<const FeatureLine> lines,
-                                  std::span<const LineKind> kinds, int width, int height) {
-    std::vector<float> plane(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                             0.0f);
+std::vector<float> strength_plane(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
+                                  int height, const PixelWindow& w) {
+    std::vector<float> plane(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height), 0.0f);
     const auto mark = [&](float x, float y, float strength) {
-        const int px = std::clamp(static_cast<int>(x), 0, width - 1);
-        const int py = std::clamp(static_cast<int>(y), 0, height - 1);
-        float& v = plane[static_cast<std::size_t>(py) * static_cast<std::size_t>(width) +
+        const int px = std::clamp(static_cast<int>(x), 0, width - 1) - w.x;
+        const int py = std::clamp(static_cast<int>(y), 0, height - 1) - w.y;
+        if (px < 0 || py < 0 || px >= w.width || py >= w.height) return;
+        float& v = plane[static_cast<std::size_t>(py) * static_cast<std::size_t>(w.width) +
                          static_cast<std::size_t>(px)];
         v = std::max(v, strength);
     };
@@ -143,6 +160,14 @@ std::vector<float> strength_plane(std::span<const FeatureLine> lines,
         for (const LinePoint& p : line.points) mark(p.x, p.y, line.strength);
     }
     return plane;
+}
+
+std::vector<FeatureLine> lines_within(std::span<const FeatureLine> lines, int width, int height,
+                                      const PixelWindow& window) {
+    std::vector<FeatureLine> within;
+    for (const FeatureLine& line : lines)
+        if (StrokeBox(line, width, height).meets(window)) within.push_back(line);
+    return within;
 }
 
 }  // namespace slim

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "raytrace/canvas.h"
 #include "raytrace/lines/feature_line.h"
-#include "raytrace/picture.h"
+#include "raytrace/renderer.h"
 
 #include <span>
 #include <vector>
@@ -18,15 +19,18 @@ LineStyle line_style(LineKind kind);
 /// Stroke width in pixels: contours all alike, the others by the logarithm of their strength.
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height);
 
-/// Draws lines over a picture, anti-aliased (coverage by the distance from the pixel's centre to
-/// the stroke's edge), in the order given; points of the lines are in pixels of a picture of this
-/// size. The picture stays premultiplied. Cost: O(points x stroke width); parallel over bands of
-/// rows.
-void draw_lines(std::span<const FeatureLine> lines, Picture& picture);
+/// Draws lines over a picture or a part of one, anti-aliased (coverage by the distance from the pixel's centre to
+/// the stroke's edge), in the order given; points of the lines are in pixels of the whole. The picture stays
+/// premultiplied. Cost: O(points x stroke width); parallel over bands of rows.
+void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas);
 
 /// Strength of the strongest line of the kinds wanted through each pixel, 0 where none passes: for
-/// data files, so neither blurred nor widened. Row by row, width x height.
-std::vector<float> strength_plane(std::span<const FeatureLine> lines,
-                                  std::span<const LineKind> kinds, int width, int height);
+/// data files, so neither blurred nor widened. Row by row, those of the window of a width x height picture.
+std::vector<float> strength_plane(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
+                                  int height, const PixelWindow& window);
+
+/// Those of the lines whose strokes may touch the window of a width x height picture, in their order.
+std::vector<FeatureLine> lines_within(std::span<const FeatureLine> lines, int width, int height,
+                                      const PixelWindow& window);
 
 }  // namespace slim

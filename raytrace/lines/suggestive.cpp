@@ -102,27 +102,31 @@ private:
     const std::vector<float>& kappa_;
 };
 
-/// The curvature that half of a sample of the hits exceed: the scale of the view's shapes. 1 / L at
-/// least.
-float typical_curvature(const LineScene& scene) {
+}  // namespace
+
+void sample_curvature(const LineScene& scene, std::vector<float>& sample) {
     const GBuffer& g = scene.buffer;
-    const std::size_t stride = std::max<std::size_t>(1, g.n_pixels() / 200000);
-    std::vector<float> sample;
-    for (std::size_t i = 0; i < g.n_pixels(); i += stride)
-        if (g.hit[i]) sample.push_back(std::fmax(std::fabs(g.k1[i]), std::fabs(g.k2[i])));
-    const auto least = static_cast<float>(1 / scene.diagonal);
+    const auto width = static_cast<std::size_t>(g.width), before = static_cast<std::size_t>(scene.rows.top) * width;
+    const std::size_t stride =
+        std::max<std::size_t>(1, width * static_cast<std::size_t>(scene.picture_height()) / 200000);
+    const std::size_t first = before + scene.first_row() * width, end = before + scene.end_row() * width;
+    for (std::size_t i = (first + stride - 1) / stride * stride; i < end; i += stride) {
+        const std::size_t own = i - before;
+        if (g.hit[own]) sample.push_back(std::fmax(std::fabs(g.k1[own]), std::fabs(g.k2[own])));
+    }
+}
+
+float typical_curvature(std::vector<float> sample, double diagonal) {
+    const auto least = static_cast<float>(1 / diagonal);
     if (sample.empty()) return least;
     const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
     std::nth_element(sample.begin(), middle, sample.end());
     return std::fmax(*middle, least);
 }
 
-}  // namespace
-
 CrossingField suggestive_crossings(const LineScene& s, const Sheets& sheets) {
     const std::vector<float> kappa = blurred(sheets, radial_curvature(s));  // seams between surfels make it jagged
     const SlopeByDifferences differences(s, kappa);
-    const float scale = typical_curvature(s), per_sq = 1 / (scale * scale);
     const bool exact = s.degree >= 3;
     return find_on_sheets(
         s, sheets, [=, &s, &kappa](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
@@ -132,7 +136,7 @@ CrossingField suggestive_crossings(const LineScene& s, const Sheets& sheets) {
             const float slope = exact ? exact_slope(s, a) * (1 - at) + exact_slope(s, b) * at
                                       : differences(a) * (1 - at) + differences(b) * at;
             if (!(slope > 0)) return std::nullopt;
-            return EdgeHit{at, std::sqrt(slope), slope * per_sq};
+            return EdgeHit{at, std::sqrt(slope), slope};
         });
 }
 

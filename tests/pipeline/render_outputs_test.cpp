@@ -182,7 +182,6 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"inside the picture of 80x60", [](RenderConfig& c) { c.crop = "70,0,11,10"; }},
         {"tile: expected", [](RenderConfig& c) { c.tile = "3/2"; }},
         {"give one", [](RenderConfig& c) { c.tile = "1/2", c.crop = "0,0,1,1"; }},
-        {"whole pictures", [](RenderConfig& c) { c.tile = "1/2", c.lines = {"contour"}; }},
         {"frames", [](RenderConfig& c) { c.path = "front; back"; }},
         {"frames is for a path", [](RenderConfig& c) { c.frames = 3; }},
         {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},

@@ -1,6 +1,9 @@
 #include "pipeline/render_parts.h"
 
 #include "slim/tree/drawn_bounds.h"
+#include "raytrace/lines/extract.h"
+#include "raytrace/lines/lines_geometry.h"
+#include "raytrace/project/forward_renderer.h"
 #include "tests/pipeline/render_outputs_support.h"
 
 #include <gtest/gtest.h>
@@ -63,6 +66,81 @@ TEST_F(RenderParts, TilesMakeTheWhole) {
     EXPECT_EQ(rows, whole.rgba);
 }
 
+const std::vector<std::string> kAllLines{"contour", "suggestive", "crest", "parabolic", "reflection"};
+
+TEST_F(RenderParts, PartsShowTheLinesOfTheWhole) {
+    write_torus(3);
+    for (const int supersample : {1, 2}) {
+        RenderConfig c = config("whole.png");
+        c.aov = {"shaded", "lines", "mean"}, c.lines = kAllLines;
+        c.camera = "iso", c.up = "z", c.size = "390x310", c.supersample = supersample;
+        const auto whole = run(c);
+        for (const char* kind : {"contour", "parabolic", "reflection"})
+            EXPECT_GT(whole["lines"][kind]["polylines"], 0) << kind;
+        c.output = file("part.png"), c.crop = "61,83,171,202";
+        run(c);
+        for (const std::string aov : {"shaded", "lines", "mean"})
+            EXPECT_EQ(read_png(file("part." + aov + ".png")).rgba,
+                      part_of(read_png(file("whole." + aov + ".png")), 61, 83, 171, 202).rgba)
+                << aov << supersample;
+        EXPECT_NE(bytes("part.lines.svg").find("viewBox=\"16.140 21.960 45.244 53.446\""), std::string::npos);
+    }
+}
+
+TEST_F(RenderParts, TilesWithLinesMakeTheWholeAndItsData) {
+    write_torus(3);
+    RenderConfig c = config("x.exr");
+    c.lines = kAllLines, c.camera = "iso", c.up = "z", c.size = "200x171";
+    const ExrImage whole = data_of(c);
+    for (const char* channel : {"lines.suggestive", "marks.contour", "marks.reflection", "R"}) {
+        std::vector<float> rows;
+        for (int i = 1; i <= 3; ++i) {
+            c.tile = std::to_string(i) + "/3";
+            const auto tile = data_of(c).channels.at(channel).floats;
+            rows.insert(rows.end(), tile.begin(), tile.end());
+        }
+        EXPECT_EQ(rows, whole.channels.at(channel).floats) << channel;
+    }
+}
+
+TEST_F(RenderParts, LinesOfAPartAreThoseThatTouchIt) {
+    write_torus(2);
+    RenderConfig c = config("x.png");
+    c.lines = {"contour"}, c.camera = "top", c.up = "z", c.size = "300x300";
+    const auto n = run(c)["lines"]["contour"]["polylines"].get<int>();
+    c.lines_ply = file("x.ply");
+    const std::string all = (run(c), bytes("x.ply"));
+    c.crop = "0,130,60,40";
+    const auto within = run(c)["lines"]["contour"]["polylines"].get<int>();
+    EXPECT_GT(within, 0);
+    EXPECT_LT(within, n);
+    EXPECT_LT(bytes("x.ply").size(), all.size());
+    c.crop = "0,0,9,9";
+    EXPECT_EQ(run(c)["lines"]["contour"]["polylines"], 0);
+}
+
+TEST_F(RenderParts, LinesOfAPictureInBandsAreThoseOfTheWhole) {
+    const auto model = test::torus_model(1, 0.35, 60, 24, 3);
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = config("x.png");
+    c.lines = kAllLines, c.aov = {"lines"}, c.size = "2300x2300", c.lines_ply = file("x.ply");
+    c.camera = "4,0,1.2,0,0,0,0,0,1", c.lod = 0;
+    run(c);
+    RenderRequest request;
+    request.camera.eye = {4, 0, 1.2}, request.camera.target = {0, 0, 0}, request.camera.up = {0, 0, 1};
+    request.camera.fov_y_deg = c.fov, request.width = request.height = 2300, request.lod_px = 0;
+    request.wanted = line_channels(kAllLineKinds, 3);
+    GBuffer frame;
+    const SurfelTree tree = model.view();
+    render_forward(tree, request, frame);
+    const std::vector<LineKind> kinds{LineKind::reflection, LineKind::parabolic, LineKind::suggestive,
+                                      LineKind::valley,     LineKind::ridge,     LineKind::contour};
+    const LineScene scene{frame, pixel_view(request.camera, 2300, 2300), tree.header().diagonal, 3};
+    EXPECT_EQ(bytes("x.ply"), lines_ply(extract_lines(scene, kinds), tree.header().origin));
+    // The planes that lines take do not fit a band: position, normal, k1, k2, Gauss, direction, four derivatives.
+    EXPECT_GT(picture_parts({2300, 2300}, {0, 0, 2300, 2300}, 4 * (3 + 3 + 3 + 3 + 4) + 20, 0).size(), 1u);
+}
+
 TEST_F(RenderParts, ACropsDataLieWhereTheyBelong) {
     RenderConfig c = config("x.exr");
     c.aov = {"depth", "shaded"}, c.crop = "30,20,11,7";
@@ -80,7 +158,7 @@ TEST_F(RenderParts, ACropsDataLieWhereTheyBelong) {
 
 TEST_F(RenderParts, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
     const PictureSize size{16384, 16384};
-    const auto parts = picture_parts(size, {0, 0, 16384, 16384}, 50, false);
+    const auto parts = picture_parts(size, {0, 0, 16384, 16384}, 50, shading_margin(size));
     int next = 0;
     for (const PicturePart& part : parts) {
         EXPECT_EQ(part.wanted.y, next);
@@ -94,7 +172,6 @@ TEST_F(RenderParts, Row40HugePicturesAreDrawnInBandsOfBoundedMemory) {
     }
     EXPECT_EQ(next, 16384);
     EXPECT_GT(parts.size(), 10u);
-    EXPECT_EQ(picture_parts(size, {0, 0, 16384, 16384}, 50, true).size(), 1u);
 }
 
 TEST_F(RenderParts, AViewOfAPartReadsThatPartOfTheModel) {

@@ -60,14 +60,14 @@ TEST(DrawLines, DoNotDependOnBands) {
 }
 
 TEST(StrengthPlane, HoldsTheStrengthUnfiltered) {
-    const auto plane = strength_plane(kLines, std::vector{LineKind::ridge}, 100, 100);
+    const auto plane = strength_plane(kLines, std::vector{LineKind::ridge}, 100, 100, {0, 0, 100, 100});
     EXPECT_EQ(plane[40 * 100 + 20], 4);
     EXPECT_EQ(plane[20 * 100 + 10], 0);  // another kind
 }
 
 TEST(LinesSvg, HasAGroupForEachKindInMillimetres) {
     const std::string svg = lines_svg(
-        kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480);
+        kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480, {0, 0, 960, 480});
     EXPECT_NE(svg.find("width=\"254.000mm\" height=\"127.000mm\" viewBox=\"0 0 254.000 127.000\""),
               std::string::npos);
     for (const char* id : {"crest-ridge", "crest-valley", "contour"})

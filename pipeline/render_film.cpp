@@ -1,0 +1,144 @@
+#include "pipeline/render_film.h"
+
+#include "pipeline/render_frames.h"
+#include "pipeline/render_write.h"
+#include "raytrace/lines/stroke.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Parts of a picture may be empty.
+void require_hits(const RenderJob& job, const RenderStats& stats) {
+    if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
+    const ModelHeader& m = job.header();
+    const Vec3d lo = m.bounds.lo + m.origin, hi = m.bounds.hi + m.origin;
+    throw NumericalError(
+        fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
+                    "{:g}, {:g}) to "
+                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
+                    "these coordinates; "
+                    "a named camera, as --camera iso, frames the whole model{}",
+                    job.config.model, job.size.width, job.size.height,
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
+                    stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
+}
+
+void add(const RenderStats& part, RenderStats& sum) {
+    sum.nodes_visited += part.nodes_visited;
+    sum.surfels_drawn += part.surfels_drawn;
+    sum.loose_hidden += part.loose_hidden;
+    sum.root_tests += part.root_tests;
+    sum.distance_tests += part.distance_tests;
+    sum.unblended_pixels += part.unblended_pixels;
+}
+
+/// Bytes of a pixel of a frame with these planes.
+std::uint64_t plane_bytes(const RenderJob& job, Channels channels) {
+    GBuffer one;
+    one.resize(1, 1, channels);
+    std::uint64_t bytes = 1;
+    one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
+    // Normals turned to the eye, openness, clearance and model of each hit.
+    return bytes + (job.traced ? 12 + 4 + 4 + 2 : 0);
+}
+
+/// Bytes that a pixel takes where lines are found: planes, and what they are blurred to.
+std::uint64_t search_bytes(const RenderJob& job) {
+    constexpr std::uint64_t kSearch = 20;
+    return plane_bytes(job, job.channels(plain_aovs(job)) | job.for_lines()) + kSearch;
+}
+
+/// Bytes that a pixel of the picture takes while it is drawn: planes, the picture, its crop and its
+/// bytes.
+std::uint64_t pixel_bytes(const RenderJob& job) {
+    const auto factor = static_cast<std::uint64_t>(job.config.supersample);
+    const std::uint64_t plain = job.finds_lines() ? search_bytes(job) : plane_bytes(job, job.channels(plain_aovs(job)));
+    return 36 + plain * (job.plan.exr.empty() ? 1 : 3) +
+           factor * factor * plane_bytes(job, job.channels(fine_aovs(job)));
+}
+
+std::vector<PicturePart> parts_of(const RenderJob& job) {
+    return picture_parts(job.size, job.window, pixel_bytes(job), shading_margin(job.size));
+}
+
+/// Lines are found in the frame that is drawn if that is all of the picture; else before, in bands of their own.
+void find_lines_before(RenderJob& job, StageContext& context, RenderOutcome& outcome) {
+    job.found_lines.reset();
+    const bool whole = job.window.width == job.size.width && job.window.height == job.size.height;
+    if (!job.finds_lines() || (whole && parts_of(job).size() == 1)) return;
+    const auto start = std::chrono::steady_clock::now();
+    job.found_lines = find_lines(job, search_bytes(job), context);
+    outcome.frame_ms += milliseconds_since(start);
+}
+
+/// The files of lines, of those that the wanted part shows.
+void write_found_lines(const RenderJob& job, RenderOutcome& outcome) {
+    const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, job.window);
+    const DrawnLines drawn{shown, job.lines, job.size, job.window};
+    for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
+        outcome.files.push_back(file);
+    outcome.lines = lines_json(shown, job.lines);
+}
+
+/// One picture of each AOV, of a film or the only one.
+void draw_and_write(RenderJob& job, const std::string& model_identity, StageContext& context, RenderOutcome& outcome) {
+    const ImageMetadata metadata =
+        make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
+    find_lines_before(job, context, outcome);
+    const auto parts = parts_of(job);
+    PictureFiles files(job.plan, job.size, job.window, parts.size() == 1,
+                       make_matrices(job.camera, job.size));
+    for (std::size_t band = 0; band < parts.size(); ++band) {
+        if (parts.size() > 1) context.reporter.progress("bands", band, parts.size());
+        Frames frames = draw_frames(job, parts[band], context);
+        add(frames.stats, outcome.stats);
+        outcome.stats.covered_pixels += frames.covered;
+        outcome.frame_ms += frames.median_ms;
+        outcome.light_rays += (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;
+        outcome.factor = frames.has_fine ? job.config.supersample : 1;
+        if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
+        if (job.finds_lines()) job.found_lines = std::move(frames.lines);
+        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 &&
+            band == 0)
+            context.reporter.warn(
+                job.plan.named.string() +
+                ": too small for its legend or scale bar; legends are beside it as SVG");
+    }
+    if (job.n_frames == 1) require_hits(job, outcome.stats);
+    if (!job.lines.empty()) write_found_lines(job, outcome);
+    const auto pictures = files.commit();
+    outcome.files.insert(outcome.files.end(), pictures.begin(), pictures.end());
+    ++outcome.frames;
+}
+
+}  // namespace
+
+RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
+                  StageContext& context) {
+    const OutputPlan plan = job.plan;
+    const int wanted = job.config.frame;
+    RenderOutcome outcome;
+    for (int k = wanted > 0 ? wanted : 1; k <= (wanted > 0 ? wanted : job.n_frames); ++k) {
+        if (job.n_frames > 1) {
+            context.reporter.progress("pictures", static_cast<std::uint64_t>(k - 1),
+                                      static_cast<std::uint64_t>(job.n_frames));
+            job.camera = frame_camera(job.config, job.header(), job.size, free_right, k - 1);
+            job.plan = plan.numbered(k);
+        }
+        draw_and_write(job, model_identity, context, outcome);
+    }
+    job.plan = plan;
+    require_hits(job, outcome.stats);
+    for (const fs::path& file : write_legends(job)) outcome.files.push_back(file);
+    return outcome;
+}
+
+}  // namespace slim

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "pipeline/render_job.h"
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What a run came to.
+struct RenderOutcome {
+    RenderStats stats;
+    double frame_ms = 0;  ///< of all bands
+    int factor = 1;
+    int frames = 0;
+    std::uint64_t light_rays = 0;  ///< all but the primary ones
+    nlohmann::json lines;
+    std::vector<std::filesystem::path> files;
+};
+
+/// Draws and writes all pictures of the run; legends are those of the whole film. `free_right`: the share of a picture
+/// that named cameras leave free. Throws NumericalError where a whole picture shows nothing.
+RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity, StageContext& context);
+
+}  // namespace slim

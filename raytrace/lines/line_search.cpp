@@ -1,0 +1,108 @@
+#include "raytrace/lines/line_search.h"
+
+#include "raytrace/lines/crossings.h"
+#include "raytrace/lines/select.h"
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr int kSmoothingPasses = 8;
+
+CrossingField crossings_of(LineKind kind, const LineScene& scene, const Sheets& sheets) {
+    switch (kind) {
+        case LineKind::contour:
+            return contour_crossings(scene, sheets);
+        case LineKind::suggestive:
+            return suggestive_crossings(scene, sheets);
+        case LineKind::ridge:
+            return crest_crossings(scene, sheets, true);
+        case LineKind::valley:
+            return crest_crossings(scene, sheets, false);
+        case LineKind::parabolic:
+            return parabolic_crossings(scene, sheets);
+        case LineKind::reflection:
+            break;
+    }
+    return reflection_crossings(scene, sheets);
+}
+
+/// Of two that the bands above and below a row have found, which know a cell each.
+void merge(std::array<std::int32_t, 2>& known, const std::array<std::int32_t, 2>& more) {
+    for (std::size_t k = 0; k < 2; ++k)
+        if (more[k] >= 0) known[k] = more[k];
+}
+
+}  // namespace
+
+int line_margin(int picture_width, int picture_height) {
+    // The blur of a pixel two rows on (slopes by differences), of the lower end of an edge, in the row after the last.
+    return std::max(static_cast<int>(blur_reach(picture_width, picture_height)), kMostRowsAway) + 5;
+}
+
+void LineSearch::Found::append(const CrossingField& field, const LineLinks& own, bool is_last) {
+    // The first row's were found before, with the cells above them.
+    SLIM_CHECK(n_next, <=, own.size());
+    const std::size_t known = points.size() - n_next;
+    const auto moved = [&](std::array<std::int32_t, 2> link) {
+        for (std::int32_t& to : link)
+            if (to >= 0) to += static_cast<std::int32_t>(known);
+        return link;
+    };
+    for (std::size_t i = 0; i < n_next; ++i) merge(links[known + i], moved(own[i]));
+    for (std::size_t i = n_next; i < own.size(); ++i) {
+        points.push_back(line_point(field.crossings[i]));
+        links.push_back(moved(own[i]));
+    }
+    n_next = is_last ? 0 : field.crossings.size() - field.row_start[field.row_start.size() - 2];
+}
+
+std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double diagonal) {
+    if (kind == LineKind::suggestive) {
+        const float scale = typical_curvature(std::move(curvatures), diagonal), per_sq = 1 / (scale * scale);
+        for (LinePoint& p : points) p.evidence *= per_sq;
+    }
+    std::vector<FeatureLine> lines = follow_links(points, links, kind);
+    points = {}, links = {};
+    lines = select_lines(std::move(lines), line_rules(kind, width, height));
+    for (FeatureLine& line : lines) {
+        smooth_line(line, kSmoothingPasses);
+        measure_line(line);
+    }
+    return lines;
+}
+
+void LineSearch::add(const LineScene& scene) {
+    if (found_.empty()) return;
+    const int end = scene.rows.top + static_cast<int>(scene.end_row());
+    SLIM_CHECK(scene.rows.top + static_cast<int>(scene.first_row()), ==, next_row_);
+    width_ = scene.buffer.width, height_ = scene.picture_height(), next_row_ = end, diagonal_ = scene.diagonal;
+    const bool is_last = end == height_;
+    const Sheets sheets(scene);
+    LineScene with_next = scene;  // cells of the last row take the crossings of the next
+    with_next.rows.end = static_cast<int>(scene.end_row()) + (is_last ? 0 : 1);
+    parallel_blocks(found_.size(), 1, [&](std::size_t k, std::size_t) {
+        Found& found = found_[k];
+        SLIM_CHECK(scene.buffer.has(line_channels(std::array{found.kind}, scene.degree)), ==, true);
+        const CrossingField field = crossings_of(found.kind, with_next, sheets);
+        found.append(field, link_cells(scene, field, found.kind), is_last);
+        if (found.kind == LineKind::suggestive) sample_curvature(scene, found.curvatures);
+    });
+}
+
+std::vector<FeatureLine> LineSearch::finish() {
+    SLIM_CHECK(next_row_, ==, height_);
+    std::vector<std::vector<FeatureLine>> of(found_.size());
+    parallel_blocks(found_.size(), 1,
+                    [&](std::size_t k, std::size_t) { of[k] = found_[k].lines(width_, height_, diagonal_); });
+    std::vector<FeatureLine> out;
+    for (auto& lines : of) std::move(lines.begin(), lines.end(), std::back_inserter(out));
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "raytrace/lines/feature_line.h"
+#include "raytrace/lines/line_scene.h"
+#include "raytrace/lines/link.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+/// The search for lines looks no further up or down than so many rows, beside its blur.
+inline constexpr int kMostRowsAway = 64;
+
+/// Rows that a band of a picture of that size holds above and below those that are searched, so that it has all that
+/// the search looks at.
+int line_margin(int picture_width, int picture_height);
+
+/// The feature lines of a picture that is seen band by band, the same to the bit as of the whole at once. What is kept
+/// of a band is its crossings with their links: 36 bytes each (raytrace/lines/notes/0004).
+///
+/// Bands follow each other from the top down. Of each, rows [rows.begin, rows.end) of the planes are searched, which
+/// begin where those of the band before ended; around them lie line_margin rows, as far as the picture has them.
+class LineSearch {
+public:
+    explicit LineSearch(std::span<const LineKind> kinds) : found_(kinds.begin(), kinds.end()) {}
+
+    /// Searches a band, the whole picture being one as well. cost O(pixels) per kind, parallel
+    /// throws nothing; a channel that is missing, or a band that does not follow, is a SLIM_CHECK failure
+    void add(const LineScene& scene);
+
+    /// The lines as extract_lines gives them, once all rows were added. What was found is gone then.
+    std::vector<FeatureLine> finish();
+
+private:
+    /// What was found of one kind.
+    struct Found {
+        LineKind kind;
+        std::vector<LinePoint> points;  ///< crossings, in the order of rows
+        LineLinks links;
+        std::size_t n_next = 0;  ///< of them those of the row after the last band's, which the next one finds again
+        std::vector<float> curvatures = {};  ///< sample of the view's, of suggestive contours
+
+        explicit Found(LineKind a_kind) : kind(a_kind) {}
+        void append(const CrossingField& field, const LineLinks& own, bool is_last);
+        std::vector<FeatureLine> lines(int width, int height, double diagonal);
+    };
+
+    std::vector<Found> found_;
+    int width_ = 0, height_ = 0, next_row_ = 0;
+    double diagonal_ = 1;
+};
+
+}  // namespace slim
