@@ -59,7 +59,7 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
         find_openness(light, frame);
     if (with_shading) shade_frame(light, factor, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
-    if (factor == 1) frame.lines = find_lines(job.camera, job.models(), job.lines, frame);
+    if (factor == 1) frame.lines = find_lines(job.camera, job.line_models(), job.lines, frame);
     // Lines have a rule of their own for umbilics, so this comes after them.
     if ((job.wants("dir1") || job.wants("dir2")) &&
         frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))

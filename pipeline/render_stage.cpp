@@ -5,6 +5,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/ray_options.h"
+#include "pipeline/render_edges.h"
 #include "pipeline/render_frames.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_trace.h"
@@ -318,9 +319,10 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const OutputPlan plan = plan_outputs(config, aovs);
     refuse_to_overwrite_inputs(config, plan);
     const double room = legend_room(config, size);
-    const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
+    const std::vector<ScenePart> parts = scene_parts(tree, traced);
+    const auto lines = wanted_lines(config, aovs, tree.header(), has_sharp(parts), context.reporter);
     std::vector<std::uint32_t> met;  // on the way to the bounds
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     RenderJob job{config,
@@ -342,6 +344,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const std::uint64_t bytes_read = check_what_is_drawn(model, job, std::move(met));
     make_folder(job.plan);
     choose_looks(job);
+    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose);
     const Outcome outcome = draw_film(job, room, model.identity(), context);
     if (frames > 1)
         for (const std::string& command : film_commands(job.plan))

@@ -1,5 +1,6 @@
 #include "raytrace/lines/extract.h"
 
+#include "raytrace/lines/creases.h"
 #include "raytrace/lines/crossings.h"
 #include "raytrace/lines/link.h"
 #include "raytrace/lines/select.h"
@@ -7,7 +8,10 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
+#include <limits>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -27,14 +31,42 @@ CrossingField crossings_of(LineKind kind, const LineScene& scene, const Sheets& 
         case LineKind::parabolic:
             return parabolic_crossings(scene, sheets);
         case LineKind::reflection:
+        case LineKind::convex_crease:
+        case LineKind::concave_crease:
             break;
     }
     return reflection_crossings(scene, sheets);
 }
 
-std::vector<FeatureLine> lines_of(LineKind kind, const LineScene& scene, const Sheets& sheets) {
+/// Pixels that creases pass within 2 pixels of.
+std::vector<std::uint8_t> pixels_of(std::span<const FeatureLine> creases, const GBuffer& g) {
+    constexpr int kReach = 2;
+    std::vector<std::uint8_t> mask(g.n_pixels(), 0);
+    for (const FeatureLine& line : creases)
+        for (const LinePoint& p : line.points) {
+            const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+            const int x0 = std::max(0, x - kReach), x1 = std::min(g.width - 1, x + kReach);
+            for (int row = std::max(0, y - kReach); row <= std::min(g.height - 1, y + kReach); ++row)
+                for (int column = x0; column <= x1; ++column) mask[g.index(column, row)] = 1;
+        }
+    return mask;
+}
+
+/// Crest lines end where the same edge is drawn as a crease.
+void leave_to_creases(const std::vector<std::uint8_t>& creased, LineKind kind, CrossingField& field) {
+    if (creased.empty() || (kind != LineKind::ridge && kind != LineKind::valley)) return;
+    const auto width = static_cast<std::size_t>(field.width);
+    for (Crossing& c : field.crossings)
+        if (creased[static_cast<std::size_t>(c.y) * width + static_cast<std::size_t>(c.x)])
+            c.evidence = std::numeric_limits<float>::quiet_NaN();
+}
+
+std::vector<FeatureLine> lines_of(LineKind kind, const LineScene& scene, const Sheets& sheets,
+                                  const std::vector<std::uint8_t>& creased) {
+    CrossingField field = crossings_of(kind, scene, sheets);
+    leave_to_creases(creased, kind, field);
     std::vector<FeatureLine> lines =
-        select_lines(link_crossings(scene, crossings_of(kind, scene, sheets), kind),
+        select_lines(link_crossings(scene, field, kind),
                      line_rules(kind, scene.buffer.width, scene.buffer.height));
     for (FeatureLine& line : lines) {
         smooth_line(line, kSmoothingPasses);
@@ -48,9 +80,20 @@ std::vector<FeatureLine> lines_of(LineKind kind, const LineScene& scene, const S
 std::vector<FeatureLine> extract_lines(const LineScene& scene, std::span<const LineKind> kinds) {
     SLIM_CHECK(scene.buffer.has(line_channels(kinds, scene.degree)), ==, true);
     if (kinds.empty()) return {};
-    const Sheets sheets(scene);
+    std::optional<Sheets> sheets;
+    if (!std::all_of(kinds.begin(), kinds.end(), is_crease)) sheets.emplace(scene);
     std::vector<std::vector<FeatureLine>> of(kinds.size());
-    parallel_blocks(kinds.size(), 1, [&](std::size_t k, std::size_t) { of[k] = lines_of(kinds[k], scene, sheets); });
+    std::vector<FeatureLine> creases;
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+        if (!is_crease(kinds[k])) continue;
+        of[k] = visible_creases(scene, kinds[k]);
+        creases.insert(creases.end(), of[k].begin(), of[k].end());
+    }
+    std::vector<std::uint8_t> creased;
+    if (!creases.empty()) creased = pixels_of(creases, scene.buffer);
+    parallel_blocks(kinds.size(), 1, [&](std::size_t k, std::size_t) {
+        if (!is_crease(kinds[k])) of[k] = lines_of(kinds[k], scene, *sheets, creased);
+    });
     std::vector<FeatureLine> out;
     for (auto& lines : of) std::move(lines.begin(), lines.end(), std::back_inserter(out));
     return out;

@@ -3,9 +3,11 @@
 #include "raytrace/camera.h"
 #include "raytrace/frame.h"
 #include "slim/base/vec.h"
+#include "slim/model/sharp_edge.h"
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 namespace slim {
 
@@ -16,6 +18,7 @@ struct LineScene {
     const PixelView& view;
     double diagonal = 1;  ///< L of the model, the unit of lengths without a scale of their own
     int degree = 2;       ///< of the model
+    std::span<const SharpEdge> edges = {};  ///< of the model, for creases
 
     bool hit(std::size_t a) const { return buffer.hit[a] != 0; }
     Vec3f point(std::size_t a) const {
