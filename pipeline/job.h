@@ -27,6 +27,7 @@ struct BuildStages {
     std::string memory;             ///< for points
     std::string degree;             ///< of surfels: "1", "2", "3", "auto"
     bool color = false;             ///< the model keeps the clouds' colours
+    bool sharp = false;             ///< it may have sharp surfels
 };
 
 /// A job file's meaning: what to do, in order, and what not and why.

@@ -124,7 +124,7 @@ private:
         if (view.name.empty()) view.name = name_of(options);
         try {
             check_view_name(view.name);
-            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color);
+            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color, job_.stages.sharp);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }

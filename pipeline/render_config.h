@@ -88,8 +88,8 @@ struct RenderConfig {
         field.choice(
             "lines", lines,
             "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
-            "x.lines.svg; crest needs a model of --degree 3",
-            {"contour", "suggestive", "crest", "parabolic", "reflection"});
+            "x.lines.svg; crest needs a model of --degree 3, crease one of --sharp on",
+            {"contour", "suggestive", "crest", "crease", "parabolic", "reflection"});
         field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
         field.path("lines_obj", lines_obj, "the lines in space as OBJ");
         field.choice("mode", mode,

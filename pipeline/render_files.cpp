@@ -108,6 +108,8 @@ void add_lines(const DrawnLines& drawn, std::vector<std::vector<float>>& planes,
             case LineKind::contour: add("marks.contour", {kind}); break;
             case LineKind::parabolic: add("marks.parabolic", {kind}); break;
             case LineKind::reflection: add("marks.reflection", {kind}); break;
+            case LineKind::convex_crease: add("creases.convex", {kind}); break;
+            case LineKind::concave_crease: add("creases.concave", {kind}); break;
         }
 }
 

@@ -42,7 +42,7 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
 
 /// The lines of a picture that the frame holds as a whole.
 std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& frame) {
-    PictureLines search(job.models(), job.lines);
+    PictureLines search(job.line_models(), job.lines);
     search.add(0, frame.buffer.height, frame);
     return search.finish();
 }
@@ -147,7 +147,7 @@ std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_by
     const Channels channels = job.channels(plain_aovs(job)) | job.for_lines();
     const PixelWindow whole{0, 0, job.size.width, job.size.height};
     const auto parts = picture_parts(job.size, whole, pixel_bytes, line_margin(job.size.width, job.size.height));
-    PictureLines search(job.models(), job.lines);
+    PictureLines search(job.line_models(), job.lines);
     RenderedFrame frame;
     for (std::size_t band = 0; band < parts.size(); ++band) {
         if (parts.size() > 1) context.reporter.progress("bands for lines", band, parts.size());

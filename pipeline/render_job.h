@@ -41,6 +41,7 @@ struct RenderJob {
     std::map<std::string, AovLook> looks = {};
     /// those of the picture, in the order of drawing, once they are found
     std::optional<std::vector<FeatureLine>> found_lines = {};
+    std::vector<std::vector<SharpEdge>> edges = {};  ///< of each model, if creases are drawn
 
     /// Its bounds are those of what is drawn; of several models these and its diagonal are those of
     /// all.
@@ -48,6 +49,12 @@ struct RenderJob {
     /// Those of each model, in the order in which pixels number them.
     std::vector<const ModelHeader*> models() const {
         return traced ? traced->headers() : std::vector<const ModelHeader*>{&tree.header()};
+    }
+    std::vector<LineModel> line_models() const {
+        std::vector<LineModel> out;
+        for (const ModelHeader* model : models()) out.push_back({model});
+        for (std::size_t m = 0; m < edges.size(); ++m) out[m].edges = edges[m];
+        return out;
     }
     FrameLight light() const { return {config, header(), camera, traced}; }
     Channels channels(const std::vector<std::string>& of) const {

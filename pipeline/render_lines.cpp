@@ -19,23 +19,37 @@
 namespace slim {
 namespace {
 
-constexpr std::array<LineKind, kLineKinds> kDrawingOrder{LineKind::reflection, LineKind::parabolic,
-                                                         LineKind::suggestive, LineKind::valley,
-                                                         LineKind::ridge,      LineKind::contour};
+constexpr std::array<LineKind, kLineKinds> kDrawingOrder{
+    LineKind::reflection, LineKind::parabolic,      LineKind::suggestive,   LineKind::valley,
+    LineKind::ridge,      LineKind::concave_crease, LineKind::convex_crease, LineKind::contour};
 
 std::string word_of(LineKind kind) {
+    if (is_crease(kind)) return "crease";
     const bool crest = kind == LineKind::ridge || kind == LineKind::valley;
     return crest ? "crest" : std::string(line_name(kind));
 }
 
 /// What is asked for in words.
 std::vector<std::string> asked_lines(const RenderConfig& config,
-                                     const std::vector<std::string>& aovs, int degree) {
+                                     const std::vector<std::string>& aovs, int degree, bool sharp) {
     if (!config.lines.empty() || !contains(aovs, "lines")) return config.lines;
     std::vector<std::string> words{"contour"};
     if (degree >= line_degree(LineKind::suggestive)) words.push_back("suggestive");
     if (degree >= line_degree(LineKind::ridge)) words.push_back("crest");
+    if (sharp) words.push_back("crease");
     return words;
+}
+
+/// Why lines of that kind cannot be drawn from the model; empty if they can.
+std::string what_lacks(LineKind kind, const std::string& name, int degree, bool sharp) {
+    if (is_crease(kind) && !sharp)
+        return fmt::format("{}: crease lines are the edges between the sheets of sharp surfels, of which the "
+                           "model has none: build it with --sharp on (if it was, no edge was found)",
+                           name);
+    if (line_degree(kind) <= degree) return {};
+    return fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
+                       "build it with --degree {}",
+                       name, word_of(kind), degree, line_degree(kind));
 }
 
 /// What a file of lines must be named, so that it is no picture and no model.
@@ -59,19 +73,16 @@ void check_lines(const RenderConfig& config, const std::vector<std::string>& aov
 }
 
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
-                                   const ModelHeader& model, Reporter& reporter) {
-    const std::vector<std::string> asked = asked_lines(config, aovs, model.degree);
+                                   const ModelHeader& model, bool sharp, Reporter& reporter) {
+    const std::vector<std::string> asked = asked_lines(config, aovs, model.degree, sharp);
     std::vector<LineKind> kinds;
     std::set<std::string> without;
     for (const LineKind kind : kDrawingOrder) {
         if (!contains(asked, word_of(kind))) continue;
-        if (line_degree(kind) <= model.degree)
+        const std::string why = what_lacks(kind, config.model, model.degree, sharp);
+        if (why.empty())
             kinds.push_back(kind);
         else if (without.insert(word_of(kind)).second) {
-            const std::string why = fmt::format(
-                "{}: {} lines need derivatives that a model of degree {} does not have: "
-                "build it with --degree {}",
-                config.model, word_of(kind), model.degree, line_degree(kind));
             if (asked.size() == 1) throw ConfigError(why);
             reporter.warn(why + "; they are left out");
         }
@@ -79,15 +90,16 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
     if (kinds.empty() && !asked.empty())
         throw ConfigError(
             fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
-                        "{}: build it with --degree 3",
-                        config.model, model.degree));
+                        "{}{}: build it with --degree 3",
+                        config.model, model.degree,
+                        without.contains("crease") ? " without sharp surfels (--sharp on)" : ""));
     return kinds;
 }
 
 namespace {
 
 /// Lines that say where the surface ends or what it mirrors, not how it bends.
-bool is_of_the_picture(LineKind kind) { return line_degree(kind) == 1; }
+bool is_of_the_picture(LineKind kind) { return line_degree(kind) == 1 && !is_crease(kind); }
 
 /// Shows the pixels of one model of several alone: the others count as background meanwhile.
 class OneModel {
@@ -105,25 +117,28 @@ private:
 
 }  // namespace
 
-PictureLines::PictureLines(std::span<const ModelHeader* const> models, std::span<const LineKind> kinds)
+PictureLines::PictureLines(std::span<const LineModel> models, std::span<const LineKind> kinds)
     : kinds_(kinds.begin(), kinds.end()) {
-    const ModelHeader& first = *models[0];
+    const ModelHeader& first = *models[0].header;
     if (models.size() == 1) {
-        searches_.push_back({kAllModels, first.diagonal, first.degree, LineSearch(kinds)});
+        searches_.push_back({kAllModels, first.diagonal, first.degree, models[0].edges, LineSearch(kinds)});
         return;
     }
-    std::vector<LineKind> whole;
+    std::vector<LineKind> whole, creases;
     std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(whole), is_of_the_picture);
+    std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(creases), is_crease);
     double diagonal = 0;
-    for (const ModelHeader* model : models) diagonal = std::max(diagonal, model->diagonal);
-    searches_.push_back({kAllModels, diagonal, first.degree, LineSearch(whole)});
+    for (const LineModel& model : models) diagonal = std::max(diagonal, model.header->diagonal);
+    searches_.push_back({kAllModels, diagonal, first.degree, {}, LineSearch(whole)});
     for (std::size_t m = 0; m < models.size(); ++m) {
         // The frame holds what the first one needs.
-        const int degree = std::min(first.degree, models[m]->degree);
+        const ModelHeader& model = *models[m].header;
+        const int degree = std::min(first.degree, model.degree);
         std::vector<LineKind> own;
         std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own),
-                     [&](LineKind kind) { return !is_of_the_picture(kind) && line_degree(kind) <= degree; });
-        searches_.push_back({m, models[m]->diagonal, degree, LineSearch(own)});
+                     [&](LineKind kind) { return line_degree(kind) > 1 && line_degree(kind) <= degree; });
+        searches_.push_back({m, model.diagonal, degree, {}, LineSearch(own)});
+        searches_.push_back({kAllModels, model.diagonal, degree, models[m].edges, LineSearch(creases)});
     }
 }
 
@@ -132,7 +147,7 @@ void PictureLines::add(int begin, int end, RenderedFrame& frame) {
     for (Search& search : searches_) {
         std::optional<OneModel> alone;
         if (search.model != kAllModels) alone.emplace(search.model, frame);
-        search.lines.add({frame.buffer, frame.pixels, search.diagonal, search.degree, rows});
+        search.lines.add({frame.buffer, frame.pixels, search.diagonal, search.degree, search.edges, rows});
     }
 }
 
@@ -172,8 +187,9 @@ nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const Li
             ++polylines;
             length += static_cast<double>(line.length);
             length_px += static_cast<double>(line.length_px);
-            strength += static_cast<double>(line.strength);
+            strength += static_cast<double>(is_crease(kind) ? line.strength * line.length_px : line.strength);
         }
+        if (is_crease(kind) && length_px > 0) strength /= length_px;
         out[std::string(line_name(kind))] = {{"polylines", polylines},
                                              {"length", length},
                                              {"length_px", length_px},

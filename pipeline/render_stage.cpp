@@ -7,6 +7,7 @@
 #include "pipeline/model_reads.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/ray_options.h"
+#include "pipeline/render_edges.h"
 #include "pipeline/render_film.h"
 #include "pipeline/render_frames.h"
 #include "pipeline/render_maps.h"
@@ -167,9 +168,10 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const OutputPlan plan = plan_outputs(config, aovs);
     refuse_to_overwrite_inputs(config, plan);
     const double room = legend_room(config, size);
-    const auto lines = wanted_lines(config, aovs, tree.header(), context.reporter);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
+    const std::vector<ScenePart> parts = scene_parts(tree, traced);
+    const auto lines = wanted_lines(config, aovs, tree.header(), has_sharp(parts), context.reporter);
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
@@ -192,6 +194,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     warn_of_letters(config, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
+    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
     const RenderOutcome outcome = draw_film(job, room, model.identity(), context);

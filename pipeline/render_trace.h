@@ -10,6 +10,7 @@
 #include "slim/model/surfel_tree.h"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ public:
     const ModelHeader& header() const { return header_; }
     /// Each model's own.
     std::vector<const ModelHeader*> headers() const;
+    /// The models themselves, with their places in the first one's frame.
+    std::span<const ScenePart> parts() const { return scene_->parts(); }
     double build_ms() const { return build_ms_; }
     /// Where a ground lies that the models stand on: a surfel of a thousand has its centre lower.
     /// (The outlines of single surfels reach lower still; under those a model would hover.)

@@ -21,6 +21,7 @@ ALLOWED = {
     "slim/cover": ["slim/fit"],
     "slim/tree": ["slim/cover"],
     "slim/blend": ["slim/model"],
+    "slim/edges": ["slim/tree"],
     "slim/smooth": ["slim/tree", "slim/blend"],
     "slim/color": ["slim/tree"],
     "formats": ["slim/model"],
@@ -30,7 +31,7 @@ ALLOWED = {
     "raytrace/trace": ["raytrace/intersect", "slim/tree", "slim/blend"],
     "raytrace/brute": ["raytrace", "slim/blend"],
     "raytrace/lines": ["raytrace"],
-    "pipeline": ["slim/scanner", "slim/smooth", "slim/color", "formats", "raytrace/project",
+    "pipeline": ["slim/scanner", "slim/edges", "slim/smooth", "slim/color", "formats", "raytrace/project",
                  "raytrace/brute", "raytrace/lines", "raytrace/trace"],
     "tests": ["pipeline"],
 }

@@ -9,6 +9,8 @@ Channels channels_of_kind(LineKind kind, int degree) {
     switch (kind) {
         case LineKind::contour:
         case LineKind::reflection:
+        case LineKind::convex_crease:
+        case LineKind::concave_crease:
             return kPlace;
         case LineKind::parabolic:
             return kPlace | kGaussChannel | kK1Channel | kK2Channel;
@@ -25,7 +27,8 @@ Channels channels_of_kind(LineKind kind, int degree) {
 
 std::string_view line_name(LineKind kind) {
     constexpr std::array<std::string_view, kLineKinds> kNames{
-        "contour", "suggestive", "ridge", "valley", "parabolic", "reflection"};
+        "contour",   "suggestive", "ridge",         "valley",
+        "parabolic", "reflection", "convex_crease", "concave_crease"};
     return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -18,13 +18,20 @@ enum class LineKind : std::uint8_t {
     valley,      ///< ravines: crest lines where k2 is least along t2
     parabolic,   ///< zeros of the Gaussian curvature
     reflection,  ///< edges of stripes of light that the surface reflects
+    convex_crease,   ///< sharp edges: where two sheets of the model's surfels meet
+    concave_crease,  ///< the same where the surface is hollow
 };
-inline constexpr std::size_t kLineKinds = 6;
+inline constexpr std::size_t kLineKinds = 8;
 inline constexpr std::array<LineKind, kLineKinds> kAllLineKinds{
-    LineKind::contour, LineKind::suggestive, LineKind::ridge,
-    LineKind::valley,  LineKind::parabolic,  LineKind::reflection};
+    LineKind::contour,   LineKind::suggestive, LineKind::ridge,         LineKind::valley,
+    LineKind::parabolic, LineKind::reflection, LineKind::convex_crease, LineKind::concave_crease};
 
-/// "contour", "suggestive", "ridge", "valley", "parabolic", "reflection".
+/// Sharp edges, which are the model's own and not found in the picture.
+constexpr bool is_crease(LineKind kind) {
+    return kind == LineKind::convex_crease || kind == LineKind::concave_crease;
+}
+
+/// "contour", "suggestive", "ridge", "valley", "parabolic", "reflection", "convex_crease", "concave_crease".
 std::string_view line_name(LineKind kind);
 
 /// Least degree of a model whose derivatives tell these lines: 3 for crest lines, 2 where curvature

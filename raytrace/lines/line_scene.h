@@ -3,9 +3,11 @@
 #include "raytrace/camera.h"
 #include "raytrace/frame.h"
 #include "slim/base/vec.h"
+#include "slim/model/sharp_edge.h"
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 namespace slim {
 
@@ -23,6 +25,7 @@ struct LineScene {
     const PixelView& view;
     double diagonal = 1;  ///< L of the model, the unit of lengths without a scale of their own
     int degree = 2;       ///< of the model
+    std::span<const SharpEdge> edges = {};  ///< of the model, for creases
     SceneRows rows{};
 
     int picture_height() const { return rows.height > 0 ? rows.height : buffer.height; }

@@ -6,7 +6,8 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
-#include <iterator>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace slim {
@@ -27,6 +28,8 @@ CrossingField crossings_of(LineKind kind, const LineScene& scene, const Sheets& 
         case LineKind::parabolic:
             return parabolic_crossings(scene, sheets);
         case LineKind::reflection:
+        case LineKind::convex_crease:
+        case LineKind::concave_crease:
             break;
     }
     return reflection_crossings(scene, sheets);
@@ -38,7 +41,34 @@ void merge(std::array<std::int32_t, 2>& known, const std::array<std::int32_t, 2>
         if (more[k] >= 0) known[k] = more[k];
 }
 
+/// Number of a pixel of the picture.
+std::int64_t pixel_number(int x, int y) { return (static_cast<std::int64_t>(y) << 32) + x; }
+
+/// Pixels of the picture that creases pass within 2 pixels of, rising.
+std::vector<std::int64_t> pixels_of(std::span<const CreaseSearch> creases) {
+    constexpr int kReach = 2;
+    std::vector<std::int64_t> pixels;
+    for (const CreaseSearch& search : creases)
+        for (const FeatureLine& line : search.lines())
+            for (const LinePoint& p : line.points)
+                for (int y = static_cast<int>(p.y) - kReach; y <= static_cast<int>(p.y) + kReach; ++y)
+                    for (int x = static_cast<int>(p.x) - kReach; x <= static_cast<int>(p.x) + kReach; ++x)
+                        pixels.push_back(pixel_number(x, y));
+    std::sort(pixels.begin(), pixels.end());
+    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+    return pixels;
+}
+
 }  // namespace
+
+LineSearch::LineSearch(std::span<const LineKind> kinds) : kinds_(kinds.begin(), kinds.end()) {
+    for (const LineKind kind : kinds) {
+        if (is_crease(kind))
+            creases_.emplace_back(kind);
+        else
+            found_.emplace_back(kind);
+    }
+}
 
 int line_margin(int picture_width, int picture_height) {
     // The blur of a pixel two rows on (slopes by differences), of the lower end of an edge, in the row after the last.
@@ -78,11 +108,13 @@ std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double 
 }
 
 void LineSearch::add(const LineScene& scene) {
-    if (found_.empty()) return;
+    if (kinds_.empty()) return;
     const int end = scene.rows.top + static_cast<int>(scene.end_row());
     SLIM_CHECK(scene.rows.top + static_cast<int>(scene.first_row()), ==, next_row_);
     width_ = scene.buffer.width, height_ = scene.picture_height(), next_row_ = end, diagonal_ = scene.diagonal;
     const bool is_last = end == height_;
+    for (CreaseSearch& creases : creases_) creases.add(scene);
+    if (found_.empty()) return;
     const Sheets sheets(scene);
     LineScene with_next = scene;  // cells of the last row take the crossings of the next
     with_next.rows.end = static_cast<int>(scene.end_row()) + (is_last ? 0 : 1);
@@ -95,13 +127,31 @@ void LineSearch::add(const LineScene& scene) {
     });
 }
 
+/// Crest lines end where the same edge is drawn as a crease.
+void LineSearch::leave_to_creases() {
+    const std::vector<std::int64_t> creased = pixels_of(creases_);
+    if (creased.empty()) return;
+    for (Found& found : found_) {
+        if (found.kind != LineKind::ridge && found.kind != LineKind::valley) continue;
+        for (LinePoint& p : found.points)
+            if (std::binary_search(creased.begin(), creased.end(),
+                                   pixel_number(static_cast<int>(p.x), static_cast<int>(p.y))))
+                p.evidence = std::numeric_limits<float>::quiet_NaN();
+    }
+}
+
 std::vector<FeatureLine> LineSearch::finish() {
     SLIM_CHECK(next_row_, ==, height_);
+    leave_to_creases();
     std::vector<std::vector<FeatureLine>> of(found_.size());
     parallel_blocks(found_.size(), 1,
                     [&](std::size_t k, std::size_t) { of[k] = found_[k].lines(width_, height_, diagonal_); });
     std::vector<FeatureLine> out;
-    for (auto& lines : of) std::move(lines.begin(), lines.end(), std::back_inserter(out));
+    std::size_t n_found = 0, n_creases = 0;
+    for (const LineKind kind : kinds_) {
+        const std::vector<FeatureLine>& lines = is_crease(kind) ? creases_[n_creases++].lines() : of[n_found++];
+        out.insert(out.end(), lines.begin(), lines.end());
+    }
     return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raytrace/lines/creases.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/lines/line_scene.h"
 #include "raytrace/lines/link.h"
@@ -24,7 +25,7 @@ int line_margin(int picture_width, int picture_height);
 /// begin where those of the band before ended; around them lie line_margin rows, as far as the picture has them.
 class LineSearch {
 public:
-    explicit LineSearch(std::span<const LineKind> kinds) : found_(kinds.begin(), kinds.end()) {}
+    explicit LineSearch(std::span<const LineKind> kinds);
 
     /// Searches a band, the whole picture being one as well. cost O(pixels) per kind, parallel
     /// throws nothing; a channel that is missing, or a band that does not follow, is a SLIM_CHECK failure
@@ -46,8 +47,11 @@ private:
         void append(const CrossingField& field, const LineLinks& own, bool is_last);
         std::vector<FeatureLine> lines(int width, int height, double diagonal);
     };
+    void leave_to_creases();
 
-    std::vector<Found> found_;
+    std::vector<LineKind> kinds_;
+    std::vector<Found> found_;           ///< of kinds other than creases, in their order
+    std::vector<CreaseSearch> creases_;  ///< of creases, in theirs
     int width_ = 0, height_ = 0, next_row_ = 0;
     double diagonal_ = 1;
 };

@@ -92,6 +92,10 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
             return {0, 0, 2, 0.8f, px(16)};
         case LineKind::reflection:
             return {0, 0, 0, 0, px(8)};
+        // Strength is the angle by which the normal turns, degrees; lengths are those of whole edges.
+        case LineKind::convex_crease:
+        case LineKind::concave_crease:
+            return {0, 0, 30, 15, px(20), 1};
     }
     return {};
 }

@@ -112,6 +112,10 @@ LineStyle line_style(LineKind kind) {
             return {{0.05f, 0.20f, 0.62f}, "crest-valley"};
         case LineKind::parabolic:
             return {{0.05f, 0.40f, 0.22f}, "parabolic"};
+        case LineKind::convex_crease:
+            return {{0.36f, 0.05f, 0.05f}, "crease-convex"};  // darker than ridges and ravines
+        case LineKind::concave_crease:
+            return {{0.03f, 0.12f, 0.36f}, "crease-concave"};
         case LineKind::reflection:
             break;
     }
@@ -123,6 +127,7 @@ float stroke_width(const FeatureLine& line, int picture_width, int picture_heigh
         std::max(0.6f, static_cast<float>(std::min(picture_width, picture_height)) / 1000);
     if (line.kind == LineKind::contour) return 1.8f * scale;
     if (line.kind == LineKind::reflection) return 1.0f * scale;
+    if (is_crease(line.kind)) return std::clamp(0.6f + line.strength / 75, 0.6f, 1.8f) * scale;
     return std::clamp(0.9f + 0.25f * std::log2(std::max(line.strength, 0.1f)), 0.6f, 2.2f) * scale;
 }
 

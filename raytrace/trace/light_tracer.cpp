@@ -52,11 +52,10 @@ LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
     if (look.ground) ground_.emplace(*look.ground, scene.frame());
 }
 
-FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
+FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int samples,
                                const RaySite& site) const {
-    const SampleGrid grid(openness.samples);
+    const SampleGrid grid(samples);
     const LaneKeys keys(site.block, site.purpose() + kOpenness);
-    const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
     FloatV open(0.0f);
     for (int i = 0; i < grid.n(); ++i) {
         FloatV s, t;
@@ -68,6 +67,25 @@ FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
         open += select<FloatV>(free, FloatV(1.0f), FloatV(0.0f));
     }
     return open * (1 / static_cast<float>(grid.n()));
+}
+
+FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
+                               const RaySite& site) const {
+    constexpr float kThin = 0.1f;  // of the distance
+    const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
+    const FloatV open = free_share(at, far, openness.samples, site);
+    ShadePoints inside = at;
+    inside.on = at.on && at.normal.dot(at.outward) < 0.0f && open < 1.0f;
+    if (stdx::none_of(inside.on)) return open;
+    const FloatV near = far * kThin;
+    const FloatV shut = 1.0f - free_share(inside, near, openness.samples, site);
+    // Of a quarter shut nearby or less nothing, of a half or more all.
+    const FloatV thin = stdx::clamp(4.0f * shut - 1.0f, FloatV(0.0f), FloatV(1.0f));
+    ShadePoints outside = at;
+    outside.normal = -at.normal, outside.on = inside.on && thin > 0.0f;
+    if (stdx::none_of(outside.on)) return open;
+    const FloatV more = free_share(outside, far, openness.samples, site) - open;
+    return open + select<FloatV>(outside.on && more > 0.0f, thin * more, FloatV(0.0f));
 }
 
 FloatV::mask_type LightTracer::unblocked(const ShadePoints& at, const FloatV::mask_type& lit,

@@ -40,7 +40,9 @@ class LightTracer {
 public:
     LightTracer(const TraceScene& scene, const TraceLook& look);
 
-    /// Share of the directions above the points in which nothing is within the distance.
+    /// Share of the directions above the points in which nothing is within the distance. Of points that are
+    /// seen from behind, inside something thinner than a tenth of the distance, on their outer side: such are
+    /// the backs of a rim's ragged discs and what cracks between discs show (notes/0002).
     FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
 
     /// Colour of the points, each of the material of its model.
@@ -52,6 +54,7 @@ public:
                             FloatV& alpha) const;
 
 private:
+    FloatV free_share(const ShadePoints& at, const FloatV& far, int samples, const RaySite& site) const;
     FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
                                 const IncidentLight& light, TraceCounts& counts) const;
     LanesOfVec lit(const ShadePoints& at, const Material& material, const FloatV& open,

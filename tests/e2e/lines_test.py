@@ -77,6 +77,56 @@ def files():
     check(again.code == 0 and (harness.folder / "t.ply").exists(), "another --lines-ply is not up to date")
 
 
+def edges():
+    """A cube, and the edge of two planes at 100 to 150 degrees: from points to creases."""
+    def cloud(name, points):
+        (harness.folder / name).write_text("".join(" ".join(f"{v:.9g}" for v in p) + "\n" for p in points))
+
+    grid = [(i + 0.5) / 20 - 1 for i in range(40)]
+    points = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            for u in grid:
+                for v in grid:
+                    p, n = [0, 0, 0], [0, 0, 0]
+                    p[axis] = n[axis] = sign
+                    p[(axis + 1) % 3], p[(axis + 2) % 3] = u, v
+                    points.append(p + n)
+    cloud("cube.xyz", points)
+    done = run("slim", "build", "cube.xyz", "-o", "cube.slim", "--sharp", "on")
+    check(done.code == 0, f"cube: {done.err}")
+    # Along (2, 1, 1.5) three faces are seen, nine edges; one of axis a looks as long as its part across the view.
+    eye, width, pixels = (2, 1, 1.5), 4, 400
+    unit = [x / math.hypot(*eye) for x in eye]
+    seen = sum(3 * 2 * math.sqrt(1 - x * x) for x in unit) * pixels / width
+    found = lines_of("cube.slim", "--lines", "crease", "--ortho-width", width, "--camera",
+                     ",".join(str(x) for x in (*eye, 0, 0, 0, 0, 0, 1)))
+    convex = found["convex_crease"]
+    check(convex["polylines"] == 9 and abs(convex["length_px"] - seen) < 9 * 2, f"cube, {seen} pixels: {found}")
+    check(abs(convex["strength"] - 90) < 0.2 and found["concave_crease"]["polylines"] == 0, f"cube: {found}")
+    for degrees in (100, 120, 140, 150):
+        half = math.radians(degrees / 2)
+        points = []
+        for side in (-1, 1):
+            for u in grid:
+                for v in grid:
+                    t = 0.5 * (1 + v)
+                    points.append((side * t * math.sin(half), u, -t * math.cos(half),
+                                   side * math.cos(half), 0, math.sin(half)))
+        cloud("roof.xyz", points)
+        done = run("slim", "build", "roof.xyz", "-o", "roof.slim", "--sharp", "on", "--force")
+        check(done.code == 0, f"roof of {degrees}: {done.err}")
+        found = lines_of("roof.slim", "--lines", "crease,contour", "--ortho-width", width, "--camera",
+                         "0,0,5,0,0,0,0,1,0", "--force")
+        if degrees == 150:  # no sheets between faces that lie so flat
+            check("convex_crease" not in found, f"roof of {degrees}: {found}")
+            continue
+        convex = found["convex_crease"]
+        # The surface goes on a little beyond its last points, and the edge with it.
+        check(convex["polylines"] == 1 and 195 < convex["length_px"] < 260, f"roof of {degrees}: {found}")
+        check(abs(convex["strength"] - (180 - degrees)) < 0.2, f"roof of {degrees}: {found}")
+
+
 def options():
     quadratic = build("sphere", 2)
     wrong = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crest")
@@ -84,6 +134,11 @@ def options():
     both = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crest,contour", "--json")
     check(both.code == 0 and set(both.json()["lines"]) == {"contour"} and "--degree 3" in both.err,
           f"crest and contour of quadrics: {both.err}")
+    wrong = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crease")
+    check(wrong.code == 2 and "--sharp on" in wrong.err, f"creases of a smooth model: {wrong.err}")
+    both = run("slim", "render", quadratic, "-o", "x.png", *SIZE, "--lines", "crease,contour", "--json", "--force")
+    check(both.code == 0 and set(both.json()["lines"]) == {"contour"} and "--sharp on" in both.err,
+          f"crease and contour of a smooth model: {both.err}")
     for option, name in (("--lines-ply", "x.png"), ("--lines-obj", "x.ply"), ("--lines-ply", "x.slim")):
         wrong = run("slim", "render", quadratic, "-o", "x.png", "--lines", "contour", option, name)
         check(wrong.code == 2 and "expected a name ending in" in wrong.err, f"{option} {name}: {wrong.err}")
@@ -139,6 +194,7 @@ dir = "out"
 
 shapes()
 files()
+edges()
 options()
 brute()
 job()

@@ -285,6 +285,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
         {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
         {"[fit.more]\n", "unknown table [more]"},
+        {"[[view]]\nlines = ['crease']\n", "expected sharp = \"on\" in [fit]"},
         {"[input.scan]\nshape = 'torus'\n", "expected either files or a scan"},
     };
     for (const auto& [text, message] : cases) {
@@ -294,6 +295,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         EXPECT_NE(found.find(message), std::string::npos) << found;
         EXPECT_TRUE(found.starts_with(testing::TempDir())) << found;
     }
+    EXPECT_EQ(refusal(start + "[fit]\nsharp = 'on'\n[[view]]\nlines = ['crease']\n"), "");
     EXPECT_NE(refusal("[fit]\ndegree = 2\n").find("no [input]"), std::string::npos);
     EXPECT_NE(refusal("degree = 2\n" + start).find(":1: unknown key 'degree'"), std::string::npos);
 }

@@ -1,7 +1,10 @@
 #include "slim/base/error.h"
 #include "tests/pipeline/render_test_support.h"
+#include "tests/raytrace/support/sharp_models.h"
 
+#include <algorithm>
 #include <numbers>
+#include <string>
 
 namespace slim {
 namespace {
@@ -70,6 +73,63 @@ TEST_F(RenderLines, CrestLinesNeedACubicModel) {
     const auto cubic = run(lines("b.png", {"crest"}));
     EXPECT_EQ(cubic["lines"]["ridge"]["polylines"], 0);
     EXPECT_EQ(cubic["lines"]["valley"]["polylines"], 0);
+}
+
+TEST_F(RenderLines, CreasesNeedASharpModel) {
+    try {
+        run(lines("a.png", {"crease"}));
+        FAIL() << "a smooth model has no creases";
+    } catch (const ConfigError& e) {
+        EXPECT_NE(std::string(e.what()).find("--sharp on"), std::string::npos) << e.what();
+    }
+    const auto both = run(lines("a.png", {"crease", "contour"}));
+    EXPECT_FALSE(both["lines"].contains("convex_crease"));
+    EXPECT_FALSE(both["lines"].contains("concave_crease"));
+}
+
+TEST_F(RenderLines, CreasesOfACubeStandInAllOutputs) {
+    write_model(file("m.slim"), test::flat_tree(test::cube_leaves(), 2), "{}");
+    RenderConfig c = lines("a.exr", {"crease"});
+    c.camera = "iso", c.lines_ply = file("a.ply"), c.lines_obj = file("a.obj");
+    const auto result = run(c);
+    EXPECT_EQ(result["lines"]["convex_crease"]["polylines"], 9);
+    EXPECT_NEAR(result["lines"]["convex_crease"]["strength"].get<double>(), 90, 0.1);  // a mean, in degrees
+    EXPECT_EQ(result["lines"]["concave_crease"]["polylines"], 0);
+    const std::string svg = bytes("a.lines.svg");
+    EXPECT_NE(svg.find("<g id=\"crease-convex\""), std::string::npos);
+    EXPECT_NE(svg.find("<g id=\"crease-concave\""), std::string::npos);
+    EXPECT_NE(bytes("a.obj").find("o convex_crease"), std::string::npos);
+    EXPECT_NE(bytes("a.ply").find("comment type 6 convex_crease"), std::string::npos);
+    const ExrImage image = read_exr(c.output);
+    const auto& convex = image.channels.at("creases.convex").floats;
+    EXPECT_NEAR(*std::max_element(convex.begin(), convex.end()), 90, 0.1);
+    std::size_t n = 0;
+    for (const float v : convex) n += v > 0;
+    EXPECT_GT(n, 200u);
+    for (const float v : image.channels.at("creases.concave").floats) ASSERT_EQ(v, 0);
+}
+
+TEST_F(RenderLines, AloneCreasesOfASharpModelAreAmongThem) {
+    write_model(file("m.slim"), test::flat_tree(test::cube_leaves(), 2), "{}");
+    RenderConfig c = lines("a.png", {});
+    c.aov = {"lines"}, c.camera = "iso";
+    EXPECT_EQ(run(c)["lines"]["convex_crease"]["polylines"], 9);
+}
+
+TEST_F(RenderLines, CreasesOfSeveralModelsAreHiddenByAll) {
+    write_model(file("m.slim"), test::flat_tree(test::cube_leaves(), 2), "{}");
+    SurfelTreeData before = test::flat_tree(test::cube_leaves(), 2);
+    before.header.origin = {0.5, -3, 0.5};  // nearer to a camera that looks along +y
+    write_model(file("n.slim"), before, "{}");
+    RenderConfig c = lines("a.png", {"crease"});
+    c.camera = "0.3,-20,0.3,0.3,0,0.3,0,0,1", c.ortho_width = 6, c.mode = "raytrace";
+    c.add = {file("n.slim")};
+    const auto result = run(c);
+    // The front faces: one whole, of the other's two sides lie behind it for three quarters each.
+    const double px = 200.0 / 6;
+    EXPECT_NEAR(result["lines"]["convex_crease"]["length_px"].get<double>(), (8 + 4 + 2 * 0.5) * px, 1.3 * px);
+    c.add.clear(), c.output = file("b.png");
+    EXPECT_NEAR(run(c)["lines"]["convex_crease"]["length_px"].get<double>(), 8 * px, 0.8 * px);
 }
 
 TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {

@@ -144,7 +144,7 @@ std::vector<FeatureLine> lines_in_bands(const View& view, int n_rows) {
         const int end = std::min(height, y + n_rows);
         const int top = std::max(0, y - margin), bottom = std::min(height, end + margin);
         const GBuffer part = crop(view.buffer, {0, top, width, bottom - top});
-        search.add({part, view.pixels, view.diagonal, view.degree, {top, height, y - top, end - top}});
+        search.add({part, view.pixels, view.diagonal, view.degree, {}, {top, height, y - top, end - top}});
     }
     return search.finish();
 }
