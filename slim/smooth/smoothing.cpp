@@ -33,13 +33,20 @@ public:
     }
     ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
         if (!surface_) return model_.project(p, normal);
+        by_model_ = false;
         const ProjectedPoint put = on_fits(p, normal);
         if (!put.hit || length(put.hit->point - p) <= surface_->least_off()) return put;
         ProjectedPoint own = model_.project(p, normal);
         if (!own.hit) return put;
         const double off = length(put.hit->point - own.hit->point);
-        return off <= surface_->most_off(model_.supporters()) ? put : own;
+        if (off <= surface_->most_off(model_.supporters())) return put;
+        by_model_ = true;
+        return own;
     }
+    /// Whether the last point was put on the model's own surface instead of the fits.
+    bool by_model() const { return by_model_; }
+    /// Of the way that project() found from p: how much the surface is to be trusted with.
+    double share(const Vec3d& p) const { return surface_ ? surface_->share(p, fits_->supporters()) : 1; }
 
 private:
     ProjectedPoint on_fits(const Vec3d& p, const Vec3d& normal) {
@@ -51,14 +58,23 @@ private:
         }
         put = model_.project(p, normal);
         if (!put.hit) return put;
-        if (const auto again = fits_->project(put.hit->point, put.hit->normal); again.hit) put.hit = again.hit;
+        const auto again = fits_->project(put.hit->point, put.hit->normal);
+        by_model_ = !again.hit;
+        if (again.hit) put.hit = again.hit;
         return put;
     }
 
     PointProjector model_;
     const RefittedSurface* surface_;
     std::optional<PointProjector> fits_;
+    bool by_model_ = false;
 };
+
+/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or a contrary one.
+void turn(const Vec3d& to, double share, Vec3d& normal) {
+    const bool own = share < 1 && is_finite(normal) && dot(normalized(normal), to) > kTrustedCosine;
+    normal = own ? normalized(normalized(normal) * (1 - share) + to * share) : to;
+}
 
 SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings, const Vec3d& from,
                            const Vec3d& own_normal) {
@@ -68,9 +84,13 @@ SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& se
     for (int i = 0; i < settings.iterations; ++i) {
         const ProjectedPoint put = projector.project(p, out.normal);
         if (!put.hit || !(sq_length(put.hit->normal) > 0)) break;
-        if (i == 0) out.opposed = put.opposed, out.astray = put.astray;
-        p += (put.hit->point - p) * settings.amount;
-        out.normal = put.hit->normal;
+        const double share = projector.share(p);
+        if (i == 0) {
+            out.opposed = put.opposed, out.astray = put.astray;
+            out.by_model = projector.by_model(), out.held_back = share < 1;
+        }
+        p += (put.hit->point - p) * (settings.amount * share);
+        turn(put.hit->normal, share, out.normal);
         out.moved = true;
     }
     if (out.moved) end_at(from, p, settings.most, out);
