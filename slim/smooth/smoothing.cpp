@@ -2,6 +2,8 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/neighbors/key_sort.h"
+#include "slim/neighbors/morton.h"
 #include "slim/smooth/face_planes.h"
 #include "slim/smooth/point_projector.h"
 
@@ -97,6 +99,20 @@ SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& se
     return out;
 }
 
+/// Points along a Morton curve: one after the other asks the same fits, which then lie in the cache (10 million points
+/// of a bumpy sphere in random order take a tenth less time).
+KeyedIndices near_after_near(std::span<const Vec3d> positions) {
+    Bbox box;
+    for (const Vec3d& p : positions)
+        if (is_finite(p)) box.extend(p);
+    const MortonCurve curve(box);
+    KeyedIndices order(positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        order[i] = {is_finite(positions[i]) ? curve.key(positions[i]) : 0, static_cast<std::uint32_t>(i)};
+    sort_by_key(order);
+    return order;
+}
+
 /// The mean normal by area of the planes about a vertex, and whether the model supports one of them.
 bool normal_of_planes(std::span<const FacePlane> planes, std::span<const std::uint32_t> faces,
                       Vec3d& normal) {
@@ -117,11 +133,14 @@ void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
                    std::span<SmoothedPoint> out) {
     SLIM_CHECK(positions.size(), ==, out.size());
     if (!normals.empty()) SLIM_CHECK(normals.size(), ==, positions.size());
+    const KeyedIndices order = near_after_near(positions);
     parallel_blocks(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         SurfaceProjector projector(surface);
-        for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t i = order[k].index;
             out[i] = smooth_point(projector, settings, positions[i],
                                   normals.empty() ? Vec3d{} : to_double(normals[i]));
+        }
     });
 }
 
