@@ -5,10 +5,14 @@
 #include "formats/point_source.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
+#include "pipeline/memory_size.h"
 #include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
 #include "slim/neighbors/point_pyramid.h"
+#include "slim/smooth/cloud_sample.h"
+#include "slim/smooth/local_noise.h"
 #include "slim/smooth/refit.h"
+#include "slim/smooth/refit_budget.h"
 #include "slim/smooth/smoothing.h"
 
 #include <fmt/format.h>
@@ -26,13 +30,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kChunk = 1 << 18;
+constexpr std::size_t kChunk = 1 << 16;
 /// What coordinates in text are rounded to, over the diagonal: a hundredth of a float's step.
 constexpr double kTextStep = 1e-9;
 
 /// What is counted over the points, in file order.
 struct Counts {
     std::uint64_t points = 0, moved = 0, unsupported = 0, held = 0, opposed = 0, astray = 0, not_finite = 0;
+    std::uint64_t by_model = 0, held_back = 0;
     double sq_displacement = 0, max = 0;
 
     void add(const SmoothedPoint& p) {
@@ -43,6 +48,7 @@ struct Counts {
         }
         ++moved;
         opposed += p.opposed ? 1 : 0, astray += p.astray ? 1 : 0;
+        by_model += p.by_model ? 1 : 0, held_back += p.held_back ? 1 : 0;
         sq_displacement += p.displacement * p.displacement;
         max = std::max(max, std::abs(p.displacement));
     }
@@ -58,62 +64,29 @@ struct Counts {
     }
 };
 
-/// Most points that the surface is fitted anew to; of a larger cloud a random share. 90 bytes each.
-constexpr std::size_t kMostRefit = std::size_t{1} << 22;
-/// Most leaves of a model that is fitted anew: about 3 kB each.
-constexpr std::size_t kMostLeaves = std::size_t{1} << 19;
 constexpr std::uint64_t kSeed = 0;
 
-/// A cloud's finite points, frame of the model, or a random share of them.
-struct Sample {
-    PointBlock points;
-    double share = 1;
-};
-
-void thin(Sample& sample) {
-    PointBlock& p = sample.points;
-    sample.share /= 2;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        if (!in_share(kSeed, p.id[i], sample.share)) continue;
-        p.position[n] = p.position[i], p.id[n] = p.id[i];
-        if (p.has_normals()) p.normal[n] = p.normal[i];
-        ++n;
-    }
-    p.position.resize(n), p.id.resize(n);
-    if (p.has_normals()) p.normal.resize(n);
-}
-
-Sample read_sample(const std::string& path, const Vec3d& origin, StageContext& context) {
-    Sample out;
-    PointBlock& p = out.points;
+CloudSample read_sample(const std::string& path, const Vec3d& origin, std::size_t most, StageContext& context) {
+    CloudSampler sampler(most, kSeed);
     const auto source = open_cloud(path);
     PointChunk chunk;
-    std::uint64_t id = 0;
     while (source->read(chunk, kChunk)) {
-        for (std::size_t i = 0; i < chunk.size(); ++i, ++id) {
-            const Vec3d at = chunk.position[i] - origin;
-            if (!is_finite(at) || !in_share(kSeed, id, out.share)) continue;
-            p.position.push_back(at), p.id.push_back(id);
-            if (chunk.normal.empty()) continue;
-            const Vec3d n = to_double(chunk.normal[i]);
-            p.normal.push_back(is_finite(n) && sq_length(n) > 0 ? to_float(normalized(n)) : Vec3f{});
-        }
-        if (p.size() > kMostRefit) thin(out);
+        sampler.add(chunk.position, chunk.normal, origin);
         context.reporter.progress("refit", source->bytes_read(), source->info().file_size);
         context.check_stop();
     }
-    return out;
+    return sampler.take();
 }
 
 /// Leaves that were fitted anew, and those that stay.
 struct LeafCounts {
-    std::size_t refitted = 0, kept = 0;
+    std::size_t refitted = 0, kept = 0, kept_for_memory = 0;
+    double share = 0;  ///< of the cloud's points that the others were fitted to
 };
 
 /// The model's surface fitted anew to the cloud that is smoothed.
-RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, Sample sample,
-                         StageContext& context, LeafCounts& counts) {
+RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, CloudSample sample,
+                         std::size_t most_fits, StageContext& context, LeafCounts& counts) {
     const auto telling = [&context](const char* what) {
         return [&context, what](std::size_t done, std::size_t total) {
             context.reporter.progress(what, done, total);
@@ -129,10 +102,14 @@ RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double 
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
-    const std::vector<double> radii = wide_radii(model, noise, points, diagonal, telling("radii"));
-    counts.refitted = static_cast<std::size_t>(std::count_if(radii.begin(), radii.end(), [](double r) { return r > 0; }));
+    std::vector<WideRadius> radii = wide_radii(model, noise, points, diagonal, telling("radii"));
+    counts.kept_for_memory = keep_costly_leaves(model, most_fits, radii);
+    counts.share = sample.share;
+    counts.refitted = static_cast<std::size_t>(std::count_if(radii.begin(), radii.end(), [](const WideRadius& r) { return r.radius > 0; }));
     counts.kept = radii.size() - counts.refitted;
-    return {model, noise, radii, points, telling("fits")};
+    RefittedSurface out(model, noise, radii, points, telling("fits"));
+    out.set_shares(trusted_shares(model, radii, local_noise(model, noise, radii, points), out, points));
+    return out;
 }
 
 /// A model opened for smoothing, and how.
@@ -155,15 +132,21 @@ struct Smoother {
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     std::optional<RefittedSurface> anew;
-    LeafCounts leaves{0, smoother.index.n_leaves()};
-    if (smoother.index.n_leaves() > kMostLeaves) {
-        smoother.context.reporter.warn(fmt::format(
-            "{} leaves: more than {} are not fitted anew, for memory; the points go on the model as it is",
-            smoother.index.n_leaves(), kMostLeaves));
-    } else if (Sample sample = read_sample(config.cloud, smoother.origin, smoother.context); !sample.points.empty()) {
-        anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample), smoother.context,
-                              leaves));
+    LeafCounts leaves;
+    leaves.kept = smoother.index.n_leaves();
+    const RefitBudget budget = refit_budget(parse_memory_size(config.memory), leaves.kept);
+    if (leaves.kept > budget.leaves || budget.points == 0) {
+        leaves.kept_for_memory = leaves.kept;
+    } else if (CloudSample sample = read_sample(config.cloud, smoother.origin, budget.points, smoother.context);
+               !sample.points.empty()) {
+        anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample), budget.fits,
+                              smoother.context, leaves));
     }
+    if (leaves.kept_for_memory > 0)
+        smoother.context.reporter.warn(fmt::format(
+            "{} of {} leaves are not fitted anew, for memory ({}): points there go on the model's own surface; a larger "
+            "--memory helps",
+            leaves.kept_for_memory, smoother.index.n_leaves(), config.memory));
     const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
     const auto source = open_cloud(config.cloud);
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
@@ -190,8 +173,12 @@ json smooth_cloud(const Smoother& smoother) {
     json result = counts.to_json("points");
     result["opposed"] = counts.opposed;
     result["astray"] = counts.astray;
+    result["points_by_model"] = counts.by_model;
+    result["points_held_back"] = counts.held_back;
     result["leaves_refitted"] = leaves.refitted;
     result["leaves_kept"] = leaves.kept;
+    result["leaves_kept_for_memory"] = leaves.kept_for_memory;
+    result["refit_share"] = leaves.share;
     return result;
 }
 
@@ -231,6 +218,8 @@ void check_paths(const SmoothConfig& config) {
         throw ConfigError(fmt::format(
             "{0} is a cloud and {1} a model: expected the model first: slim smooth {1} {0} -o {2}",
             config.model, config.cloud, config.output));
+    if (parse_memory_size(config.memory) < kLeastSmoothMemory)
+        throw ConfigError("--memory " + config.memory + ": expected at least " + memory_size_text(kLeastSmoothMemory));
     require_model(config.model);
     refuse_to_overwrite(config.output, {config.model, config.cloud});
 }
@@ -252,10 +241,12 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
         context.reporter.warn(fmt::format(
             "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
             config.cloud, lost, n, config.model));
-    else if (const auto kept = result.value("leaves_kept", std::size_t{0}); 2 * kept > index.n_leaves())
+    else if (const auto kept = result.value("leaves_kept", std::size_t{0}) -
+                                    result.value("leaves_kept_for_memory", std::size_t{0});
+             2 * kept > index.n_leaves())
         context.reporter.warn(fmt::format(
-            "{} of {} leaves of {} were not fitted anew: points there get the model's own error, which may be more "
-            "than their noise; build with a smaller --t-mdl if so", kept, index.n_leaves(), config.model));
+            "{} of {} leaves of {} were not fitted anew: points there go on the model's own surface, only a "
+            "share of the way where its error is more than their noise; build with a smaller --t-mdl if so", kept, index.n_leaves(), config.model));
     return result;
 }
 

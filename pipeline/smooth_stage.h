@@ -10,7 +10,7 @@ namespace slim {
 
 /// Points or a mesh moved onto a model.
 struct SmoothConfig {
-    std::string model, cloud, output, mode = "auto";
+    std::string model, cloud, output, mode = "auto", memory = "1GiB";
     int iterations = 1;
     double amount = 1, most = 0;
 
@@ -23,6 +23,9 @@ struct SmoothConfig {
                      "points: each along its normal; mesh: vertices by the planes of their faces; auto: "
                      "mesh for a PLY with faces",
                      {"auto", "points", "mesh"});
+        field("memory", memory,
+              "memory for a cloud, at least 64MiB: with less than it wants a share of the points is fitted to, or "
+              "fewer leaves; meshes are held whole");
         field("iterations", iterations, "how often, each from where the last one ended", 1, 100);
         field("amount", amount, "share of the way to the surface; 0 only renews the normals", 0, 1);
         field("most", most, "no point moves farther than this, model units; 0: no limit", 0, 1e300);
@@ -37,13 +40,13 @@ struct SmoothConfig {
 /// Points without support, or whose line meets no surface in reach, are kept as they are. Keys: mode points
 /// moved unsupported opposed astray not_finite rms_displacement (of those that moved) max_displacement; for
 /// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed, astray,
-/// leaves_refitted and leaves_kept (as the model has them: wide_radii).
+/// points_by_model (the fits were out of reach) points_held_back (went a share of the way: trusted_share)
+/// refit_share, leaves_kept_for_memory, leaves_refitted and leaves_kept (as the model has them: wide_radii).
 /// throws  DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or
 ///         has another format's name; as open_cloud, CloudRewriter and ModelFile
-/// cost    points: read twice; 90 bytes for each of at most 4 million, 3 kB a leaf
-///         (of more than 524,288 leaves none is fitted anew, with a warning), 560 a fit (a mesh without
-///         normals as points: its vertices as well); a
-///         mesh: about 300 bytes a vertex, in text twice that
+/// cost    points: read twice; within `memory`, which says how many points, leaves and fits there may be
+///         (RefitBudget; the index of the leaves, 400 bytes each, is beside it). Fewer than wanted are warned of
+///         (leaves_kept_for_memory; refit_share: of the points). A mesh: about 300 bytes a vertex, in text twice that
 nlohmann::json run_smooth(const SmoothConfig& config, StageContext& context);
 
 }  // namespace slim

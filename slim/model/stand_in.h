@@ -13,7 +13,7 @@ namespace slim {
 /// that it shows what is below where that is finer than a picture (slim/tree/stand_ins.h). Older
 /// files have none.
 inline constexpr std::uint8_t kStandsIn = 32;
-static_assert((kStandsIn & (kLeaf | kSaturated | kForced | kSharp | kLoose)) == 0);
+static_assert((kStandsIn & (kLeaf | kSaturated | kForced | kSharp | kLoose | kLimited)) == 0);
 
 /// Such a surfel as it is drawn: in a ball so much larger that renderers, which look for hits in the
 /// core (kHitTrim), look in all of its own. Balls of internal surfels cover the points of their

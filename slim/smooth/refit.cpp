@@ -8,11 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace slim {
 namespace {
 
-constexpr double kBlend = 2 * kCore;  ///< of a fit's radius: how far it is blended
+const double kBlend = 2 * kCore;  ///< of a fit's radius: how far it is blended
 constexpr double kReach = 6;          ///< of the noise: points so far off still have a foot
 constexpr double kOffNoises = 6, kOffRadii = 0.25;  ///< a fit's surface this far off the model is another sheet's
 constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
@@ -52,13 +53,13 @@ void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, do
     out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
 }
 
-/// Places of a triangular grid on the leaf's surface that it owns.
-void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double noise, const PointPyramid& points,
-              WideWork& work, std::vector<Surfel>& out) {
+/// Calls body(place, normal) for the places of a triangular grid on the leaf's surface that it owns.
+template <class Body>
+void for_places(const BallIndex& model, std::size_t leaf, double radius, std::vector<const Surfel*>& found,
+                const Body& body) {
     const Surfel& s = model.leaf(leaf);
     const double step = kCore * radius / s.support_radius, row = step * std::numbers::sqrt3 / 2;
     const int rows = static_cast<int>(1 / row), columns = static_cast<int>(1 / step) + 1;
-    std::vector<const Surfel*> found;
     for (int j = -rows; j <= rows; ++j)
         for (int i = -columns; i <= columns; ++i) {
             const double u = (i + (j % 2 != 0 ? 0.5 : 0.0)) * step, v = j * row;
@@ -67,8 +68,7 @@ void fit_leaf(const BallIndex& model, std::size_t leaf, double radius, double no
             const Vec3d place = s.center + s.frame.world_from_local(local) * s.support_radius;
             if (!owns(model, leaf, place, found)) continue;
             const Vec3d gradient{-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1};
-            fit_place(place, normalized(s.frame.world_from_local(gradient)), radius, noise,
-                      most_off_model(s, noise), points, work, out);
+            body(place, normalized(s.frame.world_from_local(gradient)));
         }
 }
 
@@ -78,13 +78,35 @@ double most_off_model(const Surfel& leaf, double noise) {
     return std::max(kOffNoises * noise, kOffRadii * leaf.support_radius);
 }
 
+std::size_t keep_costly_leaves(const BallIndex& model, std::size_t most_fits, std::span<WideRadius> radii) {
+    SLIM_CHECK(radii.size(), ==, model.n_leaves());
+    std::vector<std::uint32_t> count(radii.size());
+    parallel_blocks(radii.size(), 64, [&](std::size_t begin, std::size_t end) {
+        std::vector<const Surfel*> found;
+        for (std::size_t i = begin; i < end; ++i)
+            if (radii[i].radius > 0)
+                for_places(model, i, radii[i].radius, found, [&](const Vec3d&, const Vec3d&) { ++count[i]; });
+    });
+    std::vector<std::uint32_t> order(radii.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return count[a] < count[b]; });
+    std::size_t n_fits = 0, n_kept = 0;
+    for (const std::uint32_t i : order) {
+        n_fits += count[i];
+        if (n_fits <= most_fits || !(radii[i].radius > 0)) continue;
+        radii[i].radius = radii[i].sq_noise = 0;
+        ++n_kept;
+    }
+    return n_kept;
+}
+
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise,
-                                 std::span<const double> radii, const PointPyramid& points,
+                                 std::span<const WideRadius> radii, const PointPyramid& points,
                                  const EachBatch& each_batch)
     : RefittedSurface(model, noise, fit(model, noise, radii, points, each_batch)) {}
 
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits)
-    : model_(model), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
+    : model_(model), leaf_(std::move(fits.leaf)), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
     off_.reserve(noise.size());
     for (std::size_t i = 0; i < noise.size(); ++i) {
         off_.push_back(most_off_model(model.leaf(i), noise[i].fit_error));
@@ -98,24 +120,51 @@ double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const
     return most;
 }
 
+void RefittedSurface::set_shares(std::span<const double> shares) {
+    SLIM_CHECK(shares.size(), ==, model_.n_leaves());
+    shares_.clear();
+    if (std::all_of(shares.begin(), shares.end(), [](double a) { return a == 1; })) return;
+    for (std::size_t i = 0; i < fits_.n_leaves(); ++i)
+        shares_.push_back(static_cast<float>(shares[leaf_[fits_.node(i)]]));
+}
+
+double RefittedSurface::share(const Vec3d& p, const std::vector<const Surfel*>& fits) const {
+    if (shares_.empty()) return 1;
+    double sum = 0, weight = 0;
+    for (const Surfel* s : fits) {
+        const double g = weight_kernel(sq_length(p - s->center) / (s->support_radius * s->support_radius));
+        sum += g * shares_[fits_.number_of(s)], weight += g;
+    }
+    return weight > 0 ? sum / weight : 1;
+}
+
 RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,
-                                           std::span<const double> radii, const PointPyramid& points,
+                                           std::span<const WideRadius> radii, const PointPyramid& points,
                                            const EachBatch& each_batch) {
     SLIM_CHECK(noise.size(), ==, model.n_leaves());
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
     std::vector<std::vector<Surfel>> fitted(radii.size());
     parallel_batches(radii.size(), 4, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
+        std::vector<const Surfel*> found;
         for (std::size_t i = begin; i < end; ++i)
-            if (radii[i] > 0) fit_leaf(model, i, radii[i], noise[i].fit_error, points, work, fitted[i]);
+            if (radii[i].radius > 0)
+                for_places(model, i, radii[i].radius, found, [&](const Vec3d& place, const Vec3d& normal) {
+                    fit_place(place, normal, radii[i].radius, noise[i].fit_error,
+                              most_off_model(model.leaf(i), noise[i].fit_error), points, work, fitted[i]);
+                });
     });
     Fits out;
     for (std::size_t i = 0; i < fitted.size(); ++i) {
-        if (!(radii[i] > 0)) out.near.push_back(model.leaf(i));
+        if (!(radii[i].radius > 0)) {
+            out.near.push_back(model.leaf(i));
+            out.leaf.push_back(static_cast<std::uint32_t>(i));
+        }
         for (const Surfel& s : fitted[i]) {
             const double reach = std::hypot(s.support_radius, kReach * noise[i].fit_error);
             out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
             out.near.push_back(s);
+            out.leaf.push_back(static_cast<std::uint32_t>(i));
         }
         fitted[i] = {};
     }

@@ -3,6 +3,7 @@
 #include "slim/smooth/wide_radius.h"
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -13,6 +14,10 @@ namespace slim {
 /// How far the surface fitted anew may be from the model's own: the larger of 6 of the leaf's noise and 0.25 radii.
 double most_off_model(const Surfel& leaf, double noise);
 
+/// Keeps the leaves that take most fits, of equals the last, until a RefittedSurface has no more than `most_fits`: those
+/// whose radii are narrowest against the leaf's gain least. Returns how many. In parallel, the same for any thread count.
+std::size_t keep_costly_leaves(const BallIndex& model, std::size_t most_fits, std::span<WideRadius> radii);
+
 /// The surface of a model fitted anew to a cloud for the least error of position (notes/0003): quadratics at places
 /// a core apart (kCore), each to all points within the radius that wide_radii gives the leaf there, and the leaves
 /// that are kept. Built once, read by any number of threads; 560 bytes a fit.
@@ -20,7 +25,7 @@ class RefittedSurface {
 public:
     /// noise, radii: of each leaf, in the index's order; wide_radii gives the latter. In parallel, the same for any
     /// thread count.
-    RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
+    RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const WideRadius> radii,
                     const PointPyramid& points, const EachBatch& each_batch = {});
 
     const BallIndex& fits() const { return fits_; }
@@ -29,6 +34,11 @@ public:
     /// there is none.
     std::optional<Vec3d> foot(const Vec3d& p, const Vec3d& normal) const;
 
+    /// Of each leaf of the model: the share of the way that its points go (trusted_shares).
+    void set_shares(std::span<const double> shares);
+    /// That share at a place, a mean over the fits that hold it.
+    double share(const Vec3d& p, const std::vector<const Surfel*>& fits) const;
+
     /// The largest most_off_model() of leaves of the model, and the least of all of them.
     double most_off(const std::vector<const Surfel*>& leaves) const;
     double least_off() const { return least_off_; }
@@ -36,13 +46,16 @@ public:
 private:
     struct Fits {
         std::vector<Surfel> near, far;  // the same, the balls of the latter wide enough for foot()
+        std::vector<std::uint32_t> leaf;  // of each of near: that it is, or was fitted in
     };
-    static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const double> radii,
+    static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const WideRadius> radii,
                     const PointPyramid& points, const EachBatch& each_batch = {});
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits);
     const BallIndex& model_;  // must outlive this
     std::vector<double> off_;  // of the model's leaves
     double least_off_ = INFINITY;
+    std::vector<std::uint32_t> leaf_;  // as Fits has them
+    std::vector<float> shares_;        // of fits_; none: all 1
     BallIndex fits_, far_;
 };
 

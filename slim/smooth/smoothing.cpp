@@ -2,6 +2,8 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/neighbors/key_sort.h"
+#include "slim/neighbors/morton.h"
 #include "slim/smooth/face_planes.h"
 #include "slim/smooth/point_projector.h"
 
@@ -33,13 +35,20 @@ public:
     }
     ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
         if (!surface_) return model_.project(p, normal);
+        by_model_ = false;
         const ProjectedPoint put = on_fits(p, normal);
         if (!put.hit || length(put.hit->point - p) <= surface_->least_off()) return put;
         ProjectedPoint own = model_.project(p, normal);
         if (!own.hit) return put;
         const double off = length(put.hit->point - own.hit->point);
-        return off <= surface_->most_off(model_.supporters()) ? put : own;
+        if (off <= surface_->most_off(model_.supporters())) return put;
+        by_model_ = true;
+        return own;
     }
+    /// Whether the last point was put on the model's own surface instead of the fits.
+    bool by_model() const { return by_model_; }
+    /// Of the way that project() found from p: how much the surface is to be trusted with.
+    double share(const Vec3d& p) const { return surface_ ? surface_->share(p, fits_->supporters()) : 1; }
 
 private:
     ProjectedPoint on_fits(const Vec3d& p, const Vec3d& normal) {
@@ -51,14 +60,23 @@ private:
         }
         put = model_.project(p, normal);
         if (!put.hit) return put;
-        if (const auto again = fits_->project(put.hit->point, put.hit->normal); again.hit) put.hit = again.hit;
+        const auto again = fits_->project(put.hit->point, put.hit->normal);
+        by_model_ = !again.hit;
+        if (again.hit) put.hit = again.hit;
         return put;
     }
 
     PointProjector model_;
     const RefittedSurface* surface_;
     std::optional<PointProjector> fits_;
+    bool by_model_ = false;
 };
+
+/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or a contrary one.
+void turn(const Vec3d& to, double share, Vec3d& normal) {
+    const bool own = share < 1 && is_finite(normal) && dot(normalized(normal), to) > kTrustedCosine;
+    normal = own ? normalized(normalized(normal) * (1 - share) + to * share) : to;
+}
 
 SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings, const Vec3d& from,
                            const Vec3d& own_normal) {
@@ -68,13 +86,31 @@ SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& se
     for (int i = 0; i < settings.iterations; ++i) {
         const ProjectedPoint put = projector.project(p, out.normal);
         if (!put.hit || !(sq_length(put.hit->normal) > 0)) break;
-        if (i == 0) out.opposed = put.opposed, out.astray = put.astray;
-        p += (put.hit->point - p) * settings.amount;
-        out.normal = put.hit->normal;
+        const double share = projector.share(p);
+        if (i == 0) {
+            out.opposed = put.opposed, out.astray = put.astray;
+            out.by_model = projector.by_model(), out.held_back = share < 1;
+        }
+        p += (put.hit->point - p) * (settings.amount * share);
+        turn(put.hit->normal, share, out.normal);
         out.moved = true;
     }
     if (out.moved) end_at(from, p, settings.most, out);
     return out;
+}
+
+/// Points along a Morton curve: one after the other asks the same fits, which then lie in the cache (10 million points
+/// of a bumpy sphere in random order take a tenth less time).
+KeyedIndices near_after_near(std::span<const Vec3d> positions) {
+    Bbox box;
+    for (const Vec3d& p : positions)
+        if (is_finite(p)) box.extend(p);
+    const MortonCurve curve(box);
+    KeyedIndices order(positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        order[i] = {is_finite(positions[i]) ? curve.key(positions[i]) : 0, static_cast<std::uint32_t>(i)};
+    sort_by_key(order);
+    return order;
 }
 
 /// The mean normal by area of the planes about a vertex, and whether the model supports one of them.
@@ -97,11 +133,14 @@ void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
                    std::span<SmoothedPoint> out) {
     SLIM_CHECK(positions.size(), ==, out.size());
     if (!normals.empty()) SLIM_CHECK(normals.size(), ==, positions.size());
+    const KeyedIndices order = near_after_near(positions);
     parallel_blocks(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         SurfaceProjector projector(surface);
-        for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t i = order[k].index;
             out[i] = smooth_point(projector, settings, positions[i],
                                   normals.empty() ? Vec3d{} : to_double(normals[i]));
+        }
     });
 }
 

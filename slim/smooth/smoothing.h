@@ -25,6 +25,8 @@ struct SmoothedPoint {
     double displacement = 0;  ///< how far it went, positive along `normal`
     bool moved = false;       ///< the model had a place for it
     bool held = false;        ///< a vertex of a mesh's boundary
+    bool by_model = false;  ///< the model's own surface served, the fits made anew were out of reach or another sheet's
+    bool held_back = false;  ///< went only a share of the way: the surface is farther off there than the point's noise
     bool opposed = false, astray = false;  ///< as PointProjector says, in the first iteration
 };
 

@@ -44,6 +44,18 @@ def points():
     check(size[0] == size[1], "a second smoothing adds properties again")
 
 
+def memory_is_kept():
+    run("slim-scan", "bumpy", "-o", "big.ply", "--points", "600000", "--noise", "0.001", "--pattern", "uniform")
+    check(run("slim-build", "big.ply", "-o", "big.slim").code == 0, "build of a large cloud fails")
+    whole = run("slim", "smooth", "big.slim", "big.ply", "-o", "big.out.ply", "--json").json()
+    check(whole["refit_share"] == 1, f"1 GiB does not hold 600,000 points: {whole}")
+    for size in (64, 96):
+        part = run("slim", "smooth", "big.slim", "big.ply", "-o", "big.out.ply", "--memory", f"{size}MiB", "--json").json()
+        check(0 < part["refit_share"] < 1 and part["moved"] == 600000, f"{size} MiB: {part}")
+        check(part["peak_memory_bytes"] < size << 20, f"{size} MiB: {part}")
+    check(whole["peak_memory_bytes"] > 64 << 20, f"the check shows nothing: {whole}")
+
+
 def measure_keeps_its_inputs():
     for out in ("m.slim", "c.ply"):
         done = run("slim", "measure", "m.slim", "c.ply", "-o", out)
@@ -130,6 +142,7 @@ def damaged():
 
 model()
 points()
+memory_is_kept()
 measure_keeps_its_inputs()
 packed_and_text()
 refused()

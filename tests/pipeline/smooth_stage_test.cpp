@@ -74,6 +74,8 @@ TEST_F(SmoothStage, TakesMostOfTheNoiseOffKnownShapes) {
         EXPECT_EQ(said["points"], 20000);
         EXPECT_EQ(said["moved"], 20000);
         EXPECT_GT(said["leaves_refitted"], said["leaves_kept"]);
+        EXPECT_LT(said["points_by_model"], 20);
+        EXPECT_LT(said["points_held_back"], 200);
         const double before = rms_distance(shape, read_all(cloud, 20000).position);
         const double after = rms_distance(shape, read_all(file("smooth.ply"), 20000).position);
         EXPECT_LT(after, before / 6.5);
@@ -286,6 +288,61 @@ TEST_F(SmoothStage, WarnsWhereMostLeavesAreKept) {
     EXPECT_GT(said["leaves_kept"], said["leaves_refitted"]);
     ASSERT_EQ(listener_.warnings.size(), 1u);
     EXPECT_NE(listener_.warnings[0].find("not fitted anew"), std::string::npos);
+}
+
+TEST_F(SmoothStage, ACleanCloudIsNotMadeWorse) {
+    // Noise far below what the model's leaves are off by: its points go only as far as their noise allows.
+    for (const char* shape : {"torus", "bumpy"})
+        for (const double noise : {0.0, 1e-6, 1e-5}) {
+            SCOPED_TRACE(shape + std::to_string(noise));
+            const std::string cloud = write(sampled(shape, 50000, 1, noise), "c.ply");
+            build(build_config(cloud, "m.slim"));
+            const auto said = smooth(cloud);
+            const double before = rms_distance(shape, read_all(cloud, 50000).position);
+            const double after = rms_distance(shape, read_all(file("smooth.ply"), 50000).position);
+            EXPECT_LT(after, 1.05 * before + 2e-7);
+            if (noise < 1e-5) {
+                EXPECT_GT(said["points_held_back"], 40000);
+            }
+        }
+}
+
+TEST_F(SmoothStage, LittleMemoryMeansAShareOfThePoints) {
+    const Cloud dense = sampled("torus", 200000, 1, 0.003);
+    const std::string cloud = write(dense, "dense.ply");
+    build(build_config(cloud, "m.slim"));
+    const auto whole = smooth(cloud);
+    EXPECT_EQ(whole["refit_share"], 1);
+    EXPECT_EQ(whole["leaves_kept_for_memory"], 0);
+    const double by_all = rms_distance("torus", read_all(file("smooth.ply"), 200000).position);
+    SmoothConfig c;
+    c.memory = "64MiB";
+    const auto part = smooth(cloud, c);
+    EXPECT_LE(part["refit_share"], 0.5);
+    EXPECT_EQ(part["moved"], 200000);
+    const double by_part = rms_distance("torus", read_all(file("smooth.ply"), 200000).position);
+    EXPECT_GT(by_part, by_all);
+    EXPECT_LT(by_part, 2.2 * by_all);  // a quarter of the points: twice the error at most
+}
+
+TEST_F(SmoothStage, MoreLeavesThanMemoryHoldsAreTakenAsTheyAre) {
+    const std::string cloud = write(sampled("bumpy", 120000, 1, 1e-6), "c.ply");
+    BuildConfig b = build_config(cloud, "m.slim");
+    b.t_mdl = 1e-4;
+    const auto built = build(b);
+    ASSERT_GT(built["leaves"], 10000);
+    listener_.warnings.clear();
+    SmoothConfig c;
+    c.memory = "64MiB";
+    const auto said = smooth(cloud, c);
+    EXPECT_EQ(said["leaves_refitted"], 0);
+    EXPECT_EQ(said["leaves_kept_for_memory"], built["leaves"]);
+    EXPECT_EQ(said["moved"], 120000);
+    ASSERT_GE(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("--memory"), std::string::npos);
+    EXPECT_LT(rms_distance("bumpy", read_all(file("smooth.ply"), 120000).position), 1e-4);
+    c.memory = "63MiB";
+    EXPECT_EQ(code_of([&] { smooth(cloud, c); }), ExitCode::usage);
 }
 
 TEST_F(SmoothStage, WarnsWhereTheCloudLiesElsewhere) {

@@ -1,7 +1,9 @@
 #include "raytrace/lines/creases.h"
 
 #include "raytrace/brute/brute_renderer.h"
+#include "raytrace/crop.h"
 #include "raytrace/lines/extract.h"
+#include "raytrace/lines/line_search.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/select.h"
 #include "raytrace/project/forward_renderer.h"
@@ -84,6 +86,25 @@ double length_px(const std::vector<FeatureLine>& lines) {
     double sum = 0;
     for (const FeatureLine& line : lines) sum += static_cast<double>(line.length_px);
     return sum;
+}
+
+TEST(Creases, AreTheSameInBandsOfRows) {
+    const SurfelTreeData model = flat_tree(cube_leaves(), 2);
+    const auto edges = trace_sharp_edges(model.view(), false);
+    const Camera camera = camera_at({3, 4, 5});
+    const Drawn whole = drawn(model, edges, camera);
+    ASSERT_GT(whole.lines.size(), 5u);
+    const PixelView view = pixel_view(camera, kSize, kSize);
+    for (const int n_rows : {32, 77}) {
+        LineSearch search(kCreases);
+        for (int y = 0; y < kSize; y += n_rows) {
+            const int end = std::min(kSize, y + n_rows), margin = line_margin(kSize, kSize);
+            const int top = std::max(0, y - margin), bottom = std::min(kSize, end + margin);
+            const GBuffer part = crop(whole.buffer, {0, top, kSize, bottom - top});
+            search.add({part, view, model.header.diagonal, 2, edges, {top, kSize, y - top, end - top}});
+        }
+        EXPECT_EQ(lines_ply(search.finish(), {}), lines_ply(whole.lines, {})) << n_rows;
+    }
 }
 
 TEST(Creases, OfACubeAreItsSeenEdgesToAFewHundredthsOfAPixel) {

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace slim {
+
+/// What a cloud may be fitted anew with.
+struct RefitBudget {
+    std::size_t points = 0;  ///< most of the cloud that are held; of a larger one a random share
+    std::size_t leaves = 0;  ///< most of the model; one of more is taken as it is
+    std::size_t fits = 0;    ///< most made anew; leaves that take more than the others are kept
+};
+
+/// The least memory that smoothing a cloud is planned with.
+inline constexpr std::uint64_t kLeastSmoothMemory = std::uint64_t{64} << 20;
+
+/// Divides `memory` bytes, of which the program, its buffers and the index of the model's leaves (400 bytes each) take
+/// theirs first: half of the rest for points (at most 4 million), the other half for leaves while radii are sought,
+/// then for fits.
+RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves);
+
+}  // namespace slim
