@@ -27,8 +27,9 @@ namespace {
 
 // of the normals: estimated ones tell nothing new of the points
 constexpr double kFewEstimated = 0.01;
-// Noise over spacing below which leaves are fitted again: their errors are bias then (slim/cover/notes/0010).
-constexpr double kLittleNoise = 0.12;
+// sqrt(lambda) over the spacing between which leaves are fitted again (slim/cover/notes/0010): below it the surface is
+// smooth at the points' distance, above it their noise is the larger part of what a leaf errs.
+constexpr double kSmooth = 0.03, kNoisy = 0.12;
 
 nlohmann::json counts_json(const CoverCounts& c) {
     nlohmann::json fallbacks, degrees;
@@ -77,8 +78,9 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
     rules.follow_normals = noise.normals_inform && !rules.windows;
-    rules.refits = !rules.follow_normals && !rules.windows &&
-                   std::sqrt(noise.noise_variance) < kLittleNoise * noise.spacing;
+    const double roughness = std::sqrt(noise.noise_variance) / noise.spacing;
+    rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
+                   roughness > kSmooth && roughness < kNoisy;
     return rules;
 }
 
@@ -96,6 +98,7 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
             {"sharp", rules.sharp},
             {"follow_normals", rules.follow_normals},
+            {"refits", rules.refits},
             {"seed", rules.seed}};
 }
 
@@ -134,7 +137,6 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     coarse.last_level = division.last_coarse;
     if (division.last_coarse == division.first_fine) coarse.provisional = division.halo;
     coarse.share = division.share;
-    coarse.refits = false;  // not all leaves are known yet
     nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
     result["sample"] = sample.size();
     return stamp.commit({output}, result, Outlasts::process);

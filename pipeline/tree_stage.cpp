@@ -151,8 +151,8 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     context.check_stop();
     const LooseCounts loose = mark_loose(data);
     set_drawn_bounds(data);
-    const std::uint64_t n_stand_ins = mark_stand_ins(data);
     context.check_stop();
+    const std::uint64_t n_stand_ins = mark_stand_ins(data);
     context.check_stop();
     write_model(config.output, data, text_of(provenance_of(plan, fits, counts)));
     return stamp.commit({config.output},

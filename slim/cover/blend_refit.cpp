@@ -42,27 +42,35 @@ double aim_at_blend(const PointTree& points, const Surfel& s, std::span<const Bl
     return weight > 0 ? square / weight : 0;
 }
 
-/// What is left of a fit when chance is taken off its mean square (James and Stein's positive part).
-double believed_share(const LocalFit& fit, double radius, double mean_square) {
+/// What a fit explains of a mean square, over rho squared, and the share of it that is believed when chance is taken off
+/// (James and Stein's positive part).
+struct Belief {
+    double explained = 0, share = 0;
+};
+Belief believed(const LocalFit& fit, double radius, double mean_square) {
     const double k = n_coefficients(fit.degree);
     const double rest = fit.sq_error / (radius * radius) * std::max(1 - k / fit.n_effective, kLeastFreedom);
     const double explained = mean_square - rest;
-    if (!(explained > 0)) return 0;
-    return std::max(0.0, 1 - kChance * k * rest / (fit.n_effective * explained));
+    if (!(explained > 0)) return {};
+    return {explained, std::max(0.0, 1 - kChance * k * rest / (fit.n_effective * explained))};
 }
 
-bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Surfel& s, BallPoints<double>& ball) {
+bool refit(const PointTree& points, std::span<const BlendResidual> residuals, FittedSurfel& leaf,
+           BallPoints<double>& ball) {
+    Surfel& s = leaf.surfel;
     if (s.sharp || s.degree < 1) return false;
     gather_ball(points, s.center, s.support_radius, ball);
     const double mean_square = aim_at_blend(points, s, residuals, ball);
     const LocalFit fit = fit_ball(ball, 1, s.frame, s.degree, Enough::points);
     if (fit.fallback != Fallback::none) return false;
-    const double share = believed_share(fit, s.support_radius, mean_square);
-    if (!(share > 0)) return false;
+    const Belief belief = believed(fit, s.support_radius, mean_square);
+    if (!(belief.share > 0)) return false;
     Polynomial<double> moved = s.polynomial;
-    for (std::size_t k = 0; k < moved.a.size(); ++k) moved.a[k] += share * fit.polynomial.a[k];
+    for (std::size_t k = 0; k < moved.a.size(); ++k) moved.a[k] += belief.share * fit.polynomial.a[k];
     if (too_steep(moved)) return false;
     s.polynomial = moved;
+    // Its own residuals are orthogonal to what it may move by.
+    leaf.fit_error = std::hypot(leaf.fit_error, belief.share * std::sqrt(belief.explained) * s.support_radius);
     return true;
 }
 
@@ -74,7 +82,7 @@ std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidua
     std::atomic<std::size_t> n_moved = 0;
     parallel_blocks(leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            n_moved += refit(points, residuals, leaves[i].surfel, balls.local()) ? 1u : 0u;
+            n_moved += refit(points, residuals, leaves[i], balls.local()) ? 1u : 0u;
     });
     return n_moved;
 }

@@ -18,6 +18,9 @@ inline double level_radius(double diagonal, int level) {
     return diagonal / 10 * std::pow(kGoldenRatio, level - 1);
 }
 
+/// Finer than any scan: rho_0 g^47 = 1e-11 L.
+inline constexpr int kLastLevel = 48;
+
 /// What the fit of one set of points is asked for.
 struct CoverRules {
     int degree = 2;
@@ -32,12 +35,13 @@ struct CoverRules {
     CoverReading reading = CoverReading::b;
     bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
     bool follow_normals = false;  ///< fits follow the points' normals as well (slim/fit/notes/0007)
-    bool refits = false;  ///< leaves are fitted a second time, to what their blend leaves over (blend_refit.h)
+    /// Leaves are fitted a second time, to what their blend leaves over (blend_refit.h), and so overlap less.
+    bool refits = false;
     double spacing = 0;  ///< square root of the area that one of the job's points usually has; 0: as these have
     double share = 1;    ///< of the job's points that are here, by in_share(); what < 1 does not resolve waits
     std::function<bool(const Vec3d&)> owns;  ///< centres of surfels to keep and to count; empty: all
     int first_level = 1;                ///< radii above this level's are left to others (coarse levels)
-    int last_level = 48;                ///< and those below this one's
+    int last_level = kLastLevel;        ///< and those below this one's
     std::span<const std::uint64_t> dropped; ///< ids of points that those levels dropped
     int rungs_above = 0;                ///< of a first_level > 1: leaves may be so many rungs larger than it
     double provisional = 0;  ///< surfels of last_level up to this radius serve its larger leaves only, and go
@@ -47,6 +51,10 @@ struct CoverRules {
     /// Finest rung of the ladder that leaves may not exceed: fine levels know no points beyond their halo.
     int top_rung() const { return std::max(0, first_level - 1 - rungs_above); }
     bool is_sample() const { return share < 1; }
+    /// A second fit wants all leaves: not where finer levels are left to others.
+    bool fits_again() const { return refits && last_level == kLastLevel; }
+    /// Least overlap of a covered point.
+    float coverage() const { return refits ? kRefittedCoverage : static_cast<float>(kCoverage); }
 
     /// Where the degree is not chosen one by one: of internal surfels, which stand in for their children where
     /// these are a few pixels large, and of edges, whose price is that of quadratic sheets.

@@ -29,6 +29,7 @@ constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCovera
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
+constexpr std::size_t kPiece = 1024;        // leaves that wait together
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
@@ -58,7 +59,7 @@ public:
           states_(points.size()),
           radius_(points.size(), 0.0f),
           finest_(points.size(), 0.0f),
-          blend_(rules.refits ? points.size() : 0),
+          blend_(rules.fits_again() ? points.size() : 0),
           open_(points.size()),
           work_([&rules] {
               LeafWork w;
@@ -82,7 +83,7 @@ public:
             out_.counts.levels = static_cast<std::uint64_t>(level);
             reporter.progress("fit", block_.size() - open, block_.size());
         }
-        if (rules_.refits) keep_refitted();
+        if (rules_.fits_again()) keep_refitted();
         for (const LeafWork& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
             out_.counts.sharp_rungs += w.ladder.sharp_rungs;
@@ -109,7 +110,7 @@ private:
     bool is_open(std::uint32_t p) const {
         const PointState& s = states_[p];
         if (s.flags & kClosed) return false;
-        return !((s.flags & kCore) && s.weight >= static_cast<float>(kCoverage));
+        return !((s.flags & kCore) && s.weight >= rules_.coverage());
     }
     std::size_t count_open() const {
         std::atomic<std::size_t> n = 0;
@@ -151,6 +152,7 @@ private:
     bool drop(std::uint32_t point);
     void mark(const CoveringSurfel& leaf);
     void blend(const CoveringSurfel& leaf);
+    void wait_for_refit(const FittedSurfel& leaf);
     void keep_refitted();
     bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
@@ -161,9 +163,9 @@ private:
     std::vector<PointState> states_;
     std::vector<float> radius_;        // found by an earlier search, 0: not searched
     std::vector<float> finest_;        // the smallest ball that search admitted
-    std::vector<BlendResidual> blend_;  // of rules_.refits only
+    std::vector<BlendResidual> blend_;  // of a second fit only
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
-    std::vector<FittedSurfel> refitted_;  // leaves that wait for their second fit, those of others too
+    std::vector<std::vector<FittedSurfel>> waiting_;  // leaves that wait for their second fit, those of others too
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
@@ -188,7 +190,7 @@ void LevelCover::run_level(int level) {
     if (thinning > 0) parallel_erase_if(waiting, is_closed);
     for (std::uint32_t& rank : waiting) rank = pyramid_.by_priority()[rank];
     for (const float most_overlap : kCrowding) {
-        run_pass(level, thinning, most_overlap, waiting);
+        run_pass(level, thinning, std::min(most_overlap, rules_.coverage()), waiting);
         if (waiting.empty()) break;
     }
 }
@@ -198,7 +200,7 @@ void LevelCover::run_level(int level) {
 /// takes them all.
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                           std::vector<std::uint32_t>& waiting) {
-    const bool last = most_overlap >= static_cast<float>(kCoverage);
+    const bool last = most_overlap >= rules_.coverage();
     const auto may_lead = [&](std::uint32_t p) { return is_open(p) && states_[p].stamp != level; };
     const auto is_free = [&](std::uint32_t p) { return last || states_[p].weight <= most_overlap; };
 
@@ -323,12 +325,12 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     }
     states_[c.point].flags |= kClosed;
     mark(c.surfel);
-    if (rules_.refits) refitted_.push_back(f);
+    if (rules_.fits_again()) wait_for_refit(f);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
-    if (!rules_.refits) keep(f);
+    if (!rules_.fits_again()) keep(f);
 }
 
 /// Adds a leaf to what the blend leaves over at its points.
@@ -342,14 +344,21 @@ void LevelCover::blend(const CoveringSurfel& leaf) {
     }
 }
 
+/// In pieces: an array that doubles would take the memory of the points.
+void LevelCover::wait_for_refit(const FittedSurfel& leaf) {
+    if (waiting_.empty() || waiting_.back().size() == kPiece) waiting_.emplace_back().reserve(kPiece);
+    waiting_.back().push_back(leaf);
+}
+
 /// The leaves' second fit, once all are known. Those of coarse levels, of whose points a slice sees a part only,
 /// stay as they are.
 void LevelCover::keep_refitted() {
-    for (auto* at : {&radius_, &finest_}) std::vector<float>().swap(*at);
-    std::vector<std::uint32_t>().swap(open_);
-    out_.counts.refitted = refit_to_blend(pyramid_.all(), blend_, refitted_);
-    for (const FittedSurfel& f : refitted_)
-        if (is_kept(f)) keep(f);
+    for (std::vector<FittedSurfel>& leaves : waiting_) {
+        out_.counts.refitted += refit_to_blend(pyramid_.all(), blend_, leaves);
+        for (const FittedSurfel& f : leaves)
+            if (is_kept(f)) keep(f);
+        std::vector<FittedSurfel>().swap(leaves);
+    }
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
@@ -370,13 +379,14 @@ void LevelCover::mark(const CoveringSurfel& leaf) {
     };
     const bool stands_for_more = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
     const std::uint16_t beside = stands_for_more ? kBeside : 0;
-    const float times = leaf.fitted.flags & (slim::kForced | slim::kLimited) ? kLimitedTimes : 1;
+    const bool is_limited = (leaf.fitted.flags & (slim::kForced | slim::kLimited)) != 0;
+    const float times = is_limited && !rules_.refits ? kLimitedTimes : 1;
     for (const Covered& p : leaf.covered) {
         PointState& state = states_[p.point];
         state.weight += times * overlap(p);
         state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));
     }
-    if (rules_.refits) blend(leaf);
+    if (rules_.fits_again()) blend(leaf);
     if (!stands_for_more) return;
     for (const std::uint32_t p : leaf.beside) states_[p].flags |= kBeside;
 }

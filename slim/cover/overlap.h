@@ -21,9 +21,12 @@ inline float overlap_weight(CoverReading reading, float sq) {
     return t <= 0.5f ? 0.75f - t * t : rest > 0 ? 0.5f * rest * rest : 0.0f;
 }
 
-/// How often a leaf counts in the overlap whose radius a fold or the want of points limits, not E: G is 0.027 at the
-/// edge of its core, which it so covers as a whole. Its like stand side by side in any number, each poor where it
-/// ends, and more of them do not better that (notes/0010).
+/// How often a leaf counts in the overlap of a noisy cloud whose radius a fold or the want of points limits, not E: G is
+/// 0.027 at the edge of its core, which it so covers as a whole. Its like stand side by side in any number, each poor
+/// where it ends, and more of them do not better that (notes/0010).
 inline constexpr float kLimitedTimes = 4;
+
+/// Least overlap of a covered point where leaves are fitted a second time: they err less where they end (notes/0010).
+inline constexpr float kRefittedCoverage = 0.085f;
 
 }  // namespace slim

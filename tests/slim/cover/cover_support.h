@@ -57,7 +57,7 @@ inline void expect_same(const Cover& a, const Cover& b) {
 }
 
 /// Points that are neither covered by the leaves nor the centre of one.
-inline std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_variance) {
+inline std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_variance) {  // without refits
     const PointTree tree = tree_of(block);
     std::vector<double> weight(block.size(), 0);
     std::vector<bool> core(block.size(), false);

@@ -124,7 +124,7 @@ TEST(LevelCover, FewPointsKeepTheirLeafWhereNoiseIsSmallAgainstIt) {
     rules.ladder.contrary_share = 2e-3;
     const Cover c = cover(block, rules);
     EXPECT_EQ(c.counts.beside, 0u);
-    EXPECT_GT(c.counts.forced, 5u);
+    EXPECT_GT(c.counts.forced, 5u);  // ten: each covers its core as a whole (slim/cover/notes/0010)
 }
 
 TEST(LevelCover, NothingIsCoveredFarFromTheDataOfAHole) {
