@@ -79,6 +79,41 @@ TEST_F(FitStage, GivenNormalsAreFollowedWhereTheyTellMoreThanNoisyPoints) {
     EXPECT_FALSE(follows(3e-3, {}, windows));
 }
 
+TEST_F(FitStage, LeavesAreFittedAgainBetweenSmoothAndNoisy) {
+    const auto refitted = [&](const Cloud& cloud, const FitConfig& config) {
+        slice(write(cloud, "c.ply"), 1);
+        NormalsConfig estimated;  // they are not followed then
+        estimated.normals = "estimate";
+        normals(estimated);
+        return fit(config)["refitted"].get<std::uint64_t>();
+    };
+    FitConfig windows, polynomial;
+    windows.radius_rule = "windows", polynomial.weight = "polynomial";
+    const Cloud rough = sampled("torus", 5000);  // sqrt(lambda) is 0.06 of the spacing
+    EXPECT_GT(refitted(rough, {}), 100u);
+    EXPECT_EQ(refitted(rough, windows), 0u);
+    EXPECT_EQ(refitted(rough, polynomial), 0u);
+    EXPECT_EQ(refitted(sampled("torus", 40000), {}), 0u) << "smooth";
+    EXPECT_EQ(refitted(sampled("torus", 5000, 1, 3e-3), {}), 0u) << "noisy";
+}
+
+// Coarse levels are fitted once, before all leaves are known.
+TEST_F(FitStage, SlicesHardlyChangeLeavesThatAreFittedAgain) {
+    const std::string cloud = write(sampled("sculpture", 100000), "c.ply");
+    std::vector<double> leaves, l2;
+    for (const int slices : {1, 3}) {
+        slice(cloud, slices);
+        normals();
+        const auto r = fit();
+        EXPECT_GT(r["refitted"].get<double>(), 0.5 * r["leaves"].get<double>());
+        leaves.push_back(r["leaves"]);
+        tree("m.slim");
+        l2.push_back(measure(file("m.slim"), cloud)["l2"]);
+    }
+    EXPECT_NEAR(leaves[1] / leaves[0], 1, 0.01);
+    EXPECT_NEAR(l2[1] / l2[0], 1, 0.02);
+}
+
 TEST_F(FitStage, EdgesOfACleanCloudAreNoNoise) {
     // A cube of exact points and normals: lambda comes from its edges.
     Cloud cube;
