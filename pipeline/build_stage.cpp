@@ -127,6 +127,7 @@ void check_output(const BuildConfig& config) {
                           (fs::path(config.output) / "model.slim").string());
     check_replaceable(config.output);
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
+    refuse_to_replace_other(config.output);
     if (parse_memory_size(config.memory) < kLeastMemory)
         throw ConfigError("--memory " + config.memory + ": expected at least " +
                           memory_size_text(kLeastMemory) + ", which the coarse levels take");

@@ -48,6 +48,17 @@ InputKind input_kind(const std::string& path) {
     return has_a_point(path) ? InputKind::cloud : InputKind::other;
 }
 
+void refuse_to_replace_other(const std::string& output) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(output, ignored) || std::filesystem::file_size(output, ignored) == 0) return;
+    const InputKind kind = input_kind(output);
+    if (kind == InputKind::model) return;
+    if (kind != InputKind::cloud && std::filesystem::path(output).extension() == ".slim") return;
+    throw ConfigError(fmt::format("{}: is there already and is {}, not a model; name another file, as {}, or remove it",
+                                  output, kind == InputKind::cloud ? "a cloud" : "some other file",
+                                  std::filesystem::path(output).replace_extension(".slim").string()));
+}
+
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
     std::error_code none;
     for (const std::string& input : inputs)

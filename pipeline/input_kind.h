@@ -19,6 +19,10 @@ void require_model(const std::string& path);
 /// Throws ConfigError if an output is one of the inputs, under whatever name; empty names are passed over.
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs);
 
+/// Throws ConfigError if a model would take the place of a file that is a cloud, or any other but a model (also a damaged
+/// one) or an empty file.
+void refuse_to_replace_other(const std::string& output);
+
 /// Makes a folder for outputs, and those above it, where there is none. IoError (2) if that cannot
 /// be.
 void make_writable_folder(const std::filesystem::path& folder);

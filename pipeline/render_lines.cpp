@@ -137,8 +137,9 @@ PictureLines::PictureLines(std::span<const LineModel> models, std::span<const Li
         std::vector<LineKind> own;
         std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own),
                      [&](LineKind kind) { return line_degree(kind) > 1 && line_degree(kind) <= degree; });
-        searches_.push_back({m, model.diagonal, degree, {}, LineSearch(own)});
+        // The model's own crest lines give way to its creases, which are known before them.
         searches_.push_back({kAllModels, model.diagonal, degree, models[m].edges, LineSearch(creases)});
+        searches_.push_back({m, model.diagonal, degree, {}, LineSearch(own)});
     }
 }
 
@@ -152,10 +153,10 @@ void PictureLines::add(int begin, int end, RenderedFrame& frame) {
 }
 
 std::vector<FeatureLine> PictureLines::finish() {
-    std::vector<FeatureLine> lines;
+    std::vector<FeatureLine> lines, more;
     for (Search& search : searches_) {
-        std::vector<FeatureLine> more = search.lines.finish();
-        std::move(more.begin(), more.end(), std::back_inserter(lines));
+        more = search.lines.finish(search.model == kAllModels ? std::vector<FeatureLine>{} : std::move(more));
+        lines.insert(lines.end(), more.begin(), more.end());
     }
     const auto rank = [&](const FeatureLine& line) { return std::find(kinds_.begin(), kinds_.end(), line.kind); };
     std::stable_sort(lines.begin(), lines.end(),

@@ -3,6 +3,7 @@
 #include "formats/fit_file.h"
 #include "formats/model_file.h"
 #include "pipeline/fit_stage.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
@@ -136,6 +137,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     const SlicePlan plan = read_plan(config.work);
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);
+    refuse_to_replace_other(config.output);
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(plan_path(config.work));  // the model's origin, bounds and inputs stand in no fit
     for (const auto& path : paths) stamp.input(path);

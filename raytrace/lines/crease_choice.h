@@ -7,7 +7,7 @@
 
 namespace slim {
 
-/// Which of the scene's edges are worth drawing in its view: 1 or 0 for each (see visible_creases).
+/// Which of the scene's edges are worth drawing in its view: 1 or 0 for each (see CreaseSearch).
 std::vector<std::uint8_t> chosen_edges(const LineScene& scene);
 
 }  // namespace slim

@@ -41,23 +41,29 @@ void merge(std::array<std::int32_t, 2>& known, const std::array<std::int32_t, 2>
         if (more[k] >= 0) known[k] = more[k];
 }
 
-/// Number of a pixel of the picture.
-std::int64_t pixel_number(int x, int y) { return (static_cast<std::int64_t>(y) << 32) + x; }
-
-/// Pixels of the picture that creases pass within 2 pixels of, rising.
-std::vector<std::int64_t> pixels_of(std::span<const CreaseSearch> creases) {
-    constexpr int kReach = 2;
-    std::vector<std::int64_t> pixels;
-    for (const CreaseSearch& search : creases)
-        for (const FeatureLine& line : search.lines())
+/// Pixels of the picture within 2 pixels of creases, rising.
+class CreasedPixels {
+public:
+    void add(std::span<const FeatureLine> creases) {
+        constexpr int kReach = 2;
+        for (const FeatureLine& line : creases)
             for (const LinePoint& p : line.points)
                 for (int y = static_cast<int>(p.y) - kReach; y <= static_cast<int>(p.y) + kReach; ++y)
                     for (int x = static_cast<int>(p.x) - kReach; x <= static_cast<int>(p.x) + kReach; ++x)
-                        pixels.push_back(pixel_number(x, y));
-    std::sort(pixels.begin(), pixels.end());
-    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
-    return pixels;
-}
+                        numbers_.push_back(number(x, y));
+    }
+    void sort() {
+        std::sort(numbers_.begin(), numbers_.end());
+        numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    }
+    bool hold(const LinePoint& p) const {
+        return std::binary_search(numbers_.begin(), numbers_.end(), number(static_cast<int>(p.x), static_cast<int>(p.y)));
+    }
+
+private:
+    static std::int64_t number(int x, int y) { return (static_cast<std::int64_t>(y) << 32) + x; }
+    std::vector<std::int64_t> numbers_;
+};
 
 }  // namespace
 
@@ -128,21 +134,23 @@ void LineSearch::add(const LineScene& scene) {
 }
 
 /// Crest lines end where the same edge is drawn as a crease.
-void LineSearch::leave_to_creases() {
-    const std::vector<std::int64_t> creased = pixels_of(creases_);
-    if (creased.empty()) return;
+void LineSearch::leave_to_creases(std::span<const FeatureLine> elsewhere) {
+    const auto is_crest = [](const Found& f) { return f.kind == LineKind::ridge || f.kind == LineKind::valley; };
+    if (std::none_of(found_.begin(), found_.end(), is_crest)) return;
+    CreasedPixels creased;
+    creased.add(elsewhere);
+    for (const CreaseSearch& search : creases_) creased.add(search.lines());
+    creased.sort();
     for (Found& found : found_) {
-        if (found.kind != LineKind::ridge && found.kind != LineKind::valley) continue;
+        if (!is_crest(found)) continue;
         for (LinePoint& p : found.points)
-            if (std::binary_search(creased.begin(), creased.end(),
-                                   pixel_number(static_cast<int>(p.x), static_cast<int>(p.y))))
-                p.evidence = std::numeric_limits<float>::quiet_NaN();
+            if (creased.hold(p)) p.evidence = std::numeric_limits<float>::quiet_NaN();
     }
 }
 
-std::vector<FeatureLine> LineSearch::finish() {
+std::vector<FeatureLine> LineSearch::finish(std::span<const FeatureLine> creases) {
     SLIM_CHECK(next_row_, ==, height_);
-    leave_to_creases();
+    leave_to_creases(creases);
     std::vector<std::vector<FeatureLine>> of(found_.size());
     parallel_blocks(found_.size(), 1,
                     [&](std::size_t k, std::size_t) { of[k] = found_[k].lines(width_, height_, diagonal_); });

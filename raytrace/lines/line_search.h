@@ -19,7 +19,7 @@ inline constexpr int kMostRowsAway = 64;
 int line_margin(int picture_width, int picture_height);
 
 /// The feature lines of a picture that is seen band by band, the same to the bit as of the whole at once. What is kept
-/// of a band is its crossings with their links: 36 bytes each (raytrace/lines/notes/0004).
+/// of a band is its crossings with their links: 36 bytes each (raytrace/lines/notes/0005).
 ///
 /// Bands follow each other from the top down. Of each, rows [rows.begin, rows.end) of the planes are searched, which
 /// begin where those of the band before ended; around them lie line_margin rows, as far as the picture has them.
@@ -31,8 +31,9 @@ public:
     /// throws nothing; a channel that is missing, or a band that does not follow, is a SLIM_CHECK failure
     void add(const LineScene& scene);
 
-    /// The lines as extract_lines gives them, once all rows were added. What was found is gone then.
-    std::vector<FeatureLine> finish();
+    /// The lines as extract_lines gives them, once all rows were added. What was found is gone then. Crest lines give
+    /// way to creases, those found elsewhere (`creases`) included.
+    std::vector<FeatureLine> finish(std::span<const FeatureLine> creases = {});
 
 private:
     /// What was found of one kind.
@@ -47,7 +48,7 @@ private:
         void append(const CrossingField& field, const LineLinks& own, bool is_last);
         std::vector<FeatureLine> lines(int width, int height, double diagonal);
     };
-    void leave_to_creases();
+    void leave_to_creases(std::span<const FeatureLine> elsewhere);
 
     std::vector<LineKind> kinds_;
     std::vector<Found> found_;           ///< of kinds other than creases, in their order

@@ -183,10 +183,8 @@ private:
             at = there, side.normal = next->normal, step = kStep * next->radius;
             if (next->in_core) half.radius = next->radius;
         }
-        if (half.corner != kNoCorner)
-            end_at_corner(start, half);
-        else if (!half.closed)
-            half.points.resize(in_core);
+        if (half.corner != kNoCorner) end_at_corner(start, half);
+        if (half.corner == kNoCorner && !half.closed) half.points.resize(in_core);
         return half;
     }
 

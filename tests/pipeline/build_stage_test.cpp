@@ -1,6 +1,7 @@
 #include "pipeline/build_stage.h"
 
 #include "formats/model_file.h"
+#include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "slim/base/parallel.h"
 #include "pipeline/info_stage.h"
@@ -10,6 +11,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 namespace slim::test {
 namespace {
@@ -259,6 +261,20 @@ TEST_F(BuildStage, SlicesChangeTheResultWithinABound) {
     EXPECT_NEAR(leaves[1] / leaves[0], 1, 0.02);
     EXPECT_NEAR(l2[1] / l2[0], 1, 0.02);
     EXPECT_NEAR(normal[1] / normal[0], 1, 0.02);
+}
+
+TEST_F(BuildStage, AModelTakesTheOutputsPlaceOfModelsOnly) {
+    const std::string cloud = write(sampled("sphere", 2000), "c.ply");
+    const std::string other = write(sampled("sphere", 300), "other.ply");
+    EXPECT_EQ(code_of([&] { build(build_config(cloud, "other.ply")); }), ExitCode::usage);
+    EXPECT_NE(message_.find("other.ply: is there already and is a cloud"), std::string::npos) << message_;
+    EXPECT_EQ(input_kind(other), InputKind::cloud);
+    std::ofstream(file("notes.txt")) << "not a model";
+    EXPECT_EQ(code_of([&] { build(build_config(cloud, "notes.txt")); }), ExitCode::usage);
+    std::ofstream(file("empty.slim")).flush();
+    std::ofstream(file("damaged.slim")) << "half a model";
+    for (const char* name : {"empty.slim", "damaged.slim", "new.slim", "new.slim"})
+        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::ok) << name << ": " << message_;
 }
 
 TEST_F(BuildStage, TooFewPointsAreRefusedWithExit3) {

@@ -265,6 +265,13 @@ TEST(Creases, TakeTheirEdgesFromCrestLines) {
     EXPECT_TRUE(std::none_of(both.begin(), both.end(),
                              [](const FeatureLine& l) { return l.kind == LineKind::ridge; }));
     EXPECT_EQ(both.size(), 9u);
+    // Found by searches of their own, as of one model of several.
+    const Drawn view = drawn(model, edges, camera, false, {LineKind::ridge, LineKind::convex_crease});
+    const PixelView pixels = pixel_view(camera, kSize, kSize);
+    LineSearch ridges(std::vector{LineKind::ridge}), creases(std::vector{LineKind::convex_crease});
+    ridges.add({view.buffer, pixels, model.header.diagonal, 3});
+    creases.add({view.buffer, pixels, model.header.diagonal, 3, edges});
+    EXPECT_TRUE(ridges.finish(creases.finish()).empty());
 }
 
 }  // namespace
