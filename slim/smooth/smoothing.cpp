@@ -72,9 +72,9 @@ private:
     bool by_model_ = false;
 };
 
-/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or a contrary one.
+/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or one that faces away.
 void turn(const Vec3d& to, double share, Vec3d& normal) {
-    const bool own = share < 1 && is_finite(normal) && dot(normalized(normal), to) > kTrustedCosine;
+    const bool own = share < 1 && is_finite(normal) && dot(normal, to) > 0;
     normal = own ? normalized(normalized(normal) * (1 - share) + to * share) : to;
 }
 
