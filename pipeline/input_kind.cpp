@@ -49,14 +49,13 @@ InputKind input_kind(const std::string& path) {
 }
 
 void refuse_to_replace_other(const std::string& output) {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(output, ignored) || std::filesystem::file_size(output, ignored) == 0) return;
+    std::error_code none;
+    if (!fs::is_regular_file(output, none) || fs::file_size(output, none) == 0) return;
     const InputKind kind = input_kind(output);
-    if (kind == InputKind::model) return;
-    if (kind != InputKind::cloud && std::filesystem::path(output).extension() == ".slim") return;
-    throw ConfigError(fmt::format("{}: is there already and is {}, not a model; name another file, as {}, or remove it",
-                                  output, kind == InputKind::cloud ? "a cloud" : "some other file",
-                                  std::filesystem::path(output).replace_extension(".slim").string()));
+    const bool is_cloud = kind == InputKind::cloud;
+    if (kind == InputKind::model || (!is_cloud && fs::path(output).extension() == ".slim")) return;
+    throw ConfigError(fmt::format("{}: is there already and is {}, not a model; name another file or remove it",
+                                  output, is_cloud ? "a cloud" : "some other file"));
 }
 
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {

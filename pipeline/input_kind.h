@@ -19,8 +19,8 @@ void require_model(const std::string& path);
 /// Throws ConfigError if an output is one of the inputs, under whatever name; empty names are passed over.
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs);
 
-/// Throws ConfigError if a model would take the place of a file that is a cloud, or any other but a model (also a damaged
-/// one) or an empty file.
+/// Throws ConfigError if a model would take the place of a cloud or of any other file. Models, empty files and
+/// what is named .slim without being a cloud (a damaged model) may be replaced.
 void refuse_to_replace_other(const std::string& output);
 
 /// Makes a folder for outputs, and those above it, where there is none. IoError (2) if that cannot

@@ -122,7 +122,7 @@ void draw_and_write(RenderJob& job, const std::string& model_identity, StageCont
 }  // namespace
 
 RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
-                  StageContext& context) {
+                        StageContext& context) {
     const OutputPlan plan = job.plan;
     const int wanted = job.config.frame;
     RenderOutcome outcome;
