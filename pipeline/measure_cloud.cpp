@@ -29,6 +29,7 @@ struct Sums {
            sq_mean = 0;
     std::uint64_t n_angles = 0;
     Vec3d max_at;  // world; the first point of the greatest distance
+    Bbox box;      // world, of all finite points
 
     void add_distance(double t, const Vec3d& world, double tolerance) {
         sq_distance += t * t;
@@ -42,6 +43,7 @@ struct Sums {
         if (b.max > max) max = b.max, max_at = b.max_at;
         sq_angle += b.sq_angle, n_angles += b.n_angles;
         sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
+        box.extend(b.box);
     }
 };
 
@@ -61,6 +63,7 @@ public:
         PointFigures out;
         if (!is_finite(world)) return out;
         ++sums.points;
+        sums.box.extend(world);
         const ProjectedPoint put =
             put_(world - origin_, to_double(own_normal), truth != nullptr);
         sums.no_normal += put.has_normal ? 0u : 1u;
@@ -181,6 +184,8 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
         throw FormatError(fmt::format("{}: expected the truth of {} points, found {}", files.truth,
                                       truth_file->n_points() - truth_file->n_left(), truth_file->n_points()));
     if (sums.points == 0) throw DataError(files.cloud + ": no finite point to measure");
+    const bool corners_only = surface.corners_may_miss && meet(sums.box, surface.file.box);
+    if (sums.missed == sums.points && !corners_only) refuse_apart({files.cloud, sums.box}, surface.file, sums.points);
     if (written) written->commit();
     return summary(sums, distances, surface, truth_file.has_value(), tolerance);
 }

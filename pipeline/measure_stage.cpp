@@ -9,6 +9,7 @@
 #include "pipeline/measure_back.h"
 #include "pipeline/measure_cloud.h"
 #include "pipeline/measure_pictures.h"
+#include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
 #include "slim/shapes/foot_point.h"
 
@@ -25,13 +26,13 @@ using nlohmann::json;
 constexpr const char* kShape = "shape:";
 
 /// The model as what a cloud is measured against; `index` must outlive it.
-MeasuredSurface surface_of(const ModelHeader& header, const BallIndex& index) {
+MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header, const BallIndex& index) {
     return {header.origin, header.diagonal, [&index]() -> PutPoint {
                 return [projector = PointProjector(index)](
                            const Vec3d& p, const Vec3d& n, bool curvature) mutable {
                     return projector.project(p, n, curvature);
                 };
-            }};
+            }, config.two_way && is_mesh(config.cloud), placed(config.model, header)};
 }
 
 /// A point put on an analytic shape: at its foot, the nearest point.
@@ -68,7 +69,7 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     const BallIndex index(tree);
-    json out = measure_cloud(surface_of(model.header(), index), files, config.tolerance, context);
+    json out = measure_cloud(surface_of(config, model.header(), index), files, config.tolerance, context);
     const auto points = out["points"].get<std::uint64_t>(),
                missed = out["missed"].get<std::uint64_t>();
     if (2 * missed > points)

@@ -54,7 +54,8 @@ struct MeasureConfig {
 /// line meets the surface in reach. A mean over nothing is null.
 ///
 /// two_way adds model_to_cloud (measure_back.h). Two pictures are compared as measure_pictures.h says.
-/// throws DataError if the cloud has no finite point
+/// throws DataError if the cloud has no finite point; NumericalError if the model misses every one, as in another frame
+///        or unit: then nothing is written
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context);
 
 }  // namespace slim

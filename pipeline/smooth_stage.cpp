@@ -3,6 +3,7 @@
 #include "formats/cloud_rewriter.h"
 #include "formats/model_file.h"
 #include "formats/point_source.h"
+#include "pipeline/apart.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
@@ -39,9 +40,11 @@ struct Counts {
     std::uint64_t points = 0, moved = 0, unsupported = 0, held = 0, opposed = 0, astray = 0, not_finite = 0;
     std::uint64_t by_model = 0, held_back = 0;
     double sq_displacement = 0, max = 0;
+    Bbox box;  // of the finite points as they were, frame of the job
 
-    void add(const SmoothedPoint& p) {
+    void add(const Vec3d& from, const SmoothedPoint& p) {
         ++points;
+        if (is_finite(from)) box.extend(from);
         if (!p.moved) {
             ++(!is_finite(p.position) ? not_finite : p.held ? held : unsupported);
             return;
@@ -129,6 +132,16 @@ struct Smoother {
     }
 };
 
+/// Nothing is written where the model says nothing of any point.
+void require_moved(const Smoother& smoother, const Counts& counts) {
+    const std::string& cloud = smoother.config.cloud;
+    if (counts.points == counts.not_finite) throw DataError(cloud + ": no finite point to smooth");
+    if (counts.moved > 0 || counts.unsupported == 0) return;
+    const Bbox world{counts.box.lo + smoother.origin, counts.box.hi + smoother.origin};
+    refuse_apart({cloud, world}, placed(smoother.config.model, smoother.tree.header()),
+                 counts.points - counts.not_finite);
+}
+
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     std::optional<RefittedSurface> anew;
@@ -159,16 +172,15 @@ json smooth_cloud(const Smoother& smoother) {
         smoothed.resize(chunk.size());
         smooth_points(surface, smoother.settings(), chunk.position, chunk.normal, smoothed);
         rewritten.clear();
-        for (const SmoothedPoint& p : smoothed) {
-            counts.add(p);
-            rewritten.push_back(smoother.rewritten(p));
+        for (std::size_t i = 0; i < smoothed.size(); ++i) {
+            counts.add(chunk.position[i], smoothed[i]);
+            rewritten.push_back(smoother.rewritten(smoothed[i]));
         }
         out->write(rewritten);
         smoother.context.reporter.progress("smooth", source->bytes_read(), source->info().file_size);
         smoother.context.check_stop();
     }
-    if (counts.points == counts.not_finite)
-        throw DataError(config.cloud + ": no finite point to smooth");
+    require_moved(smoother, counts);
     out->commit();
     json result = counts.to_json("points");
     result["opposed"] = counts.opposed;
@@ -186,6 +198,7 @@ json smooth_faces(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     const auto n_steps = static_cast<std::uint64_t>(config.iterations);
     Mesh mesh = read_mesh(config.cloud, smoother.origin);
+    const std::vector<Vec3d> from = mesh.position;
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     const SmoothedMesh smoothed =
         smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
@@ -194,12 +207,11 @@ json smooth_faces(const Smoother& smoother) {
         });
     Counts counts;
     std::vector<RewrittenPoint> rewritten;
-    for (const SmoothedPoint& p : smoothed.vertices) {
-        counts.add(p);
-        rewritten.push_back(smoother.rewritten(p));
+    for (std::size_t i = 0; i < smoothed.vertices.size(); ++i) {
+        counts.add(from[i], smoothed.vertices[i]);
+        rewritten.push_back(smoother.rewritten(smoothed.vertices[i]));
     }
-    if (counts.points == counts.not_finite)
-        throw DataError(config.cloud + ": no finite point to smooth");
+    require_moved(smoother, counts);
     out->write(rewritten);
     out->commit();
     if (2 * counts.held > counts.points)

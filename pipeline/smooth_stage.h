@@ -42,7 +42,8 @@ struct SmoothConfig {
 /// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed, astray,
 /// points_by_model (the fits were out of reach) points_held_back (went a share of the way: trusted_share)
 /// refit_share, leaves_kept_for_memory, leaves_refitted and leaves_kept (as the model has them: wide_radii).
-/// throws  DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or
+/// throws  NumericalError: no point was moved and some lie in no surfel's support, as in another frame or unit
+///         (nothing is written then); DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or
 ///         has another format's name; as open_cloud, CloudRewriter and ModelFile
 /// cost    points: read twice; within `memory`, which says how many points, leaves and fits there may be
 ///         (RefitBudget; the index of the leaves, 400 bytes each, is beside it). Fewer than wanted are warned of

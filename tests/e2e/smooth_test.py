@@ -87,6 +87,17 @@ def refused():
     check(swapped.code == 2 and "slim smooth m.slim c.ply -o x.ply" in swapped.err, f"swapped: {swapped.err}")
 
 
+def apart():
+    (folder / "away.xyz").write_text("403000 7 8\n403001 7 8\n")
+    for command in (("smooth", "m.slim", "away.xyz", "-o", "apart.xyz"),
+                    ("measure", "m.slim", "away.xyz", "-o", "apart.json", "--per-point", "apart.ply")):
+        done = run("slim", *command, "--json")
+        said = done.json()["error"]
+        check(done.code == 5 and said["code"] == 5, f"{command}: exit {done.code}: {done.out}")
+        check(all(word in said["message"] for word in ("m.slim", "away.xyz", "(403000, 7, 8)")), f"{command}: {said}")
+    check(not list(folder.glob("apart*")), f"left behind: {list(folder.glob('apart*'))}")
+
+
 def mesh_bytes(n, last_index=None):
     """A bowl of n x n vertices, little endian."""
     random.seed(3)
@@ -137,7 +148,7 @@ def damaged():
         if file.suffix.lower() not in (".ply", ".xyz"):
             continue
         done = run("slim-smooth", "m.slim", file, "-o", "maybe" + file.suffix, "--json", seconds=30)
-        check(done.code in (0, 3), f"{file.name}: exit {done.code}: {done.err[-500:]}")
+        check(done.code in (0, 3, 5), f"{file.name}: exit {done.code}: {done.err[-500:]}")
 
 
 model()
@@ -146,6 +157,7 @@ memory_is_kept()
 measure_keeps_its_inputs()
 packed_and_text()
 refused()
+apart()
 meshes()
 damaged()
 harness.end()

@@ -64,14 +64,33 @@ TEST_F(MeasureStage, SaysWhichPointIsFarthest) {
         EXPECT_NEAR(m["max_at"][axis].get<double>(), one_off.positions[12345][axis], 1e-6);
 }
 
-TEST_F(MeasureStage, ADistantCloudIsMissed) {
+TEST_F(MeasureStage, ACloudInAnotherFrameIsRefusedAndNothingIsWritten) {
     Cloud away = cloud_;
-    for (Vec3d& p : away.positions) p += Vec3d{10, 0, 0};
+    for (Vec3d& p : away.positions) p += Vec3d{403000, 0, 0};
+    MeasureConfig c;
+    c.model = file("m.slim"), c.cloud = write(away, "away.ply");
+    c.output = file("out.json"), c.per_point = file("points.ply");
+    EXPECT_EQ(code_of([&] { run_as("measure", c, run_measure, listener_); }), ExitCode::numerical);
+    for (const char* said : {"m.slim", "away.ply", "(402999", "(403001", "(403000, 0, 0)", "same frame?"})
+        EXPECT_NE(message_.find(said), std::string::npos) << said << " in " << message_;
+    for (const char* name : {"out.json", "out.json.done.json", "points.ply"})
+        EXPECT_FALSE(std::filesystem::exists(file(name))) << name;
+}
+
+TEST_F(MeasureStage, ACloudInAnotherUnitIsToldSo) {
+    Cloud millimetres = cloud_;
+    for (Vec3d& p : millimetres.positions) p *= 1000;
+    const std::string path = write(millimetres, "mm.ply");
+    EXPECT_EQ(code_of([&] { measure(file("m.slim"), path); }), ExitCode::numerical);
+    EXPECT_NE(message_.find("the cloud is 1000 times as large: are both in the same unit?"), std::string::npos) << message_;
+}
+
+TEST_F(MeasureStage, OnePointInReachIsEnough) {
+    Cloud away = cloud_;
+    for (std::size_t i = 1; i < away.size(); ++i) away.positions[i] += Vec3d{10, 0, 0};
     const auto m = measure(file("m.slim"), write(away, "away.ply"));
-    EXPECT_EQ(m["points"], 20000);
-    EXPECT_EQ(m["missed"], 20000);
-    EXPECT_TRUE(m["l2"].is_null());  // not 0, the best score
-    EXPECT_TRUE(m["max_at"].is_null());
+    EXPECT_EQ(m["missed"], 19999);
+    EXPECT_LT(m["l2"].get<double>(), 1e-4);
 }
 
 TEST_F(MeasureStage, FlippedNormalsAreCountedAsOpposed) {

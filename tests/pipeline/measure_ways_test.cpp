@@ -91,6 +91,15 @@ TEST_F(MeasureWays, FacesAreMeasuredExactly) {
                 0.006);  // samples are 0.025 apart
 }
 
+TEST_F(MeasureWays, AMeshInAnotherFrameIsRefusedAlsoBothWays) {
+    build_sphere();
+    const std::string away = folder_.write(
+        "away.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n9 0 0\n10 0 0\n9 1 0\n3 0 1 2\n");
+    EXPECT_EQ(code_of([&] { both_ways(model_, away); }), ExitCode::numerical);
+}
+
 TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused) {
     build_sphere(2000);
     const auto mesh = [&](const std::string& faces) {

@@ -358,14 +358,39 @@ TEST_F(SmoothStage, MoreLeavesThanMemoryHoldsAreTakenAsTheyAre) {
     EXPECT_EQ(code_of([&] { smooth(cloud, c); }), ExitCode::usage);
 }
 
-TEST_F(SmoothStage, WarnsWhereTheCloudLiesElsewhere) {
+TEST_F(SmoothStage, WarnsWhereMostOfTheCloudLiesElsewhere) {
     Cloud cloud = sampled("sphere", 3000);
     build(build_config(write(cloud, "c.ply"), "m.slim"));
-    for (Vec3d& p : cloud.positions) p += Vec3d{10, 0, 0};
+    for (std::size_t i = 10; i < cloud.size(); ++i) cloud.positions[i] += Vec3d{10, 0, 0};
     listener_.warnings.clear();
-    EXPECT_EQ(smooth(write(cloud, "away.ply"))["moved"], 0);
+    EXPECT_EQ(smooth(write(cloud, "away.ply"))["moved"], 10);
     ASSERT_EQ(listener_.warnings.size(), 1u);
 }
 
 }  // namespace
+TEST_F(SmoothStage, ACloudInAnotherFrameIsRefusedAndNothingIsWritten) {
+    Cloud cloud = sampled("sphere", 3000);
+    build(build_config(write(cloud, "c.ply"), "m.slim"));
+    for (Vec3d& p : cloud.positions) p += Vec3d{10, 0, 0};
+    cloud.positions[0].x = NAN;
+    const std::string away = write(cloud, "away.ply");
+    EXPECT_EQ(code_of([&] { smooth(away); }), ExitCode::numerical);
+    for (const char* said : {"m.slim", "away.ply", "2999 points", "same frame?"})
+        EXPECT_NE(message_.find(said), std::string::npos) << said << " in " << message_;
+    for (const char* name : {"smooth.ply", "smooth.ply.done.json"})
+        EXPECT_FALSE(std::filesystem::exists(file(name))) << name;
+}
+
+TEST_F(SmoothStage, AMeshInAnotherUnitIsRefused) {
+    Cloud cloud = sampled("sphere", 3000);
+    for (Vec3d& p : cloud.positions) p *= 0.001;
+    build(build_config(write(cloud, "c.ply"), "m.slim"));
+    for (const bool open : {false, true}) {
+        const std::string millimetres = mesh(0, open);
+        EXPECT_EQ(code_of([&] { smooth(millimetres); }), ExitCode::numerical);
+        EXPECT_NE(message_.find("same unit?"), std::string::npos) << message_;
+        EXPECT_FALSE(std::filesystem::exists(file("smooth.ply")));
+    }
+}
+
 }  // namespace slim::test
