@@ -11,12 +11,15 @@ struct FootPoint {
 };
 
 /// Nearest point of the surface: Newton's method on f(y) = 0, x - y parallel to grad f(y), started
-/// by one gradient step.
+/// by one gradient step, and by the end of plain gradient projection where that lies nearer; where both end farther away
+/// than |f| / |grad f| lets expect, also by what a fan of 96 rays meets first.
 ///
 /// Exact (about 1e-12) for x nearer to the surface than its least radius of curvature and than half
 /// the gap to another sheet. Elsewhere, and across a crease, it may be a stationary point that is
 /// not the nearest, or not converge: then `point` is the result of plain gradient projection, on
-/// the surface near x, and the distance is that to it. Cost: 3-5 jets near the surface.
+/// the surface near x, and the distance is that to it. Never farther than that result is. Of the sculpture's points
+/// moved along their normals by up to 1.4 % of L, 2 % of the feet are farther than that, the worst 6 times. Cost: 6-10
+/// jets near the surface.
 FootPoint foot_point(const Shape& shape, const Vec3d& x);
 
 /// foot_point(shape, x).signed_distance.
