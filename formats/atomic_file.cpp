@@ -68,8 +68,8 @@ AtomicFile::AtomicFile(std::string path)
 }
 
 AtomicFile::~AtomicFile() {
-    if (file_ < 0) return;
-    ::close(file_);
+    if (file_ < 0 && !sealed_) return;
+    if (file_ >= 0) ::close(file_);
     ::unlink(temporary_.c_str());
 }
 
@@ -121,16 +121,22 @@ void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t n)
 
 std::uint64_t AtomicFile::size() const { return std::max(furthest_, end_ + buffer_.size()); }
 
-void AtomicFile::commit(Outlasts outlasts) {
+void AtomicFile::seal(Outlasts outlasts) {
     SLIM_CHECK(file_, >=, 0);
     flush();
     const bool to_disk = outlasts == Outlasts::power_cut;
     if (to_disk && ::fsync(file_) != 0 && errno != EINVAL && errno != EROFS)
         fail("cannot be flushed to disk");
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
     ::close(file_);
     file_ = -1;
-    if (to_disk) sync_folder(folder_of(path_));
+    sealed_ = true;
+}
+
+void AtomicFile::commit(Outlasts outlasts) {
+    if (!sealed_) seal(outlasts);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
+    sealed_ = false;
+    if (outlasts == Outlasts::power_cut) sync_folder(folder_of(path_));
 }
 
 void write_file_atomically(const std::string& path, std::string_view bytes, Outlasts outlasts) {

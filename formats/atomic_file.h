@@ -41,6 +41,9 @@ public:
     void write_at(std::uint64_t offset, const void* data, std::size_t n);
     /// Bytes so far: the furthest one that was written, plus one.
     std::uint64_t size() const;
+    /// Everything is on its way to disk, under the temporary name still, and the file is closed: for several files that
+    /// appear together or not at all, whose commits can then hardly fail. Nothing may be written afterwards.
+    void seal(Outlasts outlasts = Outlasts::power_cut);
     /// Makes the file visible under its name; nothing may be written afterwards.
     void commit(Outlasts outlasts = Outlasts::power_cut);
     const std::string& path() const { return path_; }
@@ -53,6 +56,7 @@ private:
     std::string path_;
     std::string temporary_;
     int file_ = -1;
+    bool sealed_ = false;  ///< closed, and not yet renamed
     std::uint64_t end_ = 0;         ///< where the buffer belongs
     std::uint64_t furthest_ = 0;    ///< end of what was put to disk
     std::vector<char> buffer_;

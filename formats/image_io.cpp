@@ -140,8 +140,14 @@ void PngWriter::add_rows(std::span<const std::uint8_t> rgba) {
     s.next_row += n;
 }
 
-void PngWriter::commit() {
+void PngWriter::seal() {
     state_->check(state_->output->close());
+    state_->output.reset();
+    state_->file.seal();
+}
+
+void PngWriter::commit() {
+    if (state_->output) seal();
     state_->file.commit();
 }
 

@@ -53,6 +53,8 @@ public:
     PngWriter(PngWriter&&) noexcept;
     /// rgba: 4 width n values
     void add_rows(std::span<const std::uint8_t> rgba);
+    /// After the last row: the file is whole, under its temporary name still (AtomicFile::seal).
+    void seal();
     /// After the last row: the file appears under its name.
     void commit();
 
@@ -85,6 +87,7 @@ public:
     ExrWriter(ExrWriter&&) noexcept;
     /// The same channels with their planes of the next n_rows rows.
     void add_rows(int n_rows, std::span<const ExrChannel> channels);
+    void seal();
     void commit();
 
 private:

@@ -205,8 +205,13 @@ void ExrWriter::add_rows(int n_rows, std::span<const ExrChannel> channels) {
     s.next_row += n_rows;
 }
 
-void ExrWriter::commit() {
+void ExrWriter::seal() {
     state_->guarded([&] { state_->output.reset(); });
+    state_->file.seal();
+}
+
+void ExrWriter::commit() {
+    if (state_->output) seal();
     state_->file.commit();
 }
 

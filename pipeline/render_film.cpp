@@ -80,16 +80,17 @@ void find_lines_before(RenderJob& job, StageContext& context, RenderOutcome& out
 }
 
 /// The files of lines, of those that the wanted part shows.
-void write_found_lines(const RenderJob& job, RenderOutcome& outcome) {
+void add_found_lines(const RenderJob& job, PictureFiles& files, RenderOutcome& outcome) {
     const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, job.window);
     const DrawnLines drawn{shown, job.lines, job.size, job.window};
-    for (const auto& file : write_lines(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
-        outcome.files.push_back(file);
+    for (const NamedText& file : line_files(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
+        files.add_text(file);
     outcome.lines = lines_json(shown, job.lines);
 }
 
-/// One picture of each AOV, of a film or the only one.
-void draw_and_write(RenderJob& job, const std::string& model_identity, StageContext& context, RenderOutcome& outcome) {
+/// One picture of each AOV, of a film or the only one; its files are not yet under their names.
+PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, StageContext& context,
+                          RenderOutcome& outcome) {
     const ImageMetadata metadata =
         make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
     find_lines_before(job, context, outcome);
@@ -113,10 +114,15 @@ void draw_and_write(RenderJob& job, const std::string& model_identity, StageCont
                 ": too small for its legend or scale bar; legends are beside it as SVG");
     }
     if (job.n_frames == 1) require_hits(job, outcome.stats);
-    if (!job.lines.empty()) write_found_lines(job, outcome);
-    const auto pictures = files.commit();
-    outcome.files.insert(outcome.files.end(), pictures.begin(), pictures.end());
+    if (!job.lines.empty()) add_found_lines(job, files, outcome);
     ++outcome.frames;
+    return files;
+}
+
+void commit(std::vector<PictureFiles>& pictures, RenderOutcome& outcome) {
+    for (PictureFiles& picture : pictures)
+        for (const fs::path& file : picture.commit()) outcome.files.push_back(file);
+    pictures.clear();
 }
 
 }  // namespace
@@ -125,19 +131,25 @@ RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& mo
                         StageContext& context) {
     const OutputPlan plan = job.plan;
     const int wanted = job.config.frame;
+    const int last = wanted > 0 ? wanted : job.n_frames;
     RenderOutcome outcome;
-    for (int k = wanted > 0 ? wanted : 1; k <= (wanted > 0 ? wanted : job.n_frames); ++k) {
+    std::vector<PictureFiles> held;  // of a film, until a picture of it shows something
+    for (int k = wanted > 0 ? wanted : 1; k <= last; ++k) {
         if (job.n_frames > 1) {
             context.reporter.progress("pictures", static_cast<std::uint64_t>(k - 1),
                                       static_cast<std::uint64_t>(job.n_frames));
             job.camera = frame_camera(job.config, job.header(), job.size, free_right, k - 1);
             job.plan = plan.numbered(k);
         }
-        draw_and_write(job, model_identity, context, outcome);
+        held.push_back(draw_picture(job, model_identity, context, outcome));
+        if (k == last)
+            for (const NamedText& legend : legend_files(job)) held.back().add_text(legend);
+        held.back().seal();
+        if (outcome.stats.covered_pixels > 0) commit(held, outcome);
     }
     job.plan = plan;
     require_hits(job, outcome.stats);
-    for (const fs::path& file : write_legends(job)) outcome.files.push_back(file);
+    commit(held, outcome);
     return outcome;
 }
 

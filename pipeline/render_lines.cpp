@@ -1,6 +1,5 @@
 #include "pipeline/render_lines.h"
 
-#include "formats/atomic_file.h"
 #include "formats/extension.h"
 #include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
@@ -164,18 +163,13 @@ std::vector<FeatureLine> PictureLines::finish() {
     return lines;
 }
 
-std::vector<std::filesystem::path> write_lines(const RenderConfig& config, const std::filesystem::path& svg,
-                                               const Vec3d& origin, const DrawnLines& drawn) {
-    std::vector<std::filesystem::path> written;
-    const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
-        if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
-        write_file_atomically(path.string(), bytes);
-        written.push_back(path);
-    };
-    write(svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window));
-    if (!config.lines_ply.empty()) write(config.lines_ply, lines_ply(drawn.lines, origin));
-    if (!config.lines_obj.empty()) write(config.lines_obj, lines_obj(drawn.lines, origin));
-    return written;
+std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg, const Vec3d& origin,
+                                  const DrawnLines& drawn) {
+    std::vector<NamedText> files{
+        {svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window)}};
+    if (!config.lines_ply.empty()) files.push_back({config.lines_ply, lines_ply(drawn.lines, origin)});
+    if (!config.lines_obj.empty()) files.push_back({config.lines_obj, lines_obj(drawn.lines, origin)});
+    return files;
 }
 
 nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const LineKind> kinds) {

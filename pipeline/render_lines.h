@@ -60,7 +60,7 @@ private:
     std::vector<Search> searches_;
 };
 
-/// What write_lines writes of a picture or a part of it.
+/// The lines of a picture or a part of it.
 struct DrawnLines {
     std::span<const FeatureLine> lines;
     std::span<const LineKind> kinds;
@@ -68,9 +68,15 @@ struct DrawnLines {
     PixelWindow window;  ///< the part
 };
 
-/// Writes svg, and PLY and OBJ if the configuration names them; returns what was written.
-std::vector<std::filesystem::path> write_lines(const RenderConfig& config, const std::filesystem::path& svg,
-                                               const Vec3d& origin, const DrawnLines& drawn);
+/// A text to write and its file.
+struct NamedText {
+    std::filesystem::path path;
+    std::string text;
+};
+
+/// The lines as SVG, and as PLY and OBJ if the configuration names such files.
+std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg, const Vec3d& origin,
+                                  const DrawnLines& drawn);
 
 /// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name. Strength is the sum of
 /// the lines', of creases the mean over their length.

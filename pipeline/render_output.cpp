@@ -32,7 +32,21 @@ void PictureFiles::add_exr(int n_rows, std::span<const ExrChannel> channels,
     exr_->add_rows(n_rows, channels);
 }
 
+void PictureFiles::add_text(const NamedText& file) {
+    if (file.path.has_parent_path()) std::filesystem::create_directories(file.path.parent_path());
+    texts_.push_back(std::make_unique<AtomicFile>(file.path.string()));
+    texts_.back()->write(file.text);
+}
+
+void PictureFiles::seal() {
+    for (auto& png : pngs_) png->seal();
+    if (exr_) exr_->seal();
+    for (const auto& text : texts_) text->seal();
+    sealed_ = true;
+}
+
 std::vector<std::filesystem::path> PictureFiles::commit() {
+    if (!sealed_) seal();
     std::vector<std::filesystem::path> files;
     for (std::size_t k = 0; k < pngs_.size(); ++k) {
         pngs_[k]->commit();
@@ -41,6 +55,10 @@ std::vector<std::filesystem::path> PictureFiles::commit() {
     if (exr_) {
         exr_->commit();
         files.push_back(plan_.exr);
+    }
+    for (const auto& text : texts_) {
+        text->commit();
+        files.emplace_back(text->path());
     }
     return files;
 }

@@ -1,18 +1,21 @@
 #pragma once
 
+#include "formats/atomic_file.h"
 #include "formats/image_io.h"
 #include "pipeline/render_files.h"
 #include "raytrace/picture.h"
 #include "raytrace/renderer.h"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace slim {
 
-/// The pictures of a run while they are written, band by band from the top; whole files or none.
+/// The files of a picture while they are written, images band by band from the top: all of them appear, whole, or none.
 class PictureFiles {
 public:
     /// window: what of the whole is written. at_once: as one band.
@@ -31,17 +34,24 @@ public:
     /// The next band of the data file.
     void add_exr(int n_rows, std::span<const ExrChannel> channels, const ImageMetadata& metadata);
 
-    /// Makes all of them visible; returns their names.
+    /// A file of its own beside the pictures, in a folder that is made if need be.
+    void add_text(const NamedText& file);
+
+    /// Nothing is added any more: everything is written, under temporary names still, which go with this object.
+    void seal();
+    /// Makes all of them visible; returns their names, those of images first.
     std::vector<std::filesystem::path> commit();
 
 private:
-    const OutputPlan& plan_;
+    OutputPlan plan_;
     PictureSize whole_;
     PixelWindow window_;
     bool at_once_;
     ImageMatrices matrices_;
     std::vector<std::optional<PngWriter>> pngs_;
     std::optional<ExrWriter> exr_;
+    std::vector<std::unique_ptr<AtomicFile>> texts_;
+    bool sealed_ = false;
 };
 
 }  // namespace slim

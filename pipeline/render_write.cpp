@@ -1,6 +1,5 @@
 #include "pipeline/render_write.h"
 
-#include "formats/atomic_file.h"
 #include "raytrace/crop.h"
 #include "raytrace/lines/stroke.h"
 #include "raytrace/scale_bar.h"
@@ -96,14 +95,12 @@ bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& p
     return all_fits;
 }
 
-std::vector<std::filesystem::path> write_legends(const RenderJob& job) {
-    std::vector<std::filesystem::path> files;
+std::vector<NamedText> legend_files(const RenderJob& job) {
+    std::vector<NamedText> files;
     for (const std::string& aov : job.plan.drawn) {
         const AovLook& look = job.looks.at(aov);
         if (!job.config.legend || !look.on_white()) continue;
-        files.push_back(job.plan.legend(aov));
-        write_file_atomically(files.back().string(),
-                              look.legend ? legend_svg(*look.legend) : key_svg(*look.key));
+        files.push_back({job.plan.legend(aov), look.legend ? legend_svg(*look.legend) : key_svg(*look.key)});
     }
     return files;
 }

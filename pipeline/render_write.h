@@ -13,7 +13,7 @@ namespace slim {
 bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
                 const ImageMetadata& metadata, PictureFiles& files);
 
-/// Legends and keys as SVG beside the pictures; returns their names.
-std::vector<std::filesystem::path> write_legends(const RenderJob& job);
+/// Legends and keys as SVG, beside the pictures.
+std::vector<NamedText> legend_files(const RenderJob& job);
 
 }  // namespace slim

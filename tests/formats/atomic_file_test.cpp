@@ -32,6 +32,25 @@ TEST(AtomicFile, IsInvisibleUntilCommitted) {
     EXPECT_EQ(folder.n_files(), 1u);
 }
 
+TEST(AtomicFile, SealedItIsWholeButStillInvisible) {
+    const TempFolder folder;
+    const std::string path = folder.write("a", "old");
+    {
+        AtomicFile file(path);
+        file.write("new");
+        file.seal();
+        EXPECT_EQ(read_bytes(path), "old");
+        EXPECT_EQ(read_bytes(path + temporary_suffix()), "new");
+    }
+    EXPECT_EQ(folder.n_files(), 1u);
+    AtomicFile file(path);
+    file.write("new");
+    file.seal();
+    file.commit();
+    EXPECT_EQ(read_bytes(path), "new");
+    EXPECT_EQ(folder.n_files(), 1u);
+}
+
 TEST(AtomicFile, ReplacesFilesOnly) {
     const TempFolder folder;
     for (const std::string& path : {std::string("/dev/null"), folder.file(".")}) {
