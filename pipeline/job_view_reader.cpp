@@ -56,6 +56,7 @@ public:
             if (table.name == "view") read_view(table, defaults);
         if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
         else refuse_idle();
+        leave_room();
     }
 
     void note_left_out() {
@@ -142,9 +143,19 @@ private:
         step.output = job_.folder / (view.name + aov + ".png");
         add_step_output(step);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
+        views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
         lines_ = lines_ || !render.lines.empty() ||
                  std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
         job_.steps.push_back(std::move(step));
+    }
+
+    /// Views of one camera overlay: if a picture of the job has a legend, its room is left in all, but in those with
+    /// legend = false.
+    void leave_room() {
+        if (std::none_of(views_.begin(), views_.end(), [](const View& view) { return view.has_legend; })) return;
+        for (const View& view : views_)
+            if (!view.has_legend && view.render.legend && !view.render.legend_room && frames_by_name(view.render))
+                job_.steps[view.step].arguments.push_back("--legend-room");
     }
 
     static std::set<std::string> keys_of(const TomlTable& table) {
@@ -239,6 +250,12 @@ private:
     const fs::path& model_;
     Job& job_;
     std::set<std::string> taken_;  // keys for all views that some view takes
+    struct View {
+        std::size_t step;  // of the job's
+        RenderConfig render;
+        bool has_legend;
+    };
+    std::vector<View> views_;
     RenderConfig render_;  // with what [render] and the lights say
     bool rays_ = false, shadows_ = false, openness_ = false;
     std::set<std::string> names_;

@@ -38,7 +38,7 @@ struct RenderConfig {
     int supersample = 1;
     std::vector<std::string> range, same_range;
     double percentile = 95;
-    bool legend = true;
+    bool legend = true, legend_room = false;
     bool light_maps = false;
     std::string background = "auto";
     std::string format = "auto";
@@ -77,7 +77,7 @@ struct RenderConfig {
         field.choice("up", up, "axis that named cameras hold upright",
                      {"y", "z", "x", "-y", "-z", "-x"});
         field("zoom", zoom,
-              "enlarges about the picture's middle: 2 shows half of what the camera shows", 0.001,
+              "enlarges about the picture's middle, of named cameras the model's: 2 shows half of what the camera shows", 0.001,
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
@@ -133,9 +133,11 @@ struct RenderConfig {
               "pictures from several sides then compare");
         field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
         field("legend", legend,
-              "legend bar in the maps and beside them as SVG; named cameras leave its room free in all "
-              "pictures, so "
-              "that they overlay (--no-legend: the model fills them)");
+              "legend bar in the maps and beside them as SVG; where a picture of the run has one, named cameras "
+              "leave its room free in all of them, so that they overlay (--no-legend: the model fills them)");
+        field("legend_room", legend_room,
+              "named cameras leave that room also where no picture of the run has a legend, so that those of several "
+              "runs overlay");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
         field("background", background,

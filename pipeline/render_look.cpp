@@ -3,6 +3,7 @@
 #include "pipeline/config.h"
 #include "pipeline/render_directions.h"
 #include "pipeline/render_maps.h"
+#include "pipeline/render_uses.h"
 
 #include <fmt/format.h>
 
@@ -94,9 +95,9 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
            (aov == "hillshade" && config.contours != "none");
 }
 
-double legend_room(const RenderConfig& config, const PictureSize& size) {
+double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn, const PictureSize& size) {
     double share = 0;
-    if (!config.legend) return share;
+    if (!config.legend_room && !has_legend(config, drawn)) return share;
     RenderConfig any;
     const FieldList fields = fields_of(any);
     for (const std::string& aov : fields.find("aov")->choices) {

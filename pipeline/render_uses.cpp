@@ -2,6 +2,7 @@
 
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
+#include "raytrace/camera.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -79,6 +80,8 @@ bool takes_light_maps(const RenderConfig&, const Aovs& aovs) {
     return shows_curvature(aovs) || shows(aovs, "color");
 }
 
+bool leaves_room(const RenderConfig& config, const Aovs&) { return frames_by_name(config); }
+
 constexpr const char* kOpennessRemedy = ": --ao or --aov ao";
 
 constexpr OptionUse kUses[] = {
@@ -95,10 +98,11 @@ constexpr OptionUse kUses[] = {
     {"bounces", "rays", ": --mode raytrace", is_cast},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
-    {"range", "maps of its aovs", "", takes_range},
-    {"percentile", "maps with a range of their own", ": such as --aov mean", takes_percentile},
-    {"same_range", "maps", ": such as --aov mean", has_map},
-    {"light_maps", "curvature maps and the aov color", "", takes_light_maps},
+    {"range", "a map that it names", ": such as --aov mean", takes_range},
+    {"percentile", "a map with a range of its own", ": such as --aov mean", takes_percentile},
+    {"same_range", "a map", ": such as --aov mean", has_map},
+    {"legend_room", "a named camera that frames the whole model", "", leaves_room},
+    {"light_maps", "a curvature map or the aov color", "", takes_light_maps},
     {"light", "the aov shaded", "", takes<kShaded>},
     {"material", "the aov shaded", "", takes<kShaded>},
     {"ambient", "the aov shaded", "", takes<kShaded>},
@@ -118,6 +122,16 @@ const std::vector<std::string>& aovs_of_all() {
         "k1",      "k2",      "dir1",        "dir2",   "e1",         "e2",        "dk1_dt2", "dk2_dt1",
         "normal",  "depth",   "position",    "id",     "error",      "level",     "coverage"};
     return kAll;
+}
+
+bool has_legend(const RenderConfig& config, const Aovs& aovs) {
+    const bool has_key = shows(aovs, "level") || shows(aovs, "dir1") || shows(aovs, "dir2") ||
+                         (shows(aovs, kHillshade) && config.contours != "none");
+    return config.legend && (has_key || has_map(config, aovs));
+}
+
+bool frames_by_name(const RenderConfig& config) {
+    return config.ortho_width <= 0 && (!config.path.empty() || is_camera_name(config.camera));
 }
 
 std::span<const OptionUse> option_uses() { return kUses; }

@@ -11,6 +11,12 @@ namespace slim {
 /// The AOVs that "all" stands for: every one that a model alone can give.
 const std::vector<std::string>& aovs_of_all();
 
+/// Whether the picture of some of these AOVs ("all" for all of them) has a legend or a key.
+bool has_legend(const RenderConfig& config, const std::vector<std::string>& aovs);
+
+/// Whether some camera of the run frames the model by itself, so that it can leave room for a legend.
+bool frames_by_name(const RenderConfig& config);
+
 /// An option of slim render that only some pictures take.
 struct OptionUse {
     const char* key;    ///< in the order in which they depend on one another: ao before ao_samples

@@ -122,6 +122,11 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     }
     if (config.ortho_width > 0) camera.width = config.ortho_width;
     camera.width /= config.zoom;
+    if (is_camera_name(config.camera) && !model.bounds.empty()) {
+        // The model's middle stays where it is, beside a legend that is kept free.
+        const Vec3d aside = (model.bounds.center() - camera.target) * (1 - 1 / config.zoom);
+        camera.eye += aside, camera.target += aside;
+    }
     const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
     if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
     validate(camera);

@@ -30,7 +30,7 @@ UpAxis up_axis(const RenderConfig& config);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame the
 /// model's bounds, clear of the `free_right` share of the picture's width unless --ortho-width
-/// fixes the scale; numbers are world coordinates (origin + local). Throws ConfigError.
+/// fixes the scale, and zoom about their middle; numbers are world coordinates (origin + local). Throws ConfigError.
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 

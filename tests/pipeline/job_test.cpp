@@ -90,6 +90,16 @@ TEST(Job, PassesOptionsOnToTheVerbs) {
     EXPECT_FALSE(has(job.steps[4], "--size=640x480"));
 }
 
+TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
+    const std::string views = "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\naovs = ['shaded']\n"
+                              "[[view]]\nname = 'b'\naovs = ['shaded']\nlegend = false\n"
+                              "[[view]]\nname = 'c'\naovs = ['normal']\ncamera = '0,0,9,0,0,0'\n";
+    for (const JobStep& step : read_job(write_job(views)).steps) EXPECT_FALSE(has(step, "--legend-room")) << step.name;
+    const Job job = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['dir1']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--legend-room"));
+    for (const int k : {2, 3, 4}) EXPECT_FALSE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
+}
+
 TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[render]\ntruth_shape = 'torus'\n"

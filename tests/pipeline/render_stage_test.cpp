@@ -1,6 +1,8 @@
 #include "pipeline/render_stage.h"
 
 #include "pipeline/render_aov.h"
+#include "pipeline/render_look.h"
+#include "pipeline/render_uses.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "tests/pipeline/render_test_support.h"
@@ -90,6 +92,7 @@ TEST_F(RenderStage, EveryOptionChangesThePicture) {
         {"range", mean, [](RenderConfig& c) { c.range = {"7"}; }},
         {"range of an aov", mean, [](RenderConfig& c) { c.range = {"mean=7"}; }},
         {"legend", mean, [](RenderConfig& c) { c.legend = false; }},
+        {"legend_room", nothing, [](RenderConfig& c) { c.legend_room = true, c.size = "500x500"; }},
         {"light_maps", mean, [](RenderConfig& c) { c.light_maps = true; }},
         {"background", nothing, [](RenderConfig& c) { c.background = "black"; }},
         {"unit", mean, [](RenderConfig& c) { c.unit = "mm"; }},
@@ -311,8 +314,9 @@ TEST_F(RenderStage, ALegendHidesNothingOfANamedView) {
     EXPECT_GT(run(c)["covered_pixels"].get<int>(), beside["covered_pixels"].get<int>());
 }
 
-TEST_F(RenderStage, PicturesOfOneCameraOverlayWhateverIsAskedFor) {
+TEST_F(RenderStage, PicturesOfOneCameraOverlayWhateverIsAskedForBesideLegends) {
     RenderConfig c = config("x.png");
+    c.legend_room = true;
     const auto camera_of = [&](std::vector<std::string> aovs, const char* name) {
         c.aov = std::move(aovs), c.output = file("x.png");
         run(c);
@@ -326,6 +330,64 @@ TEST_F(RenderStage, PicturesOfOneCameraOverlayWhateverIsAskedFor) {
         EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.shaded.png"), shaded);
         EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.error.png"), shaded);
     }
+}
+
+/// The columns in which something is not white, the first and the last.
+std::pair<int, int> drawn_columns(const PngImage& image) {
+    int first = image.width, last = -1;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* p = pixel(image, x, y);
+            if (p[0] + p[1] + p[2] < 765) first = std::min(first, x), last = std::max(last, x);
+        }
+    return {first, last};
+}
+
+TEST_F(RenderStage, WithoutALegendTheModelFillsThePictureFromTheMiddle) {
+    RenderConfig c = config("x.png");
+    c.size = "500x500", c.background = "white";
+    const auto [first, last] = drawn_columns(draw(c));
+    EXPECT_NEAR(first, 499 - last, 1);
+    EXPECT_LT(first, 70);
+    c.zoom = 1.5;  // as much is cut off on either side
+    const auto [cut_first, cut_last] = drawn_columns(draw(c));
+    EXPECT_EQ(cut_first, 0);
+    EXPECT_EQ(cut_last, 499);
+}
+
+TEST_F(RenderStage, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
+    for (const bool ortho : {false, true}) {
+        RenderConfig c = config("x.png");
+        c.size = "500x500", c.background = "white", c.legend_room = true, c.ortho = ortho;
+        const auto [first, last] = drawn_columns(draw(c));
+        EXPECT_LT(first + last, 480);  // left of the middle
+        c.zoom = 0.5;
+        const auto [far_first, far_last] = drawn_columns(draw(c));
+        EXPECT_NEAR(far_first + far_last, first + last, 3);
+        EXPECT_NEAR(far_last - far_first, (last - first) / 2, 0.06 * (last - first));
+    }
+}
+
+TEST_F(RenderStage, RoomForALegendIsForCamerasThatFrame) {
+    RenderConfig c = config("x.png");
+    c.legend_room = true, c.camera = "0,0,5,0,0,0,0,1,0";
+    EXPECT_THROW(run(c), ConfigError);
+    c.camera = "front", c.ortho_width = 8;
+    EXPECT_THROW(run(c), ConfigError);
+}
+
+TEST_F(RenderStage, ALegendsRoomIsThatOfAovsThatHaveOne) {
+    RenderConfig any;
+    const FieldList fields = fields_of(any);
+    for (const std::string& aov : fields.find("aov")->choices) {
+        if (aov == "all") continue;
+        EXPECT_EQ(has_legend(any, {aov}), needs_reference(any, aov)) << aov;
+    }
+    EXPECT_TRUE(has_legend(any, {"all"}));
+    any.contours = "none";
+    EXPECT_FALSE(has_legend(any, {"hillshade", "shaded"}));
+    any.legend = false;
+    EXPECT_FALSE(has_legend(any, {"mean"}));
 }
 
 TEST_F(RenderStage, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {
