@@ -300,9 +300,10 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     keep_freed_memory(plan.slices.size() == 1);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
         throw DataError(fmt::format(
-            "{}: {} points within a box of diagonal {}: a surface needs at least 3 points that do not "
+            "{}: {} within a box of diagonal {}: a surface needs at least 3 points that do not "
             "coincide",
-            plan.inputs.empty() ? config.work : plan.inputs[0].path, plan.n_points, plan.diagonal));
+            plan.inputs.empty() ? config.work : plan.inputs[0].path,
+            plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points), plan.diagonal));
     const GlobalNoise noise = read_global_noise(config, plan);
     const CoverRules rules = rules_of(config, plan, noise);
     const FitDivision division = divide_fit(plan, parse_memory_size(config.memory));

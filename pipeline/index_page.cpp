@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kStyle = R"(h2 { margin-top: 2.2rem; font-size: 1.2rem }
-.views { display: grid; grid-template-columns: repeat(auto-fill, minmax(24rem, 1fr)); gap: 1rem }
-figure img { width: 100%; display: block }
+.views { display: grid; grid-template-columns: repeat(auto-fit, minmax(24rem, 1fr)); gap: 1rem }
+figure img { max-width: 100%; margin: auto; display: block }
 figcaption { padding-top: .3rem }
 )";
 
@@ -106,14 +106,14 @@ bool is_later_frame(const std::string& stem, const StepOutcome& outcome) {
 }
 
 std::string pictures_of(const Job& job, const StepOutcome& outcome) {
-    std::string text = "<h2>" + escaped_markup(outcome.step.name) + "</h2>\n<div class=\"views\">\n";
+    std::string text = "<h2>" + escaped_markup(outcome.step.name) + "</h2>\n<div class=\"views\">\n", links;
     if (!outcome.result.contains("files")) return "";
     for (const json& file : outcome.result.at("files")) {
         const fs::path path = file.get<std::string>();
         const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
         if (path.string().ends_with(".lines.svg"))
-            text += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
-                                url_of(relative.string()), escaped_markup(path.filename().string()));
+            links += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
+                                 url_of(relative.string()), escaped_markup(path.filename().string()));
         if (path.extension() != ".png" || is_later_frame(path.stem().string(), outcome)) continue;
         const std::string caption = path.stem().string();
         text += fmt::format(
@@ -121,7 +121,7 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
             "<figcaption>{1}</figcaption></figure>\n",
             url_of(relative.string()), escaped_markup(caption));
     }
-    text += "</div>\n";
+    text += "</div>\n" + links;
     for (const json& command : outcome.result.value("film_commands", json::array()))
         text += "<p class=\"note\">as a film: <code>" + escaped_markup(command.get<std::string>()) +
                 "</code></p>\n";

@@ -73,9 +73,12 @@ fs::path job_file(const JobSource& source) {
                 source.job));
         return fs::weakly_canonical(file);
     }
+    const auto known = style_names();
     throw ConfigError(
-        fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
-                    fmt::join(style_names(), ", ")));
+        known.empty()
+            ? fmt::format("{}: no such job file, and there are no ready styles beside the program", source.job)
+            : fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
+                          fmt::join(known, ", ")));
 }
 
 std::vector<std::string> job_settings(const JobSource& source) {

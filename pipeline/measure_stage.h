@@ -36,7 +36,7 @@ struct MeasureConfig {
               "that these "
               "distances are not below the points' spacing");
         field("tolerance", tolerance, "of completeness: a distance over the model's diagonal L", 0, 1);
-        field("samples", samples, "points on the model's surface (two_way): about as many", 1, 1e9);
+        field("samples", samples, "points on the model's surface (--two-way): about as many", 1, 1e9);
         field("threshold", threshold, "of pictures: a pixel differs if a channel differs by more", 0,
               1e30);
     }

@@ -182,7 +182,7 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
     if (aovs.empty()) throw ConfigError("aov: expected at least one");
     const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
     if (truth && config.truth_shape.empty())
-        throw ConfigError("aov truth_distance needs a truth_shape to measure against");
+        throw ConfigError("aov truth_distance needs a shape to measure against: --truth-shape");
     return aovs;
 }
 

@@ -116,7 +116,7 @@ struct RenderConfig {
         field("ground_height", ground_height, "where it cuts the up axis, world (auto: under what is drawn)");
         field("ground_color", ground_color,
               "#rrggbb, or shadow: only its shadows are seen, over the background");
-        field.path("add", add, "raytrace: further models of the scene");
+        field.path("add", add, "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
         field("lod", lod,
               "draw a ball's stand-in when smaller than this in pixels, or what it shows is (0: never; "
               "forward only)",

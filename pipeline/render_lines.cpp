@@ -66,9 +66,9 @@ void check_lines(const RenderConfig& config, const std::vector<std::string>& aov
     check_line_file(config.lines_obj, ".obj", config);
     if (!config.lines.empty() || contains(aovs, "lines")) return;
     if (!config.lines_ply.empty())
-        throw ConfigError("lines_ply is for --lines, which are not asked for");
+        throw ConfigError("--lines-ply is for --lines, which are not asked for");
     if (!config.lines_obj.empty())
-        throw ConfigError("lines_obj is for --lines, which are not asked for");
+        throw ConfigError("--lines-obj is for --lines, which are not asked for");
 }
 
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,

@@ -114,7 +114,7 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
     const int frames = n_frames(config);
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
         throw ConfigError(
-            "lines_ply and lines_obj are for one picture, not for a turntable or path");
+            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     require_model(config.model);
     return frames;
 }

@@ -38,8 +38,8 @@ std::string names_of(const std::vector<std::string>& paths) {
 
 void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
     if (survey.n_points == 0)
-        throw DataError(fmt::format("{}: no points ({} non-finite dropped)",
-                                    names_of(config.inputs), survey.n_dropped));
+        throw DataError(names_of(config.inputs) + ": no points" +
+                        (survey.n_dropped > 0 ? fmt::format(" ({} not finite, dropped)", survey.n_dropped) : ""));
     const Bbox& b = survey.bounds;
     if (!std::isfinite(b.diagonal()))
         throw DataError(fmt::format(
@@ -296,7 +296,7 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));
     }
-    if (plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
+    if (plan.n_points > 1 && plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
         reporter.warn(fmt::format(
             "the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: finer detail is "
             "lost; store them as doubles, or relative to a nearby origin",

@@ -256,9 +256,11 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
     else if (const auto kept = result.value("leaves_kept", std::size_t{0}) -
                                     result.value("leaves_kept_for_memory", std::size_t{0});
              2 * kept > index.n_leaves())
-        context.reporter.warn(fmt::format(
-            "{} of {} leaves of {} were not fitted anew: points there go on the model's own surface, only a "
-            "share of the way where its error is more than their noise; build with a smaller --t-mdl if so", kept, index.n_leaves(), config.model));
+        context.reporter.info(fmt::format(
+            "{} of {} leaves of {} are used as they were built: fits made anew of {} would be no nearer there, as is "
+            "usual for a clean cloud, few points or edges. Points move no farther than their noise lets expect. Nothing "
+            "need be done; should they move farther, build the model with a smaller --t-mdl",
+            kept, index.n_leaves(), config.model, config.cloud));
     return result;
 }
 

@@ -51,7 +51,7 @@ std::string value_text(const std::string& key, const json& value) {
         return text_of(value);
     std::string text;
     for (const json& item : value) text += (text.empty() ? "" : ", ") + value_text(key, item);
-    return text;
+    return value.empty() ? "none" : text;
 }
 
 /// The result as "key  value" lines; an object's members are indented below its key, those of
@@ -169,8 +169,16 @@ int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const 
     return static_cast<int>(code);
 }
 
-/// A check of an option's value calls the option by its key; on a command line it is `--key`.
-std::string with_option(const FieldList& fields, const std::string& what) {
+/// A check of an option's value calls the option by its key, first of all or between backquotes; on a command line it
+/// is `--key`.
+std::string with_option(const FieldList& fields, std::string what) {
+    for (std::size_t at = what.find('`'); at != std::string::npos; at = what.find('`', at + 1)) {
+        const std::size_t close = what.find('`', at + 1);
+        if (close == std::string::npos) break;
+        const Field* quoted = fields.find(what.substr(at + 1, close - at - 1));
+        if (quoted && !quoted->is_word()) what.replace(at, close - at + 1, quoted->option());
+        else at = close;
+    }
     const std::size_t end = what.find_first_of(": ");
     if (end == std::string::npos) return what;
     const Field* field = fields.find(what.substr(0, end));

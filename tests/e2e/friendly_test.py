@@ -232,6 +232,28 @@ def a_stray_far_off():
         check(covered[1] > 0.7 * covered[0], f"{options}: a stray shrinks the object: {covered}")
 
 
+def options_by_their_names():
+    for options, told in ((["--turntable", "3", "--path", "front;back", "--frames", "2"],
+                           "--turntable and --path both move the camera"),
+                          (["--path", "front;back"], "--path: say how many pictures with --frames"),
+                          (["--frames", "3"], "--frames is for a --path, which"),
+                          (["--frame", "3"], "--frame is for a --turntable or a --path, which"),
+                          (["--lines", "contour", "--turntable", "3", "--lines-obj", "x.obj"], "--lines-obj are for one"),
+                          (["--aov", "truth_distance"], "--truth-shape")):
+        refused(2, [told], "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
+    check("--add a.slim,b.slim" in run("slim", "render", "--help").out, "--help does not tell how to add several models")
+
+
+def said_of_nothing():
+    check("skipped     none" in run("slim", "info", "t.ply").out, "info leaves the skipped attributes blank")
+    bare = harness.folder / "bare"
+    bare.mkdir()
+    shutil.copy(harness.bin / "slim-run", bare)
+    alone = subprocess.run([bare / "slim-run", "plate"], capture_output=True, text=True)
+    check(alone.returncode == 2 and "no ready styles beside the program" in alone.stderr, f"without styles: {alone.stderr}")
+    refused(2, ["no ready style of that name (known: comparison"], "slim", "run", "plat")
+
+
 def options_without_effect():
     """Refused, as --sun without relief is, and named; where they have one they are taken."""
     for options in (["--same-scale"], ["--bounces", "3"], ["--no-shadows"], ["--light-maps"], ["--percentile", "90"],
@@ -273,5 +295,7 @@ answers_first()
 words()
 a_stray_far_off()
 options_without_effect()
+options_by_their_names()
+said_of_nothing()
 one_range_for_all_sides()
 harness.end()

@@ -144,7 +144,16 @@ TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
         EXPECT_EQ(code_of([&] { built(same); }), ExitCode::bad_data);
         EXPECT_NE(message_.find("same.xyz"), std::string::npos) << message_;
         EXPECT_NE(message_.find("do not coincide"), std::string::npos) << message_;
+        EXPECT_NE(message_.find(": " + std::to_string(n) + " points within"), std::string::npos) << message_;
     }
+    const std::string one = write_text("one.xyz", std::vector<Vec3d>(1, {1, 2, 3}));
+    EXPECT_EQ(code_of([&] { built(one); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find(": 1 point within"), std::string::npos) << message_;
+    listener_.warnings.clear();
+    const std::string floats = folder_.write("one.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                                        "property float y\nproperty float z\nend_header\n9 8 7\n");
+    EXPECT_EQ(code_of([&] { built(floats); }), ExitCode::bad_data);
+    EXPECT_FALSE(warned_of("finer detail"));  // there is none
 }
 
 TEST_F(Extremes, Row08OneOrTwoScanLinesMakeDiscsAndPlanesAndSaySo) {

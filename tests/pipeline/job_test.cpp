@@ -359,13 +359,18 @@ TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
     outcomes[2].result = {{"l2", 1.5e-4}, {"normal_rms_deg", 2.5}};
     outcomes[3].result = {{"files", {(job.folder / "front.shaded.png").string(),
                                      (job.folder / "front.k1.png").string(),
-                                     (job.folder / "front.k1.legend.svg").string()}}};
+                                     (job.folder / "front.k1.legend.svg").string(),
+                                     (job.folder / "front.lines.svg").string()}}};
     outcomes[0].up_to_date = true;
     const std::string page = index_page(job, outcomes);
     for (const char* part : {"1,234,567", "2 KiB", "0.00015", "src=\"front.shaded.png\"",
                              "src=\"front.k1.png\"", "1.25", "&emsp;fit", "up to date"})
         EXPECT_NE(page.find(part), std::string::npos) << part;
     EXPECT_EQ(page.find("legend.svg"), std::string::npos);
+    // Drawings are linked below the pictures, which share the width between them and are not blown up.
+    EXPECT_LT(page.find("src=\"front.k1.png\""), page.find("</div>\n<p class=\"note\"><a href=\"front.lines.svg\">"));
+    EXPECT_NE(page.find("auto-fit"), std::string::npos);
+    EXPECT_NE(page.find("figure img { max-width: 100%"), std::string::npos);
     EXPECT_EQ(page.find(job.folder.string()), std::string::npos);
 }
 

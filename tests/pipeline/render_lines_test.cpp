@@ -138,8 +138,20 @@ TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {
     const auto result = run(c);
     EXPECT_EQ(result["files"].size(), 4u);
     EXPECT_TRUE(exists("a.ply") && exists("a.obj"));
-    c.lines.clear();
-    EXPECT_THROW(run(c), ConfigError);
+    const auto refusal = [&]() -> std::string {
+        try {
+            run(c);
+        } catch (const ConfigError& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    c.turntable = 3;
+    EXPECT_EQ(refusal(), "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
+    c.lines.clear(), c.turntable = 0;
+    EXPECT_EQ(refusal(), "--lines-ply is for --lines, which are not asked for");
+    c.lines_ply.clear();
+    EXPECT_EQ(refusal(), "--lines-obj is for --lines, which are not asked for");
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ TEST_F(RenderTrace, BadOptionsAreNamed) {
         {"--ao", [](RenderConfig& c) { c.ao_distance = 1; }},
         {"--ao", [](RenderConfig& c) { c.ao_samples = 9; }},
         {"ao is for the aov shaded", [](RenderConfig& c) { c.ao = true, c.aov = {"mean"}; }},
-        {"ground is for the aovs shaded and ao", [](RenderConfig& c) { c.ground = true, c.aov = {"mean"}; }},
+        {"ground is for the aov shaded or ao", [](RenderConfig& c) { c.ground = true, c.aov = {"mean"}; }},
         {"light is for the aov shaded", [](RenderConfig& c) { c.light = "sun", c.aov = {"ao"}; }},
         {"material is for", [](RenderConfig& c) { c.material = "color=#102030", c.aov = {"normal"}; }},
         {"ambient is for", [](RenderConfig& c) { c.ambient = 0.5, c.aov = {"depth"}; }},

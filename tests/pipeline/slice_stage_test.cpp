@@ -202,8 +202,8 @@ TEST(SliceStage, RefusesWhatHoldsNoPointsAndWhatOverflows) {
         return slicing_error(
             {{folder.write("a.xyz", text)}, folder.file("work"), "1GiB", 0, strict});
     };
-    EXPECT_NE(error_of("# nothing\n").find("no points (0 non-finite"), std::string::npos);
-    EXPECT_NE(error_of("nan 0 0\n0 inf 0\n").find("no points (2 non-finite"), std::string::npos);
+    EXPECT_TRUE(error_of("# nothing\n").ends_with(": no points"));
+    EXPECT_NE(error_of("nan 0 0\n0 inf 0\n").find("no points (2 not finite"), std::string::npos);
     EXPECT_NE(error_of("1e308 0 0\n-1e308 0 0\n").find("extent overflows"), std::string::npos);
     EXPECT_NE(error_of("1 2 3\n4 nan 6\n", true).find("point 2: coordinates are not finite"),
               std::string::npos);
