@@ -128,10 +128,15 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                       choice.forced, rules_.noise_variance, work.exact.ball, edges());
 }
 
+/// Whether the cloud has neither contrary normals nor much noise.
+bool LeafMaker::is_clean() const {
+    const bool is_noisy = std::sqrt(rules_.noise_variance) > kNoisy * kFinestBall * spacing_;
+    return rules_.ladder.contrary_share < kCleanNormals && !is_noisy;
+}
+
 Edges LeafMaker::edges() const {
     if (!rules_.sharp) return Edges::ignored;
-    const bool is_noisy = std::sqrt(rules_.noise_variance) > kNoisy * kFinestBall * spacing_;
-    return rules_.ladder.contrary_share < kCleanNormals && !is_noisy ? Edges::real : Edges::doubtful;
+    return is_clean() ? Edges::real : Edges::doubtful;
 }
 
 /// Whether a smooth leaf rounds a real edge or corner off (notes/0011).
@@ -168,10 +173,9 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
                                          work.exact.ball, work.sharp);
         return;
     }
-    const bool raw = rules_.ladder.contrary_share >= kCleanNormals;
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit(center, normal, c.choice, work);
-        if (is_scatter(c.surfel, c.choice.forced, c.sparse, raw) || rounds_off(c.surfel)) {
+        if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
             if (rules_.is_sample()) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
             c.choice.saturated = false;

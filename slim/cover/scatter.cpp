@@ -26,7 +26,7 @@ constexpr double kNoisy = 0.07;
 
 }  // namespace
 
-bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool raw) {
+bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean) {
     const FittedSurfel& f = leaf.fitted;
     if (f.n_points <= kFewest) return false;
     // A few points of a surface may look like a line; where the energy chose, a thick leaf is one
@@ -34,7 +34,7 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool raw) 
     const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
     const double thick = sparse ? kThickOfSparse : kThick;
     const double rho = f.surfel.support_radius;
-    const bool is_thick = ((forced || sparse) && f.fit_error > thick * rho) || (!raw && f.fit_error > kThickest * rho);
+    const bool is_thick = ((forced || sparse) && f.fit_error > thick * rho) || (clean && f.fit_error > kThickest * rho);
     const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
     // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
     const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
