@@ -18,6 +18,8 @@ constexpr int kMostAttempts = 12;
 constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
 constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
+constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
+constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -122,10 +124,25 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
     if (lends && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
-    // A few points beside an edge that a leaf could not be clear of would bend it.
-    const Enough enough = rules_.sharp ? Enough::freedom : Enough::points;
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced, rules_.noise_variance, work.exact.ball, enough);
+                      choice.forced, rules_.noise_variance, work.exact.ball, edges());
+}
+
+/// Whether the cloud has neither contrary normals nor much noise.
+bool LeafMaker::is_clean() const {
+    const bool is_noisy = std::sqrt(rules_.noise_variance) > kNoisy * kFinestBall * spacing_;
+    return rules_.ladder.contrary_share < kCleanNormals && !is_noisy;
+}
+
+Edges LeafMaker::edges() const {
+    if (!rules_.sharp) return Edges::ignored;
+    return is_clean() ? Edges::real : Edges::doubtful;
+}
+
+/// Whether a smooth leaf rounds a real edge or corner off (notes/0011).
+bool LeafMaker::rounds_off(const CoveringSurfel& leaf) const {
+    const FittedSurfel& f = leaf.fitted;
+    return edges() == Edges::real && f.n_points > kFewest && f.fit_error > kRoundsOff * f.surfel.support_radius;
 }
 
 /// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
@@ -158,7 +175,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit(center, normal, c.choice, work);
-        if (is_scatter(c.surfel, c.choice.forced, c.sparse)) {
+        if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
             if (rules_.is_sample()) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
             c.choice.saturated = false;
@@ -211,6 +228,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     RadiusChoice moved_choice = choice;
     moved_choice.radius = radius;
     CoveringSurfel moved = fit(center, normal, moved_choice, work);
+    if (rounds_off(moved)) return kGoldenRatio * radius;
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
     if (!moved.explains_center ||
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))

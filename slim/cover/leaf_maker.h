@@ -56,6 +56,9 @@ public:
 
 private:
     double spacing_here() const;
+    Edges edges() const;
+    bool is_clean() const;
+    bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;

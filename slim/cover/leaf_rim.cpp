@@ -14,9 +14,15 @@ namespace {
 /// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
 /// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
 constexpr double kMargin = 1.2;
+/// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover as wholes.
+constexpr double kMarginOfFew = 0.15;
+constexpr std::size_t kFew = 8;
+constexpr double kOnEdge = 0.12;  // over rho: so far an edge's own points may lie before the last covered one
+constexpr double kAlike = 1e-6;   // over rho: reaches that differ by rounding
 constexpr double kOfEdge = 0.1;   // over rho: so far covered points may lie beyond an edge
 constexpr double kNoRim = 1;      // over rho: where the ball ends
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
+constexpr int kLeans = 4;         // directions, 45 degrees: a corner's own point leans between its edges
 constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
 constexpr double kLongestRim = kRimReaches * kRimStep;
 using PerDirection = std::array<float, kRimDirections>;
@@ -55,12 +61,20 @@ std::size_t direction(int k) { return static_cast<std::size_t>((k + kRimDirectio
 /// How far the leaf may reach in each direction, over rho.
 struct Bounds {
     std::array<double, kRimDirections> reach;
+    PerDirection lean{};  ///< how well an edge's own points say so
 
+    /// Of those that reach equally far the one that normals lean to the most.
     int nearest() const {
-        return static_cast<int>(std::min_element(reach.begin(), reach.end()) - reach.begin());
+        int best = 0;
+        for (int k = 1; k < kRimDirections; ++k) {
+            const double less = reach[direction(best)] - reach[direction(k)];
+            const float more = lean[direction(k)] - lean[direction(best)];
+            if (less > (more > 0 ? -kAlike : more < 0 ? kAlike : 0)) best = k;
+        }
+        return best;
     }
     void leave_out(int k, int width) {
-        for (int d = -width; d <= width; ++d) reach[direction(k + d)] = kNoRim;
+        for (int d = -width; d <= width; ++d) reach[direction(k + d)] = kNoRim, lean[direction(k + d)] = 0;
     }
 };
 
@@ -90,14 +104,34 @@ struct EdgeVotes {
     }
 };
 
+/// How well the normals of an edge's own points that are the last covered ones in a direction lean there: the sum of the
+/// cosines; 0 where the leaf does not end at such points.
+PerDirection ends_of(const std::vector<EdgePoint>& edge_points, const PerDirection& covered) {
+    PerDirection ends{};
+    for (const EdgePoint& p : edge_points) {
+        const double angle = std::atan2(p.v, p.u) / (2 * std::numbers::pi) * kRimDirections;
+        const int nearest = static_cast<int>(std::lround(angle));
+        for (int k = nearest - kLeans; k <= nearest + kLeans; ++k) {
+            const std::size_t i = direction(k);
+            const auto [u, v] = rim_direction(static_cast<int>(i));
+            const double reach = u * static_cast<double>(p.x) + v * static_cast<double>(p.y);
+            const double lean = u * static_cast<double>(p.u) + v * static_cast<double>(p.v);
+            if (reach >= static_cast<double>(covered[i]) - kOnEdge) ends[i] += static_cast<float>(lean);
+        }
+    }
+    return ends;
+}
+
 Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
-    const double margin =
-        kMargin * std::sqrt(std::numbers::pi / static_cast<double>(leaf.covered.size()));
+    double margin = kMargin * std::sqrt(std::numbers::pi / static_cast<double>(leaf.covered.size()));
+    if (leaf.edges_are_real && leaf.covered.size() < kFew) margin = std::min(margin, kMarginOfFew);
     const EdgeVotes votes(leaf.edges, covered);
     Bounds out;
+    out.lean = ends_of(leaf.edge_points, covered);
     for (int k = 0; k < kRimDirections; ++k) {
         const double last = static_cast<double>(covered[direction(k)]);
         out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
+        if (out.lean[direction(k)] > 0) out.reach[direction(k)] = last;
     }
     return out;
 }

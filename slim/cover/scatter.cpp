@@ -12,6 +12,8 @@ constexpr double kThickOfSparse = 0.03;  // noise is small against so large a le
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;  // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;  // eps / rho of one whose points fill a volume (0.25 at random)
+constexpr double kThickest = 0.25;  // eps / rho of points at random, which no energy makes a surface
+constexpr double kClump = 0.9;  // share of the points within half of the radius (0.25 on a surface)
 constexpr std::uint32_t kFewOfThick = 60;
 constexpr double kThickOfDoubtful = 0.12;
 // A ball with two sheets in it, where scans disagree, up to the points and down to the noise it may hold.
@@ -24,18 +26,21 @@ constexpr double kNoisy = 0.07;
 
 }  // namespace
 
-bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse) {
+bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean) {
     const FittedSurfel& f = leaf.fitted;
     if (f.n_points <= kFewest) return false;
     // A few points of a surface may look like a line; where the energy chose, a thick leaf is one
     // of noise.
     const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
     const double thick = sparse ? kThickOfSparse : kThick;
-    const bool is_thick = (forced || sparse) && f.fit_error > thick * f.surfel.support_radius;
+    const double rho = f.surfel.support_radius;
+    const bool is_thick = ((forced || sparse) && f.fit_error > thick * rho) || (clean && f.fit_error > kThickest * rho);
     const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
     // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
     const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
-    return is_line || is_thick || is_torn;
+    // In the air a clump has no more points in a larger ball, and the larger is the cheaper.
+    const bool is_clump = f.n_points > kMany && leaf.middle > kClump;
+    return is_line || is_thick || is_torn || is_clump;
 }
 
 bool is_doubtful(const FittedSurfel& leaf, double noise_variance) {

@@ -10,10 +10,11 @@ namespace slim {
 inline constexpr double kSparse = 4;
 inline constexpr std::uint32_t kFewest = 3;  ///< points that any leaf may have
 
-/// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree. A disc
-/// among them would stand in the air.
-/// sparse: the finest ball with enough points is far larger than the cloud's usual one.
-bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse);
+/// Whether a leaf's points are no surface of its size: a pole, a twig, the crown of a tree, a clump in the midst of its
+/// ball. A disc among them would stand in the air.
+/// sparse: the finest ball with enough points is far larger than the cloud's usual one; clean: the cloud has neither
+/// contrary normals nor much noise, whose leaves may be as thick as points at random (notes/0011).
+bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean);
 
 /// Whether a small leaf of a noisy cloud says less of its points than a surface beside them does:
 /// forced with up to 25 points, or up to 60 that fill a volume (eps above 0.12 rho), where

@@ -1,6 +1,7 @@
 #include "slim/cover/surfel_fit.h"
 
 #include "slim/base/simd.h"
+#include "slim/model/surfel_encoder.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/model/weight_kernel.h"
 
@@ -16,6 +17,7 @@ constexpr double kWithinNoise = 4;  // eps^2 / lambda of a forced leaf that need
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 constexpr double kBeside = 9;     // up to this many sqrt(lambda): beside it; rims scatter so far
 constexpr double kEdgeSlope = 0.5;  // sine of the angle between the normals at an edge, 30 degrees
+constexpr double kEdgeCos = 0.866;  // and its cosine
 constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
 /// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
@@ -75,19 +77,53 @@ private:
     Lanes off_ = 0, u_ = 0, v_ = 0;
 };
 
+/// How a normal at a point leans over a smooth surfel, in its tangent plane.
+struct Lean {
+    double u, v, along;  ///< its parts along the plane, and along the frame's normal
+    double slope;        ///< of (u, v): the sine of the angle, where the surfel is level
+};
+
+Lean lean_of(const Surfel& s, const Vec3d& local, const Vec3d& normal) {
+    const Vec3d n = s.frame.local_from_world(normal);
+    const double u = n.x + n.z * s.polynomial.d_u(local.x, local.y);
+    const double v = n.y + n.z * s.polynomial.d_v(local.x, local.y);
+    return {u, v, n.z, std::hypot(u, v)};
+}
+
 /// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too much alike.
 /// n . (x - p) = 0 for x on the surfel, which is taken as its tangent plane over the point.
 std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& normal) {
-    const Vec3d x = s.frame.local_from_world(p), n = s.frame.local_from_world(normal);
-    const double fu = s.polynomial.d_u(x.x, x.y), fv = s.polynomial.d_v(x.x, x.y);
-    const double du = n.x + n.z * fu, dv = n.y + n.z * fv;
-    const double slope = std::hypot(du, dv);
-    if (!(slope > kEdgeSlope)) return {};
+    const Vec3d x = s.frame.local_from_world(p);
+    const Lean lean = lean_of(s, x, normal);
+    if (!(lean.slope > kEdgeSlope)) return {};
     const double above = s.polynomial.value(x.x, x.y) - x.z;
-    const double reach = (du * x.x + dv * x.y - n.z * above) / slope;
-    return EdgeSign{static_cast<float>(du / slope), static_cast<float>(dv / slope),
+    const double reach = (lean.u * x.x + lean.v * x.y - lean.along * above) / lean.slope;
+    return EdgeSign{static_cast<float>(lean.u / lean.slope), static_cast<float>(lean.v / lean.slope),
                     static_cast<float>(reach)};
 }
+
+/// The covered points that are an edge's own. The surfel's normal at its centre stands for those all over it, so that
+/// few are looked at closely.
+class EdgePoints {
+public:
+    EdgePoints(const Surfel& surfel, const BallPoints<double>& ball)
+        : surfel_(surfel), ball_(ball), normal_(normalized(surfel.sheet_gradient(0, {}))) {}
+    /// Adds point i of the ball if it is one.
+    void add(std::size_t i, std::vector<EdgePoint>& out) const {
+        const Vec3d normal{ball_.nx[i], ball_.ny[i], ball_.nz[i]};
+        if (!(dot(normal, normal_) < kEdgeCos) || !(sq_length(normal) > 0)) return;
+        const Vec3d x = surfel_.frame.local_from_world({ball_.x[i], ball_.y[i], ball_.z[i]});
+        const Lean lean = lean_of(surfel_, x, normal);
+        if (lean.slope > kEdgeSlope)
+            out.push_back({static_cast<float>(lean.u / lean.slope), static_cast<float>(lean.v / lean.slope),
+                           static_cast<float>(x.x), static_cast<float>(x.y)});
+    }
+
+private:
+    const Surfel& surfel_;
+    const BallPoints<double>& ball_;
+    Vec3d normal_;
+};
 
 /// Lists the ball's points that the surfel explains and those beside it.
 [[gnu::flatten]] void list_covered(const PointTree& tree, const BallPoints<double>& ball,
@@ -99,6 +135,7 @@ std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& 
     const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
     out.covered.reserve(ball.n);
     Residuals residuals(s, ball);
+    const EdgePoints edge_points(s, ball);
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
         const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
         const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
@@ -115,12 +152,13 @@ std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& 
                                       {ball.nx[i], ball.ny[i], ball.nz[i]}))
                 continue;
             const std::uint32_t point = tree.source(ball.index[i]);
-            if (std::abs(residuals.off(lane)) <= tolerance)
-                out.covered.push_back(
-                    {point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
-                     static_cast<float>(residuals.off(lane)), ball.sq[i] < kTrim * kTrim});
-            else
+            if (!(std::abs(residuals.off(lane)) <= tolerance)) {
                 out.beside.push_back(point);
+                continue;
+            }
+            out.covered.push_back({point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
+                                   static_cast<float>(residuals.off(lane)), ball.sq[i] < kTrim * kTrim});
+            if (out.edges_are_real) edge_points.add(i, out.edge_points);
         }
     }
     // The heaviest weight is G(0) = 1, which only points at the centre have.
@@ -131,10 +169,12 @@ std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& 
 struct Footprint {
     Vec3d lean;          ///< weighted mean; 0.2 at a straight border
     double breadth = 0;  ///< least RMS width about the mean
+    double middle = 0;   ///< share within half of the radius
 };
 
 [[gnu::flatten]] Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& frame) {
     Lanes weight = 0, gu = 0, gv = 0;                         // under G
+    Lanes n_middle = 0;
     Lanes n = 0, u1 = 0, v1 = 0, uu = 0, uv = 0, vv = 0;      // plain: under G a few points are a line by chance
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
         const Lanes x = lanes_at(ball.x, first), y = lanes_at(ball.y, first), z = lanes_at(ball.z, first);
@@ -143,6 +183,7 @@ struct Footprint {
         const Lanes v = x * frame.v_axis.x + y * frame.v_axis.y + z * frame.v_axis.z;
         const Lanes g = weight_kernel(sq), one = select(sq < 1.0, Lanes(1), Lanes(0));
         weight += g, gu += g * u, gv += g * v;
+        n_middle += select(sq < 0.25, Lanes(1), Lanes(0));
         n += one, u1 += one * u, v1 += one * v;
         uu += one * u * u, uv += one * u * v, vv += one * v * v;
     }
@@ -150,6 +191,7 @@ struct Footprint {
     Footprint out;
     if (sum(weight) > 0) out.lean = (frame.u_axis * sum(gu) + frame.v_axis * sum(gv)) / sum(weight);
     if (!(sum(n) > 0)) return out;
+    out.middle = sum(n_middle) / sum(n);
     const double u = sum(u1) / sum(n), v = sum(v1) / sum(n);
     const double a = sum(uu) / sum(n) - u * u, b = sum(uv) / sum(n) - u * v, c = sum(vv) / sum(n) - v * v;
     out.breadth = std::sqrt(std::max(0.0, (a + c) / 2 - std::hypot((a - c) / 2, b)));
@@ -164,13 +206,25 @@ struct BallFit {
     bool normals_disagree;
 };
 
+/// Whether a ball's normals are those of more than one face: some were set aside, or stand at 30 degrees or more to the
+/// frame's.
+bool holds_edge(const BallPoints<double>& ball, const BallFit& fit) {
+    if (!fit.aside.empty()) return true;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const Vec3d n{ball.nx[i], ball.ny[i], ball.nz[i]};
+        if (dot(n, fit.frame.normal) < kEdgeCos * sq_length(n)) return true;
+    }
+    return false;
+}
+
 BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                        double radius, int degree, bool forced, double noise_variance, Enough enough,
-                       BallPoints<double>& ball) {
+                       Edges edges, BallPoints<double>& ball) {
     gather_ball(points, center, radius, ball);
     const BallNormal average = average_normal(ball, 1, normal);
     BallFit out{frame_from_normal(round_normal(average.normal)), {}, {}, average.disagree};
     set_contrary_aside(ball, out.frame.normal, out.aside);
+    if (edges != Edges::ignored && !holds_edge(ball, out)) enough = Enough::points;
     out.fit = forced ? fit_ball(ball, 1, out.frame, 1) : fit_ball(ball, 1, out.frame, degree, enough);
     for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
         out.fit = fit_ball(ball, 1, out.frame, d);
@@ -180,15 +234,18 @@ BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d
 }
 
 CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const BallFit& ball_fit,
-                        double noise_variance, BallPoints<double>& ball) {
+                        double noise_variance, Edges edges, BallPoints<double>& ball) {
     const LocalFit& fit = ball_fit.fit;
     CoveringSurfel out;
     const Footprint footprint = footprint_of(ball, ball_fit.frame);
     out.lean = footprint.lean;
     out.breadth = footprint.breadth;
+    out.middle = footprint.middle;
     out.n_aside = ball_fit.aside.size();
     take_back(ball, ball_fit.frame.normal, ball_fit.aside);
     out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};
+    out.edges_are_real = edges == Edges::real;
+    if (out.edges_are_real) out.fitted.surfel = level_linear(out.fitted.surfel);  // the rims' axes are the file's
     out.fitted.fit_error = std::sqrt(fit.sq_error);
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
@@ -201,21 +258,22 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& ball, Enough enough) {
+                          BallPoints<double>& ball, Edges edges) {
+    const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
     const BallFit fit =
-        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, enough, ball);
-    return cover_by(points, center, fit, noise_variance, ball);
+        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, enough, edges, ball);
+    return cover_by(points, center, fit, noise_variance, edges, ball);
 }
 
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work) {
     BallFit fit = fit_all_points(points.all(), center, normal, radius, degree, forced,
-                                 noise_variance, Enough::freedom, work.ball);
+                                 noise_variance, Enough::freedom, Edges::ignored, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
     if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;
-    return cover_by(points.all(), center, fit, noise_variance, work.ball);
+    return cover_by(points.all(), center, fit, noise_variance, Edges::ignored, work.ball);
 }
 
 std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Vec3d& center,

@@ -29,6 +29,17 @@ struct EdgeSign {
     float reach;
 };
 
+/// A point that a surfel covers though its normal stands at 30 degrees or more to the surfel's: an edge's own, whose
+/// normal is the mean of its faces' (notes/0011).
+struct EdgePoint {
+    float u, v;  ///< unit: the way along the tangent plane that its normal leans
+    float x, y;  ///< its place there, over rho
+};
+
+/// What edges are to a fit: nothing (they are not looked for), something that noise may feign, or real, because the
+/// cloud and its normals are clean.
+enum class Edges : std::uint8_t { ignored, doubtful, real };
+
 /// A surfel and the points it covers: those it explains, |residual| <= min(4 max(eps, sqrt lambda), 0.3 rho),
 /// that do not face away (DESIGN 4, lesson 4; notes/0001).
 struct CoveringSurfel {
@@ -37,9 +48,12 @@ struct CoveringSurfel {
     /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
     std::vector<std::uint32_t> beside;
     std::vector<EdgeSign> edges;  ///< of points that it does not explain (notes/0008)
+    bool edges_are_real = false;
+    std::vector<EdgePoint> edge_points;  ///< where they are
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line
+    double middle = 0;  ///< share of the points within half of the radius: a quarter on a surface
     std::size_t n_aside = 0;  ///< points in the ball whose normals leave the height field
     Fallback fallback = Fallback::none;
     bool normals_disagree = false;
@@ -48,10 +62,11 @@ struct CoveringSurfel {
 /// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
 /// With `forced` (the radius was not chosen by E, the points are few) the surfel takes the lowest degree
 /// that explains them within the noise, eps <= 2 sqrt(lambda): a higher one would fit the noise and
-/// speckle a curvature map. Any other takes the degree if the points are `enough` (notes/0009).
+/// speckle a curvature map. Any other takes the degree if it has 2 K points (notes/0009); where edges are looked for and
+/// the ball holds one, if they leave enough freedom: few points beside an edge would bend it.
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& work, Enough enough = Enough::points);
+                          BallPoints<double>& work, Edges edges = Edges::ignored);
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {

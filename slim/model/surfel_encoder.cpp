@@ -35,7 +35,7 @@ void put_sheet(const Sheet& sheet, std::span<float> out) {
 /// A rim in other axes of nearly the same plane: the nearest direction, a step farther as it turned
 /// a little.
 PackedRim turn_rim(PackedRim packed, const Frame<double>& from, const Frame<double>& to) {
-    if (packed == 0) return 0;
+    if (packed == 0 || from.normal == to.normal) return packed;
     const Rim rim = unpack_rim(packed);
     const Vec3d outwards = from.u_axis * rim.u + from.v_axis * rim.v;
     const double angle = std::atan2(dot(to.v_axis, outwards), dot(to.u_axis, outwards));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace slim {
 namespace {
 
@@ -49,6 +51,19 @@ TEST(SelectLines, ShortOnesStayWhereTheyContinueOthers) {
             .size(),
         3u);
     EXPECT_EQ(select_lines({level_line(0, 20, 0, 1), level_line(41, 44, 0, 1)}, rules).size(), 1u);
+}
+
+TEST(SelectLines, ShortOnesThatMeetOthersMidwayStayWhereTheRulesSaySo) {
+    LineRules rules{0, 0, 0, 0, 8, 2};
+    const std::vector<FeatureLine> lines{level_line(0, 40, 0, 1), level_line(15, 18, 2, 1),
+                                         level_line(20, 23, 3, 1),   // meets the one before only
+                                         level_line(15, 18, 30, 1)}; // alone
+    EXPECT_EQ(select_lines(lines, rules).size(), 1u);
+    rules.meets_anywhere = true;
+    const auto kept = select_lines(lines, rules);
+    ASSERT_EQ(kept.size(), 3u);
+    EXPECT_EQ(kept[2].points.front().y, 3);
+    EXPECT_TRUE(line_rules(LineKind::contour, 4000, 4000).meets_anywhere);
 }
 
 TEST(SelectLines, UnclearOnesAreDroppedHoweverStrong) {

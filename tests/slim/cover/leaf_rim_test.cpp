@@ -131,6 +131,42 @@ TEST(LeafRim, ACornerHasTwo) {
     }
 }
 
+/// A leaf of few points of a square's corner or straight edge on a grid; the edge's own points have the mean normal
+/// of their faces.
+CoveringSurfel leaf_of_edge_points(bool corner, Edges edges, PointBlock& block) {
+    block = {};
+    for (int x = -3; x <= 0; ++x)
+        for (int y = -3; y <= (corner ? 0 : 3); ++y) {
+            block.position.push_back({0.27 * x, 0.27 * y, 0});
+            const Vec3d n{x == 0 ? 1.0 : 0.0, corner && y == 0 ? 1.0 : 0.0, 1};
+            block.normal.push_back(to_float(normalized(n)));
+            block.id.push_back(block.id.size());
+        }
+    BallPoints<double> work;
+    return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work, edges);
+}
+
+TEST(LeafRim, EndsAtTheEdgeWhoseOwnPointsItCovers) {
+    PointBlock block;
+    for (const bool corner : {false, true}) {
+        SCOPED_TRACE(corner);
+        EXPECT_EQ(rims_of(leaf_of_edge_points(corner, Edges::doubtful, block)), PackedRims{});
+        const auto leaf = leaf_of_edge_points(corner, Edges::real, block);
+        EXPECT_LE(leaf.covered.size(), 4u);
+        const PackedRims rims = rims_of(leaf);
+        ASSERT_TRUE(rims.any());
+        EXPECT_EQ(rims.second != 0, corner);
+        EXPECT_LE(unpack_rim(rims.first).reach, kRimStep + 1e-12);
+        const Frame<double>& f = leaf.fitted.surfel.frame;
+        for (const PackedRim rim : {rims.first, rims.second}) {
+            if (rim == 0) continue;
+            const Rim r = unpack_rim(rim);
+            const Vec3d out = f.u_axis * r.u + f.v_axis * r.v;
+            EXPECT_GT(corner ? std::max(out.x, out.y) : out.x, 0.98);
+        }
+    }
+}
+
 TEST(LeafRim, AWallThatRisesIsNoEdge) {
     // A concave edge: the leaf ends behind the wall, where nothing sees it; the wall's points say nothing.
     PointBlock block;

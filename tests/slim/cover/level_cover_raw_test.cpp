@@ -69,6 +69,33 @@ TEST(LevelCover, APoleGetsNoDiscsOfTheSizeOfItsSearch) {
     EXPECT_GT(on_pole, 5u);
 }
 
+TEST(LevelCover, AClumpInTheAirGetsNoDiscFarBeyondIt) {
+    // 20 points of one normal, 0.6 above a plane: any ball up to there holds them all.
+    PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < 20; ++i)
+        block.position[i] = {0.05 * random_at(4, i), 0.05 * random_at(5, i), 0.6 + 0.002 * random_at(6, i)};
+    std::size_t on_clump = 0;
+    for (const FittedSurfel& s : leaves_of(cover(block, rules_for(block)))) {
+        if (s.surfel.center.z < 0.5) continue;
+        ++on_clump;
+        EXPECT_LT(s.surfel.support_radius, 0.2);
+    }
+    EXPECT_GE(on_clump, 1u);
+}
+
+TEST(LevelCover, NoLeafIsAsThickAsPointsAtRandom) {
+    // A bush on a plane.
+    PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < 150; ++i) {
+        block.position[i] = {0.12 * random_at(4, i), 0.12 * random_at(5, i), 0.15 + 0.15 * random_at(6, i)};
+        block.normal[i] = to_float(normalized(Vec3d{random_at(7, i), random_at(8, i), 1}));
+    }
+    for (const FittedSurfel& s : leaves_of(cover(block, rules_for(block)))) {
+        if (s.n_points <= 3) continue;
+        EXPECT_LE(s.fit_error, 0.25 * s.surfel.support_radius) << s.n_points;
+    }
+}
+
 /// A noisy square sheet, and along its rim x = 1 points that a grazing beam put off it by 5 to 7
 /// sigma, with normals turned outwards by 57 to 92 degrees.
 PointBlock sheet_with_grazed_rim(double sigma, std::size_t n_rim) {

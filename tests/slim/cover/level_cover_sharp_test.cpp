@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace slim::test {
@@ -66,6 +67,34 @@ TEST(LevelCover, ACubeWithSharpEdgesIsExactAndTakesFewerLeaves) {
         if (leaf.surfel.n_sheets() < 2) continue;
         EXPECT_EQ(leaf.surfel.sharp->outer, Join::max) << "all edges of a cube are convex";
         EXPECT_LT(leaf.fit_error, 1e-7);
+    }
+}
+
+/// An octahedron on a grid; points on edges and corners have the mean normal of their faces.
+PointBlock octahedron_points(int n) {
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    const auto sign = [](int k) { return k > 0 ? 1.0 : k < 0 ? -1.0 : 0.0; };
+    for (int x = -n; x <= n; ++x)
+        for (int y = -n; y <= n; ++y)
+            for (int z = -n; z <= n; ++z) {
+                if (std::abs(x) + std::abs(y) + std::abs(z) != n) continue;
+                positions.push_back({double(x) / n, double(y) / n, double(z) / n});
+                normals.push_back(to_float(normalized(Vec3d{sign(x), sign(y), sign(z)})));
+            }
+    return block_of(std::move(positions), std::move(normals));
+}
+
+TEST(LevelCover, NoSmoothLeafRoundsOffACornerOfFourFaces) {
+    // No sheets hold four faces: the leaves at the corners are smooth ones.
+    const PointBlock block = octahedron_points(20);
+    CoverRules rules = rules_for(block, 0.01);
+    rules.sharp = true;
+    const Cover c = cover(block, rules);
+    EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
+    for (const FittedSurfel& leaf : leaves_of(c)) {
+        if (leaf.surfel.n_sheets() > 1 || leaf.n_points <= 3) continue;
+        EXPECT_LE(leaf.fit_error, 0.055 * leaf.surfel.support_radius) << leaf.n_points;
     }
 }
 

@@ -112,5 +112,29 @@ TEST(SurfelFit, ReportsNormalsThatDisagree) {
     EXPECT_NEAR(s.fitted.surfel.frame.normal.z, 1, 1e-6);
 }
 
+TEST(SurfelFit, AFewPointsKeepTheirDegreeUnlessAnEdgeIsAmongThem) {
+    // 13 points in the ball: twice a quadratic's coefficients, but less freedom than it wants.
+    PointBlock block;
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y) {
+            block.position.push_back({0.1 * x, 0.1 * y, 0.05 * 0.01 * x * x});
+            block.normal.push_back(to_float(normalized(Vec3d{-0.01 * x, 0, 1})));
+            block.id.push_back(block.id.size());
+        }
+    BallPoints<double> work;
+    const auto degree = [&](Edges edges) {
+        const auto leaf = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.21, 2, false, 1e-12, work, edges);
+        EXPECT_EQ(leaf.fitted.n_points, 13u);
+        return leaf.fitted.surfel.degree;
+    };
+    EXPECT_EQ(degree(Edges::ignored), 2);
+    EXPECT_EQ(degree(Edges::doubtful), 2);
+    EXPECT_EQ(degree(Edges::real), 2);
+    block.normal[2] = to_float(normalized(Vec3d{-1, 0, 1}));  // at (-0.2, 0)
+    EXPECT_EQ(degree(Edges::ignored), 2);
+    EXPECT_EQ(degree(Edges::doubtful), 1);
+    EXPECT_EQ(degree(Edges::real), 1);
+}
+
 }  // namespace
 }  // namespace slim::test
