@@ -21,7 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -84,12 +84,19 @@ CloudSample read_sample(const std::string& path, const Vec3d& origin, std::size_
 /// Leaves that were fitted anew, and those that stay.
 struct LeafCounts {
     std::size_t refitted = 0, kept = 0, kept_for_memory = 0;
-    double share = 0;  ///< of the cloud's points that the others were fitted to
+    double share = 1;  ///< of the cloud's points that the others were fitted to
 };
 
-/// The model's surface fitted anew to the cloud that is smoothed.
-RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double diagonal, CloudSample sample,
-                         std::size_t most_fits, StageContext& context, LeafCounts& counts) {
+/// What a cloud is put on beside the model.
+struct Anew {
+    std::unique_ptr<RefittedSurface> surface;  ///< null: there is no memory for it
+    std::vector<LeafTrust> trust;
+};
+
+/// The model's surface fitted anew to the cloud that is smoothed, unless `most_fits` is zero, and how much it, or else the
+/// model's own, is to be trusted with.
+Anew fitted_anew(const SurfelTree& tree, const BallIndex& model, double diagonal, CloudSample sample,
+                 std::size_t most_fits, StageContext& context, LeafCounts& counts) {
     const auto telling = [&context](const char* what) {
         return [&context, what](std::size_t done, std::size_t total) {
             context.reporter.progress(what, done, total);
@@ -105,13 +112,19 @@ RefittedSurface refitted(const SurfelTree& tree, const BallIndex& model, double 
         const TreeNode& node = tree.node(model.node(i));
         noise[i] = {node.fit_error, static_cast<double>(node.n_points)};
     }
+    counts.share = sample.share;
+    Anew out;
+    if (most_fits == 0) {
+        const std::vector<WideRadius> kept = kept_radii(model, noise, points);
+        out.trust = leaf_trust(model, kept, local_noise(model, noise, kept, points), model, points);
+        return out;
+    }
     std::vector<WideRadius> radii = wide_radii(model, noise, points, diagonal, telling("radii"));
     counts.kept_for_memory = keep_costly_leaves(model, most_fits, radii);
-    counts.share = sample.share;
     counts.refitted = static_cast<std::size_t>(std::count_if(radii.begin(), radii.end(), [](const WideRadius& r) { return r.radius > 0; }));
     counts.kept = radii.size() - counts.refitted;
-    RefittedSurface out(model, noise, radii, points, telling("fits"));
-    out.set_shares(trusted_shares(model, radii, local_noise(model, noise, radii, points), out, points));
+    out.surface = std::make_unique<RefittedSurface>(model, noise, radii, points, telling("fits"));
+    out.trust = leaf_trust(model, radii, local_noise(model, noise, radii, points), out.surface->fits(), points);
     return out;
 }
 
@@ -132,6 +145,7 @@ struct Smoother {
     }
 };
 
+<<<<<<< HEAD
 /// Nothing is written where the model says nothing of any point.
 void require_moved(const Smoother& smoother, const Counts& counts) {
     const std::string& cloud = smoother.config.cloud;
@@ -140,27 +154,45 @@ void require_moved(const Smoother& smoother, const Counts& counts) {
     const Bbox world{counts.box.lo + smoother.origin, counts.box.hi + smoother.origin};
     refuse_apart({cloud, world}, placed(smoother.config.model, smoother.tree.header()),
                  counts.points - counts.not_finite);
+=======
+/// Says what there was no memory for.
+void warn_of_memory(const LeafCounts& leaves, const RefitBudget& budget, const Smoother& smoother) {
+    Reporter& reporter = smoother.context.reporter;
+    const std::string& memory = smoother.config.memory;
+    if (leaves.kept_for_memory > 0)
+        reporter.warn(fmt::format(
+            "{} of {} leaves are not fitted anew, for memory ({}): points there go on the model's own surface; a larger "
+            "--memory helps",
+            leaves.kept_for_memory, smoother.index.n_leaves(), memory));
+    if (budget.points == 0)
+        reporter.warn(fmt::format(
+            "no point fits in memory ({}): how noisy they are is not known, they go all the way to the surface; a larger "
+            "--memory helps",
+            memory));
+    else if (leaves.share < 1 && budget.points < kMostSmoothPoints)
+        reporter.warn(fmt::format(
+            "only {:.3g} of the points are fitted to, for memory ({}): what they are too sparse to show of the shape may "
+            "count as noise; a larger --memory helps",
+            leaves.share, memory));
+>>>>>>> w_h1
 }
 
 json smooth_cloud(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
-    std::optional<RefittedSurface> anew;
+    Anew anew;
     LeafCounts leaves;
     leaves.kept = smoother.index.n_leaves();
     const RefitBudget budget = refit_budget(parse_memory_size(config.memory), leaves.kept);
-    if (leaves.kept > budget.leaves || budget.points == 0) {
-        leaves.kept_for_memory = leaves.kept;
-    } else if (CloudSample sample = read_sample(config.cloud, smoother.origin, budget.points, smoother.context);
-               !sample.points.empty()) {
-        anew.emplace(refitted(smoother.tree, smoother.index, smoother.diagonal, std::move(sample), budget.fits,
-                              smoother.context, leaves));
-    }
-    if (leaves.kept_for_memory > 0)
-        smoother.context.reporter.warn(fmt::format(
-            "{} of {} leaves are not fitted anew, for memory ({}): points there go on the model's own surface; a larger "
-            "--memory helps",
-            leaves.kept_for_memory, smoother.index.n_leaves(), config.memory));
-    const SmoothSurface surface{smoother.index, anew ? &*anew : nullptr};
+    const bool too_many = leaves.kept > budget.leaves;
+    if (too_many) leaves.kept_for_memory = leaves.kept;
+    if (budget.points == 0) leaves.share = 0;
+    if (budget.points > 0)
+        if (CloudSample sample = read_sample(config.cloud, smoother.origin, budget.points, smoother.context);
+            !sample.points.empty())
+            anew = fitted_anew(smoother.tree, smoother.index, smoother.diagonal, std::move(sample),
+                               too_many ? 0 : budget.fits, smoother.context, leaves);
+    warn_of_memory(leaves, budget, smoother);
+    const SmoothSurface surface{smoother.index, anew.surface.get(), anew.trust};
     const auto source = open_cloud(config.cloud);
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     Counts counts;

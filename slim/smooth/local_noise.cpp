@@ -2,46 +2,46 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/smooth/disc_noise.h"
 #include "slim/smooth/point_projector.h"
 #include "slim/smooth/wide_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kGrain = 32;
-constexpr double kOfQuartic = 75, kOfQuadratic = 24;  ///< points in a narrow disc
-constexpr double kWiden = 1.3;
-constexpr int kTries = 3;
-constexpr double kQuiet = 0.2;        ///< of the points: in leaves of the least noise
-constexpr double kMostOfQuiet = 9;    ///< times the squared noise that these have at most
-constexpr std::size_t kMostPoints = 64;  ///< that are put on the surface, of a leaf
+constexpr double kAgrees = 4;            ///< times the squared noise, which a disc tells within a half: a squared residual
+constexpr std::size_t kMostPoints = 64;  ///< of a leaf, that are put on the surface
 constexpr std::size_t kLeastPoints = 4;
+constexpr double kKnown = 300;           ///< points in a leaf's ball: its disc is so small a part that no edge fills it
+constexpr double kQuiet = 0.2;           ///< of the leaves about one: those of the least noise
+constexpr double kMostOfQuiet = 4;       ///< times the squared noise of these that a leaf of fewer points has
+constexpr std::size_t kAbout = 1000;     ///< leaves before one and after it, along the curve
+constexpr double kFarOff = 4;            ///< of a point's noise: farther off, it goes less
 
-/// Squared noise about a leaf's centre; nothing where no disc can be fitted.
-std::optional<double> narrow_noise(const Surfel& s, double n_points, const PointTree& points, WideWork& work) {
-    const Vec3d center = s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
-    for (const double wanted : {kOfQuartic, kOfQuadratic}) {
-        double radius = s.support_radius * std::sqrt(std::min(1.0, wanted / n_points));
-        for (int i = 0; i < kTries && radius <= s.support_radius; ++i, radius *= kWiden)
-            if (const auto fit = fit_wide(points, center, s.frame, radius, 0, wanted == kOfQuartic, work))
-                return fit->sq_noise;
-    }
-    return std::nullopt;
+Vec3d middle_of(const Surfel& s) { return s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius); }
+
+/// Squared noise about a leaf by itself; infinite where no disc can be fitted.
+double own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide, const PointPyramid& points,
+                 WideWork& work) {
+    const double n = std::max(1.0, points.share(0) * leaf.n_points);
+    const double sq = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, work)
+                          .value_or(INFINITY);
+    if (wide.radius > 0 && wide.sq_noise <= kAgrees * sq) return wide.sq_noise;
+    return sq;
 }
 
-/// The value that the quiet share of the weight lies below; infinite if there is none.
-double quiet_noise(std::vector<std::pair<double, double>>& values) {
-    std::sort(values.begin(), values.end());
-    double left = 0;
-    for (const auto& v : values) left += kQuiet * v.second;
-    for (const auto& [value, weight] : values)
-        if ((left -= weight) <= 0) return value;
-    return INFINITY;
+/// How far a ball's point goes; nothing where the surface has no place for it.
+std::optional<double> displacement(const Surfel& s, std::size_t i, PointProjector& projector, const WideWork& work) {
+    if (!(work.ball.sq[i] < 1)) return std::nullopt;
+    const Vec3d x{work.ball.x[i], work.ball.y[i], work.ball.z[i]};
+    const auto put = projector.project(s.center + x * work.ball.radius, Vec3d{});
+    if (!put.hit) return std::nullopt;
+    return put.hit->t;
 }
 
 /// Mean square of how far a leaf's points go to the surface; nothing of too few.
@@ -52,14 +52,29 @@ std::optional<double> sq_displacement(const Surfel& s, const PointTree& points, 
     const std::size_t stride = work.ball.n / kMostPoints + 1;
     double sum = 0;
     std::size_t n = 0;
-    for (std::size_t i = 0; i < work.ball.n; i += stride) {
-        if (!(work.ball.sq[i] < 1)) continue;
-        const Vec3d x{work.ball.x[i], work.ball.y[i], work.ball.z[i]};
-        const auto put = projector.project(s.center + x * work.ball.radius, Vec3d{});
-        if (put.hit) sum += put.hit->t * put.hit->t, ++n;
-    }
+    for (std::size_t i = 0; i < work.ball.n; i += stride)
+        if (const auto t = displacement(s, i, projector, work)) sum += *t * *t, ++n;
     if (n < kLeastPoints) return std::nullopt;
     return sum / static_cast<double>(n);
+}
+
+/// Of each leaf, the noise that the quietest fifth of the leaves about it has: of those next along the curve.
+std::vector<double> quiet_noise(std::span<const double> sq_noise) {
+    std::vector<double> out(sq_noise.size());
+    parallel_blocks(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::vector<double> values;
+        for (std::size_t i = begin; i < end; ++i) {
+            values.clear();
+            for (std::size_t k = i > kAbout ? i - kAbout : 0; k < std::min(out.size(), i + kAbout + 1); ++k)
+                if (std::isfinite(sq_noise[k])) values.push_back(sq_noise[k]);
+            out[i] = INFINITY;
+            if (values.empty()) continue;
+            const auto quiet = values.begin() + static_cast<std::ptrdiff_t>(kQuiet * static_cast<double>(values.size()));
+            std::nth_element(values.begin(), quiet, values.end());
+            out[i] = *quiet;
+        }
+    });
+    return out;
 }
 
 }  // namespace
@@ -71,53 +86,58 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
     std::vector<double> own(n, INFINITY), out(n, INFINITY);
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
-        for (std::size_t i = begin; i < end; ++i) {
-            const double in_ball = std::max(1.0, points.share(0) * noise[i].n_points);
-            if (radii[i].radius > 0)
-                own[i] = radii[i].sq_noise;
-            else if (radii[i].in_cloud)
-                own[i] = narrow_noise(model.leaf(i), in_ball, points.all(), work).value_or(INFINITY);
-        }
+        for (std::size_t i = begin; i < end; ++i)
+            if (radii[i].in_cloud) own[i] = own_noise(model.leaf(i), noise[i], radii[i], points, work);
     });
-    std::vector<std::pair<double, double>> known;
+    const std::vector<double> quiet = quiet_noise(own);
     for (std::size_t i = 0; i < n; ++i)
-        if (std::isfinite(own[i])) known.emplace_back(own[i], noise[i].n_points);
-    const double most = kMostOfQuiet * quiet_noise(known);
+        if (points.share(0) * noise[i].n_points < kKnown) own[i] = std::min(own[i], kMostOfQuiet * quiet[i]);
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<const Surfel*> around;
+        std::vector<double> values;
         for (std::size_t i = begin; i < end; ++i) {
             if (!radii[i].in_cloud) continue;
-            model.supporters(model.leaf(i).center, around);
-            double sum = 0, weight = 0;
+            model.supporters(middle_of(model.leaf(i)), around);
+            values.clear();
             for (const Surfel* s : around)
-                if (const double sq = own[model.number_of(s)]; std::isfinite(sq)) sum += std::min(sq, most), ++weight;
-            out[i] = weight > 0 ? sum / weight : most;
+                if (const double sq = own[model.number_of(s)]; std::isfinite(sq)) values.push_back(sq);
+            if (values.empty()) continue;
+            const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+            std::nth_element(values.begin(), middle, values.end());
+            out[i] = *middle;
         }
     });
     return out;
 }
 
-double trusted_share(double sq_displacement, double sq_noise) {
-    if (!(sq_displacement > 2 * sq_noise)) return 1;
-    return sq_noise / (sq_displacement - sq_noise);
-}
+double trusted_share(double sq_bias, double sq_noise) { return sq_bias > sq_noise ? sq_noise / sq_bias : 1; }
 
-std::vector<double> trusted_shares(const BallIndex& model, std::span<const WideRadius> radii,
-                                   std::span<const double> sq_noise, const RefittedSurface& surface,
-                                   const PointPyramid& points) {
-    std::vector<double> out(model.n_leaves(), 1);
+std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRadius> radii,
+                                  std::span<const double> sq_noise, const BallIndex& surface,
+                                  const PointPyramid& points) {
+    SLIM_CHECK(radii.size(), ==, model.n_leaves());
+    SLIM_CHECK(sq_noise.size(), ==, model.n_leaves());
+    std::vector<LeafTrust> out(model.n_leaves());
     parallel_blocks(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
-        PointProjector projector(surface.fits());
+        PointProjector projector(surface);
         for (std::size_t i = begin; i < end; ++i) {
             if (!std::isfinite(sq_noise[i])) continue;
-            if (radii[i].radius > 0)
-                out[i] = trusted_share(radii[i].sq_noise, sq_noise[i]);
-            else if (const auto sq = sq_displacement(model.leaf(i), points.all(), projector, work))
-                out[i] = trusted_share(*sq, sq_noise[i]);
+            if (radii[i].radius > 0 && radii[i].sq_noise <= kAgrees * sq_noise[i]) continue;
+            const auto sq = sq_displacement(model.leaf(i), points.all(), projector, work);
+            if (!sq) continue;
+            const double share = trusted_share(*sq - sq_noise[i], sq_noise[i]);
+            if (share < 1 || !(radii[i].radius > 0)) out[i] = {static_cast<float>(share), static_cast<float>(sq_noise[i])};
         }
     });
     return out;
+}
+
+void PointTrust::add(const LeafTrust& leaf, double weight) {
+    if (!(weight > 0)) return;
+    const double sq_most = kFarOff * kFarOff * leaf.sq_noise;
+    const double within = sq_distance_ > sq_most ? (sq_most / sq_distance_) * (sq_most / sq_distance_) : 1;
+    sum_ += weight * within * leaf.share, weight_ += weight;
 }
 
 }  // namespace slim

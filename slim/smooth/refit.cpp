@@ -108,10 +108,7 @@ RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoi
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits)
     : model_(model), leaf_(std::move(fits.leaf)), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
     off_.reserve(noise.size());
-    for (std::size_t i = 0; i < noise.size(); ++i) {
-        off_.push_back(most_off_model(model.leaf(i), noise[i].fit_error));
-        least_off_ = std::min(least_off_, off_.back());
-    }
+    for (std::size_t i = 0; i < noise.size(); ++i) off_.push_back(most_off_model(model.leaf(i), noise[i].fit_error));
 }
 
 double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const {
@@ -120,22 +117,10 @@ double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const
     return most;
 }
 
-void RefittedSurface::set_shares(std::span<const double> shares) {
-    SLIM_CHECK(shares.size(), ==, model_.n_leaves());
-    shares_.clear();
-    if (std::all_of(shares.begin(), shares.end(), [](double a) { return a == 1; })) return;
-    for (std::size_t i = 0; i < fits_.n_leaves(); ++i)
-        shares_.push_back(static_cast<float>(shares[leaf_[fits_.node(i)]]));
-}
-
-double RefittedSurface::share(const Vec3d& p, const std::vector<const Surfel*>& fits) const {
-    if (shares_.empty()) return 1;
-    double sum = 0, weight = 0;
-    for (const Surfel* s : fits) {
-        const double g = weight_kernel(sq_length(p - s->center) / (s->support_radius * s->support_radius));
-        sum += g * shares_[fits_.number_of(s)], weight += g;
-    }
-    return weight > 0 ? sum / weight : 1;
+double RefittedSurface::least_off(const std::vector<const Surfel*>& fits) const {
+    double least = INFINITY;
+    for (const Surfel* s : fits) least = std::min(least, off_[leaf_of(s)]);
+    return least;
 }
 
 RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<const LeafNoise> noise,

@@ -34,14 +34,12 @@ public:
     /// there is none.
     std::optional<Vec3d> foot(const Vec3d& p, const Vec3d& normal) const;
 
-    /// Of each leaf of the model: the share of the way that its points go (trusted_shares).
-    void set_shares(std::span<const double> shares);
-    /// That share at a place, a mean over the fits that hold it.
-    double share(const Vec3d& p, const std::vector<const Surfel*>& fits) const;
+    /// Number of the model's leaf that a fit is, or was fitted in.
+    std::uint32_t leaf_of(const Surfel* fit) const { return leaf_[fits_.node(fits_.number_of(fit))]; }
 
-    /// The largest most_off_model() of leaves of the model, and the least of all of them.
+    /// The largest most_off_model() of leaves of the model, and the least of the leaves of fits.
     double most_off(const std::vector<const Surfel*>& leaves) const;
-    double least_off() const { return least_off_; }
+    double least_off(const std::vector<const Surfel*>& fits) const;
 
 private:
     struct Fits {
@@ -53,9 +51,7 @@ private:
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits);
     const BallIndex& model_;  // must outlive this
     std::vector<double> off_;  // of the model's leaves
-    double least_off_ = INFINITY;
     std::vector<std::uint32_t> leaf_;  // as Fits has them
-    std::vector<float> shares_;        // of fits_; none: all 1
     BallIndex fits_, far_;
 };
 

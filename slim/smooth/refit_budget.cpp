@@ -10,14 +10,13 @@ constexpr std::uint64_t kLeaf = 400;          ///< the model's index and mapped 
 constexpr std::uint64_t kPoint = 130;         ///< sorted, with its place in the pyramid
 constexpr std::uint64_t kLeafOfRadii = 1100;  ///< wide_radii
 constexpr std::uint64_t kFit = 1000;          ///< RefittedSurface while it is built
-constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 22;
 
 }  // namespace
 
 RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves) {
     const std::uint64_t taken = kProgram + kLeaf * n_leaves;
     const std::uint64_t rest = memory > taken ? memory - taken : 0;
-    const std::uint64_t points = std::min(kMostPoints, rest / 2 / kPoint);
+    const std::uint64_t points = std::min<std::uint64_t>(kMostSmoothPoints, rest / 2 / kPoint);
     const std::uint64_t others = rest - points * kPoint;
     return {static_cast<std::size_t>(points), static_cast<std::size_t>(others / kLeafOfRadii),
             static_cast<std::size_t>(others / kFit)};

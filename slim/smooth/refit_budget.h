@@ -12,11 +12,14 @@ struct RefitBudget {
     std::size_t fits = 0;    ///< most made anew; leaves that take more than the others are kept
 };
 
+/// The most of a cloud's points that are held, however much memory there is.
+inline constexpr std::size_t kMostSmoothPoints = std::size_t{1} << 22;
+
 /// The least memory that smoothing a cloud is planned with.
 inline constexpr std::uint64_t kLeastSmoothMemory = std::uint64_t{64} << 20;
 
 /// Divides `memory` bytes, of which the program, its buffers and the index of the model's leaves (400 bytes each) take
-/// theirs first: half of the rest for points (at most 4 million), the other half for leaves while radii are sought,
+/// theirs first: half of the rest for points (kMostSmoothPoints), the other half for leaves while radii are sought,
 /// then for fits.
 RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves);
 

@@ -2,6 +2,7 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/model/weight_kernel.h"
 #include "slim/neighbors/key_sort.h"
 #include "slim/neighbors/morton.h"
 #include "slim/smooth/face_planes.h"
@@ -30,46 +31,62 @@ void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
 class SurfaceProjector {
 public:
     explicit SurfaceProjector(const SmoothSurface& surface)
-        : model_(surface.model, kTrustedCosine), surface_(surface.refitted) {
+        : model_(surface.model, kTrustedCosine), surface_(surface.refitted), index_(surface.model), trust_(surface.trust) {
         if (surface_) fits_.emplace(surface_->fits(), kTrustedCosine);
     }
     ProjectedPoint project(const Vec3d& p, const Vec3d& normal) {
+        asked_at_ = p, by_model_ = !surface_;
         if (!surface_) return model_.project(p, normal);
-        by_model_ = false;
         const ProjectedPoint put = on_fits(p, normal);
-        if (!put.hit || length(put.hit->point - p) <= surface_->least_off()) return put;
+        if (!put.hit || by_model_ || length(put.hit->point - p) <= surface_->least_off(fits_->supporters())) return put;
         ProjectedPoint own = model_.project(p, normal);
         if (!own.hit) return put;
         const double off = length(put.hit->point - own.hit->point);
         if (off <= surface_->most_off(model_.supporters())) return put;
-        by_model_ = true;
+        asked_at_ = p, by_model_ = true;
         return own;
     }
     /// Whether the last point was put on the model's own surface instead of the fits.
-    bool by_model() const { return by_model_; }
-    /// Of the way that project() found from p: how much the surface is to be trusted with.
-    double share(const Vec3d& p) const { return surface_ ? surface_->share(p, fits_->supporters()) : 1; }
+    bool by_model() const { return surface_ && by_model_; }
+    /// How much of the way that project() found, of a length, the surface is to be trusted with: by the surfels that were
+    /// asked, where they were.
+    double share(double distance) const {
+        if (trust_.empty()) return 1;
+        PointTrust trust(distance);
+        for (const Surfel* s : (by_model_ ? model_ : *fits_).supporters()) {
+            const std::size_t leaf = by_model_ ? index_.number_of(s) : surface_->leaf_of(s);
+            trust.add(trust_[leaf],
+                      weight_kernel(sq_length(asked_at_ - s->center) / (s->support_radius * s->support_radius)));
+        }
+        return trust.share();
+    }
 
 private:
     ProjectedPoint on_fits(const Vec3d& p, const Vec3d& normal) {
         ProjectedPoint put = fits_->project(p, normal);
         if (put.hit) return put;
         if (const auto foot = surface_->foot(p, is_finite(normal) ? normal : Vec3d{})) {
+            asked_at_ = *foot;
             put = fits_->project(*foot, normal);
             if (put.hit) return put;
         }
         put = model_.project(p, normal);
+        asked_at_ = p, by_model_ = true;
         if (!put.hit) return put;
         const auto again = fits_->project(put.hit->point, put.hit->normal);
-        by_model_ = !again.hit;
-        if (again.hit) put.hit = again.hit;
+        if (!again.hit) return put;
+        asked_at_ = put.hit->point, by_model_ = false;
+        put.hit = again.hit;
         return put;
     }
 
     PointProjector model_;
     const RefittedSurface* surface_;
+    const BallIndex& index_;
+    std::span<const LeafTrust> trust_;
     std::optional<PointProjector> fits_;
     bool by_model_ = false;
+    Vec3d asked_at_;  // where the model, or the fits, were asked last
 };
 
 /// Turns a point's normal to the surface's by its share of the way, all of it where it has none or one that faces away.
@@ -82,20 +99,23 @@ SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& se
                            const Vec3d& own_normal) {
     SmoothedPoint out{from, own_normal};
     if (!is_finite(from)) return out;
-    Vec3d p = from;
+    Vec3d p = from, normal = own_normal;
+    double share = 1;
     for (int i = 0; i < settings.iterations; ++i) {
-        const ProjectedPoint put = projector.project(p, out.normal);
+        const ProjectedPoint put = projector.project(p, normal);
         if (!put.hit || !(sq_length(put.hit->normal) > 0)) break;
-        const double share = projector.share(p);
         if (i == 0) {
+            share = projector.share(length(put.hit->point - p));
             out.opposed = put.opposed, out.astray = put.astray;
             out.by_model = projector.by_model(), out.held_back = share < 1;
         }
-        p += (put.hit->point - p) * (settings.amount * share);
-        turn(put.hit->normal, share, out.normal);
+        p += (put.hit->point - p) * settings.amount;
+        normal = put.hit->normal;
         out.moved = true;
     }
-    if (out.moved) end_at(from, p, settings.most, out);
+    if (!out.moved) return out;
+    turn(normal, share, out.normal);
+    end_at(from, from + (p - from) * share, settings.most, out);
     return out;
 }
 

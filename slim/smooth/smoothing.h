@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/smooth/local_noise.h"
 #include "slim/smooth/mesh.h"
 #include "slim/smooth/refit.h"
 #include "slim/tree/ball_index.h"
@@ -34,10 +35,13 @@ struct SmoothedPoint {
 struct SmoothSurface {
     const BallIndex& model;
     const RefittedSurface* refitted = nullptr;
+    std::span<const LeafTrust> trust = {};  ///< of the model's leaves; none: points go all the way
 };
 
 /// Projects points on the model along their normals (Ohtake 2005, sec. 4, eqs (6) and (7)), again from where
-/// they are with the normals that they got; along the model's where theirs cannot be trusted (kTrustedCosine). Points that no surfel supports, whose lines meet nothing or that are not
+/// that ends with the normals found there; along the model's where theirs cannot be trusted (kTrustedCosine). A point
+/// that is held back goes its share of the whole way, which the first iteration says: what is left of its distance is the
+/// surface's error, however often it is asked. Points that no surfel supports, whose lines meet nothing or that are not
 /// finite stay. Frame of the job; `normals` empty: along the model's own. out.size() == positions.size().
 /// In parallel, same values for any thread count.
 void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,

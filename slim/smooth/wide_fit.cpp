@@ -131,7 +131,8 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     fit.n = n;
     double residual = m.sq_height - height.dot(all->a);
     if (!(residual >= kCancelled * m.sq_height)) residual = residual_pass<kAll>(work.ball, frame, all->a);
-    fit.sq_noise = sq * std::max(residual / (n - kAll), kRounding * kRounding);
+    fit.sq_rounding = sq * kRounding * kRounding;
+    fit.sq_noise = std::max(sq * residual / (n - kAll), fit.sq_rounding);
     const double spread = core_variance<kOwn>(own->inverse);
     fit.spread = spread * n;
     fit.sq_error = fit.sq_noise * spread;
@@ -144,14 +145,18 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     return fit;
 }
 
-/// Distances in the frame's plane instead of those in space, coordinates over `radius`.
+/// Distances in the frame's plane instead of those in space, coordinates over `radius`; points whose normals are below
+/// kLeastCos to the frame's do not count.
 void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
     const auto scale = static_cast<float>(ball.radius / radius);
     const Vec3f n = to_float(frame.normal);
     for (std::size_t i = 0; i < ball.padded(); ++i) {
         const float x = ball.x[i] *= scale, y = ball.y[i] *= scale, z = ball.z[i] *= scale;
         const float w = n.x * x + n.y * y + n.z * z;
-        ball.sq[i] = ball.sq[i] < 1 ? std::max(0.0f, x * x + y * y + z * z - w * w) : 2.0f;
+        const float sq = std::max(0.0f, x * x + y * y + z * z - w * w);
+        const float nx = ball.nx[i], ny = ball.ny[i], nz = ball.nz[i];
+        const bool contrary = (nx != 0) | (ny != 0) | (nz != 0) ? n.x * nx + n.y * ny + n.z * nz < kLeastCos : false;
+        ball.sq[i] = ball.sq[i] < 1 && !contrary ? sq : 2.0f;
     }
     ball.radius = radius;
 }
@@ -163,7 +168,6 @@ std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, co
     work.ball.weight = FitWeight::uniform;
     gather_ball(points, center, std::hypot(radius, kThickness * noise), work.ball);
     stand_up(frame, radius, work.ball);
-    set_contrary_aside(work.ball, frame.normal, work.aside);
     return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
 }
 

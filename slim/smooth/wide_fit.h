@@ -27,6 +27,7 @@ struct WideFit {
     double n = 0;                   ///< points
     double sq_noise = 0;            ///< of a height, length^2; no less than the rounding of floats
     double sq_error = 0;            ///< variance of the middle's height by noise, mean over the core, length^2
+    double sq_rounding = 0;         ///< what is left of sq_noise where points have none: that of floats
     double spread = 0;  ///< that variance over sq_noise / n; 4 to 5 where points are all around
     /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
     /// standard error of that; may be negative. Zero unless asked for.

@@ -19,7 +19,7 @@ constexpr double kNarrowest = 0.4; ///< of a leaf's radius: less than its own fi
 constexpr double kSearch = 8;      ///< of a leaf's radius: where points enough are looked for
 constexpr double kNoises = 5;      ///< narrower discs than so many noises show noise alone
 constexpr double kPlain = 8;       ///< times the variance: more squared bias ends the climb
-constexpr double kMostPoints = 16384; ///< of a rung; more are thinned
+constexpr double kMostPoints = 8192; ///< of a rung; more are thinned
 constexpr double kGrowth = 3.67;   ///< of the squared bias from rung to rung, wherever it is not measured: kStep^-8
 constexpr double kBiasFloor = 0.02; ///< of the variance
 constexpr double kMostBeyond = 8;   ///< times the bias, or the variance, of leaves that have the rung
@@ -179,6 +179,18 @@ std::vector<WideRadius> wide_radii(const BallIndex& model, std::span<const LeafN
     });
     pool(model, ladders);
     for (std::size_t i = 0; i < n; ++i) choose_radius(ladders[i], model.leaf(i), noise[i], diagonal, out[i]);
+    return out;
+}
+
+std::vector<WideRadius> kept_radii(const BallIndex& model, std::span<const LeafNoise> noise, const PointPyramid& points) {
+    const std::size_t n = model.n_leaves();
+    SLIM_CHECK(noise.size(), ==, n);
+    std::vector<WideRadius> out(n);
+    parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
+        WideWork work;
+        for (std::size_t i = begin; i < end; ++i)
+            out[i].in_cloud = has_its_points(model.leaf(i), noise[i].n_points, points, work);
+    });
     return out;
 }
 

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slim::test {
@@ -75,7 +76,7 @@ TEST_F(SmoothStage, TakesMostOfTheNoiseOffKnownShapes) {
         EXPECT_EQ(said["moved"], 20000);
         EXPECT_GT(said["leaves_refitted"], said["leaves_kept"]);
         EXPECT_LT(said["points_by_model"], 20);
-        EXPECT_LT(said["points_held_back"], 200);
+        EXPECT_LT(said["points_held_back"], 1500);
         const double before = rms_distance(shape, read_all(cloud, 20000).position);
         const double after = rms_distance(shape, read_all(file("smooth.ply"), 20000).position);
         EXPECT_LT(after, before / 6.5);
@@ -308,6 +309,47 @@ TEST_F(SmoothStage, ACleanCloudIsNotMadeWorse) {
         }
 }
 
+// A cloud of two scanners: the noisy half is no misfit of the surface's, the quiet one says nothing about it.
+TEST_F(SmoothStage, NoiseThatVariesOverTheCloudIsTakenOffEverywhere) {
+    Cloud cloud = sampled("sphere", 40000);
+    const auto upper = [](const Vec3d& p) { return p.z > 0; };
+    for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
+        const double u = 1 - unit_interval(keyed_hash(3, i, 1)), v = unit_interval(keyed_hash(3, i, 2));
+        const double noise = upper(cloud.positions[i]) ? 0.01 : 0.001;
+        cloud.positions[i] += to_double(cloud.normals[i]) * (noise * std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * v));
+    }
+    const std::string path = write(cloud, "c.ply");
+    build(build_config(path, "m.slim"));
+    smooth(path);
+    std::vector<Vec3d> above, below;
+    for (const Vec3d& p : read_all(file("smooth.ply"), 40000).position) (upper(p) ? above : below).push_back(p);
+    EXPECT_LT(rms_distance("sphere", above), 0.0025);
+    EXPECT_LT(rms_distance("sphere", below), 0.0005);
+}
+
+// Most of its leaves hold an edge. Measured (uniform cloud, noise along rays): 1.13 and 0.87 of the cloud's own error.
+TEST_F(SmoothStage, ANoisyCloudOfManyEdgesIsNotMadeMuchWorse) {
+    for (const auto& [noise, most] : {std::pair(1e-4, 1.3), std::pair(3e-4, 1.0)}) {
+        SCOPED_TRACE(noise);
+        const std::string cloud = write(sampled("sculpture", 50000, 1, noise), "c.ply");
+        build(build_config(cloud, "m.slim"));
+        smooth(cloud);
+        EXPECT_LT(rms_distance("sculpture", read_all(file("smooth.ply"), 50000).position),
+                  most * rms_distance("sculpture", read_all(cloud, 50000).position));
+    }
+}
+
+TEST_F(SmoothStage, PointsThatAreHeldBackGoNoFartherInMoreIterations) {
+    const std::string cloud = write(sampled("torus", 50000, 1, 3e-6), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    SmoothConfig c;
+    EXPECT_GT(smooth(cloud, c)["points_held_back"], 25000);
+    const double once = rms_distance("torus", read_all(file("smooth.ply"), 50000).position);
+    c.iterations = 10;
+    smooth(cloud, c);
+    EXPECT_NEAR(rms_distance("torus", read_all(file("smooth.ply"), 50000).position) / once, 1, 0.02);
+}
+
 // Beside edges the surface's normals are off by more than 45 degrees.
 TEST_F(SmoothStage, NormalsOfPointsThatAreHeldBackStay) {
     const Cloud exact = sampled("sculpture", 50000);
@@ -331,7 +373,10 @@ TEST_F(SmoothStage, LittleMemoryMeansAShareOfThePoints) {
     const double by_all = rms_distance("torus", read_all(file("smooth.ply"), 200000).position);
     SmoothConfig c;
     c.memory = "64MiB";
+    listener_.warnings.clear();
     const auto part = smooth(cloud, c);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("of the points are fitted to, for memory (64MiB)"), std::string::npos);
     EXPECT_LE(part["refit_share"], 0.5);
     EXPECT_EQ(part["moved"], 200000);
     const double by_part = rms_distance("torus", read_all(file("smooth.ply"), 200000).position);
@@ -354,7 +399,9 @@ TEST_F(SmoothStage, MoreLeavesThanMemoryHoldsAreTakenAsTheyAre) {
     EXPECT_EQ(said["moved"], 120000);
     ASSERT_GE(listener_.warnings.size(), 1u);
     EXPECT_NE(listener_.warnings[0].find("--memory"), std::string::npos);
-    EXPECT_LT(rms_distance("bumpy", read_all(file("smooth.ply"), 120000).position), 1e-4);
+    EXPECT_GT(said["points_held_back"], 0);  // none without shares
+    EXPECT_LT(rms_distance("bumpy", read_all(file("smooth.ply"), 120000).position),
+              1.05 * rms_distance("bumpy", read_all(cloud, 120000).position));
     c.memory = "63MiB";
     EXPECT_EQ(code_of([&] { smooth(cloud, c); }), ExitCode::usage);
 }

@@ -100,7 +100,7 @@ TEST_F(Refit, ALeafWhosePointsTheCloudDoesNotHoldIsKeptAndNotJudged) {
     const RefittedSurface surface(*model_, noise_, found, *points_);
     const auto noise = local_noise(*model_, noise_, found, *points_);
     for (const double sq : noise) EXPECT_TRUE(std::isinf(sq));
-    for (const double a : trusted_shares(*model_, found, noise, surface, *points_)) EXPECT_EQ(a, 1);
+    for (const LeafTrust& t : leaf_trust(*model_, found, noise, surface.fits(), *points_)) EXPECT_EQ(t.share, 1);
 }
 
 TEST_F(Refit, TheFootOfAPointOutsideAllFitsIsOnTheSurfaceBeneathIt) {
@@ -138,19 +138,19 @@ TEST_F(Refit, NoiseIsKnownInNarrowDiscsWhereverTheModelIsOff) {
     for (WideRadius& r : kept) r.in_cloud = true;
     const auto noise = local_noise(*model_, noise_, kept, *points_);
     const RefittedSurface surface(*model_, noise_, kept, *points_);
-    const auto shares = trusted_shares(*model_, kept, noise, surface, *points_);
+    const auto trust = leaf_trust(*model_, kept, noise, surface.fits(), *points_);
     for (const std::size_t i : inner()) {
         EXPECT_NEAR(std::sqrt(noise[i]) / 1e-4, 1, 0.2);
-        EXPECT_NEAR(shares[i], std::pow(1e-4 / 0.002, 2), 0.002);
+        EXPECT_NEAR(trust[i].share, std::pow(1e-4 / 0.002, 2), 0.002);
     }
 }
 
 TEST(TrustedShare, IsAllTheWayUnlessTheBiasExceedsTheNoise) {
+    EXPECT_EQ(trusted_share(-1, 1), 1);
     EXPECT_EQ(trusted_share(1, 1), 1);
-    EXPECT_EQ(trusted_share(2, 1), 1);
-    EXPECT_NEAR(trusted_share(2 + 1e-9, 1), 1, 1e-6);
-    EXPECT_NEAR(trusted_share(5, 1), 0.25, 1e-12);
-    EXPECT_EQ(trusted_share(5, 0), 0);
+    EXPECT_NEAR(trusted_share(1 + 1e-9, 1), 1, 1e-6);
+    EXPECT_NEAR(trusted_share(4, 1), 0.25, 1e-12);
+    EXPECT_EQ(trusted_share(4, 0), 0);
     EXPECT_EQ(trusted_share(0, 0), 1);
 }
 
