@@ -145,7 +145,6 @@ struct Smoother {
     }
 };
 
-<<<<<<< HEAD
 /// Nothing is written where the model says nothing of any point.
 void require_moved(const Smoother& smoother, const Counts& counts) {
     const std::string& cloud = smoother.config.cloud;
@@ -154,7 +153,8 @@ void require_moved(const Smoother& smoother, const Counts& counts) {
     const Bbox world{counts.box.lo + smoother.origin, counts.box.hi + smoother.origin};
     refuse_apart({cloud, world}, placed(smoother.config.model, smoother.tree.header()),
                  counts.points - counts.not_finite);
-=======
+}
+
 /// Says what there was no memory for.
 void warn_of_memory(const LeafCounts& leaves, const RefitBudget& budget, const Smoother& smoother) {
     Reporter& reporter = smoother.context.reporter;
@@ -174,7 +174,6 @@ void warn_of_memory(const LeafCounts& leaves, const RefitBudget& budget, const S
             "only {:.3g} of the points are fitted to, for memory ({}): what they are too sparse to show of the shape may "
             "count as noise; a larger --memory helps",
             leaves.share, memory));
->>>>>>> w_h1
 }
 
 json smooth_cloud(const Smoother& smoother) {
