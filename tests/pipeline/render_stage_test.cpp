@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <sstream>
 #include <string>
 
 namespace slim {
@@ -274,67 +273,6 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
             EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
         }
     }
-}
-
-/// Pixels that a white-backed map and the same map without its legend do not share, where the
-/// latter shows the object.
-int n_hidden(const PngImage& with, const PngImage& without) {
-    int n = 0;
-    for (std::size_t i = 0; i < with.rgba.size(); i += 4) {
-        const bool object = without.rgba[i] + without.rgba[i + 1] + without.rgba[i + 2] < 765;
-        n += object && !std::equal(&with.rgba[i], &with.rgba[i] + 4, &without.rgba[i]);
-    }
-    return n;
-}
-
-/// "eye 1,2,3 target 4,5,6 up 7,8,9 (...)" as --camera takes it.
-std::string camera_numbers(const std::string& described) {
-    std::istringstream words(described);
-    std::string word, numbers;
-    for (int i = 0; i < 6 && words >> word; ++i)
-        if (i % 2) numbers += (numbers.empty() ? "" : ",") + word;
-    return numbers;
-}
-
-TEST_F(RenderStage, ALegendHidesNothingOfANamedView) {
-    RenderConfig c = config("x.png");
-    c.aov = {"shaded", "mean"}, c.size = "500x500";
-    const auto beside = run(c);
-    const PngImage with = read_png(file("x.mean.png"));
-    const std::string numbers = camera_numbers(with.metadata.at("slim:camera"));
-    EXPECT_EQ(camera_numbers(read_png(file("x.shaded.png")).metadata.at("slim:camera")), numbers);
-    // The same view without the legend.
-    c.aov = {"mean"}, c.legend = false, c.output = file("bare.png"), c.camera = numbers;
-    EXPECT_EQ(n_hidden(with, draw(c)), 0);
-    // Without any legend the model is centred, and larger.
-    c.aov = {"shaded"}, c.output = file("alone.png"), c.camera = "front";
-    EXPECT_GT(run(c)["covered_pixels"].get<int>(), beside["covered_pixels"].get<int>());
-}
-
-TEST_F(RenderStage, PicturesOfOneCameraOverlayWhateverIsAskedFor) {
-    RenderConfig c = config("x.png");
-    const auto camera_of = [&](std::vector<std::string> aovs, const char* name) {
-        c.aov = std::move(aovs), c.output = file("x.png");
-        run(c);
-        return read_png(file(name)).metadata.at("slim:camera");
-    };
-    for (const char* size : {"500x500", "800x300", "64x48"}) {
-        c.size = size;
-        const std::string shaded = camera_of({"shaded"}, "x.png");
-        EXPECT_EQ(camera_of({"mean"}, "x.png"), shaded);
-        EXPECT_EQ(camera_of({"level"}, "x.png"), shaded);
-        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.shaded.png"), shaded);
-        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.error.png"), shaded);
-    }
-}
-
-TEST_F(RenderStage, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {
-    RenderConfig c = config("x.png");
-    c.aov = {"mean"}, c.size = "500x500", c.background = "white";
-    c.camera = "-1,0,7,-1,0,0,0,1,0";  // the sphere right of the middle
-    const PngImage with = draw(c);
-    c.legend = false, c.output = file("y.png");
-    EXPECT_EQ(n_hidden(with, draw(c)), 0);
 }
 
 TEST_F(RenderStage, FineFramesAreAveragedAlikeInBandsAndAtOnce) {
