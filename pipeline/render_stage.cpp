@@ -194,7 +194,7 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     warn_of_letters(config, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
-    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose);
+    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose, context.reporter);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
     const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
