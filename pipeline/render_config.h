@@ -166,7 +166,8 @@ struct RenderConfig {
               "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
-              "whole has there");
+              "whole has there (with lines each part, of --tile too, first finds those of the whole "
+              "picture: 16 parts took four times the whole)");
         field("turntable", turntable,
               "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
