@@ -117,7 +117,8 @@ public:
     }
     /// --key: which part of the work this call does; not part of the hash, as all parts together
     /// make the same.
-    void part(std::string key, bool& member, std::string help) {
+    template <class T>
+    void part(std::string key, T& member, std::string help) {
         add(std::move(key), &member, std::move(help), FieldRole::option).is_part = true;
     }
     template <class T, class Min, class Max>

@@ -6,6 +6,13 @@
 
 namespace slim {
 
+/// A part of a step that is a task of its own in plans.
+struct JobShare {
+    std::string option;            ///< "--share=2/8", beside the step's arguments
+    std::filesystem::path target;  ///< its manifest
+    std::vector<std::filesystem::path> products;
+};
+
 /// One command of a job: slim-<verb> with its arguments.
 struct JobStep {
     std::string name;  ///< "scan", "build", "measure cloud.ply", "view front"
@@ -16,6 +23,9 @@ struct JobStep {
     std::filesystem::path output;               ///< what -o names
     std::filesystem::path target;               ///< its manifest, written last
     std::vector<std::filesystem::path> products;  ///< files that must be there when it is done
+    /// tasks among which plans divide it, before one with --join puts it together; none: it is one
+    std::vector<JobShare> shares = {};
+    std::string division = {};  ///< why it is divided, or a large one not, for people
 };
 
 /// The stages of the step "build", as make runs them: slice by slice. Arguments without --slice.

@@ -9,6 +9,7 @@
 #include "pipeline/render_lights.h"
 #include "pipeline/render_uses.h"
 #include "pipeline/render_view.h"
+#include "pipeline/view_shares.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -26,10 +27,21 @@ namespace fs = std::filesystem;
 struct ViewTable {
     std::string name;
     std::vector<std::string> aovs;
+    int shares = 0;
     template <class V>
     void visit(V&& field) {
         field("name", name, "begins the names of the view's pictures");
         field("aovs", aovs, "pictures of this view");
+        field("shares", shares, "tasks that plans divide it among (0: by its pixels)", 0, 9999);
+    }
+};
+
+/// The keys of [render] that are the job's own.
+struct AllViewsTable {
+    int shares = 0;
+    template <class V>
+    void visit(V&& field) {
+        field("shares", shares, "of every view that does not say it itself", 0, 9999);
     }
 };
 
@@ -44,10 +56,11 @@ public:
           job_(job) {}
 
     void read_views() {
-        ViewTable none;
         std::vector<std::string> defaults;
         if (const TomlTable* table = find_table(root_, "render", file_)) {
-            defaults = read_options<RenderConfig>(*table, file_, none, kOwnedByView);
+            std::set<std::string> owned = kOwnedByView;
+            owned.insert("name");  // one for each view
+            defaults = read_options<RenderConfig>(*table, file_, all_views_, owned);
             check_view(*table, render_);
             job_.unit = render_.unit;
         }
@@ -112,6 +125,7 @@ private:
     void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
         check_tables(table, {}, file_);
         ViewTable view;
+        view.shares = all_views_.shares;
         const std::vector<std::string> own =
             read_options<RenderConfig>(table, file_, view, kOwnedByView);
         RenderConfig render = render_;
@@ -144,6 +158,7 @@ private:
         add_step_output(step);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
+        divide(step, render, view, table);
         lines_ = lines_ || !render.lines.empty() ||
                  std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
         job_.steps.push_back(std::move(step));
@@ -156,6 +171,16 @@ private:
         for (const View& view : views_)
             if (!view.has_legend && view.render.legend && !view.render.legend_room && frames_by_name(view.render))
                 job_.steps[view.step].arguments.push_back("--legend-room");
+    }
+
+    void divide(JobStep& step, const RenderConfig& render, const ViewTable& view, const TomlTable& table) {
+        try {
+            const ViewDivision division = division_of_view(render, view.aovs, view.shares);
+            step.shares = shares_of_view(render, view.aovs, step.output, view.name, division.shares);
+            step.division = division.reason;
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+        }
     }
 
     static std::set<std::string> keys_of(const TomlTable& table) {
@@ -242,7 +267,7 @@ private:
                            [&](const std::string& name) { return aovs_.contains(name); });
     }
 
-    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov"};
+    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share", "join"};
 
     const fs::path& file_;
     const TomlTable& root_;
@@ -250,6 +275,7 @@ private:
     const fs::path& model_;
     Job& job_;
     std::set<std::string> taken_;  // keys for all views that some view takes
+    AllViewsTable all_views_;
     struct View {
         std::size_t step;  // of the job's
         RenderConfig render;

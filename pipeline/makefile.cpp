@@ -58,13 +58,7 @@ std::string unless_there(const fs::path& file) {
     return " $(if $(wildcard " + path + "),,FORCE)";
 }
 
-/// One rule: target, what must be there, the command.
-struct Rule {
-    fs::path target;
-    std::vector<fs::path> needs;
-    std::vector<fs::path> products;
-    Words command;
-};
+std::string text_of(const Words& words) { return fmt::format("{}", fmt::join(words, "\n")); }
 
 class Rules {
 public:
@@ -88,14 +82,14 @@ public:
     }
 
     /// A step that has its stamp to itself.
-    void step(const std::string& id, Rule rule) {
-        rule.needs.push_back(stamp(id, fmt::format("{}", fmt::join(rule.command, "\n"))));
+    void step(const std::string& id, PlanTask rule) {
+        rule.needs.push_back(stamp(id, text_of(rule.command)));
         add(rule);
     }
 
     /// A step that is up to date leaves its manifest as it was: touched, it is newer than its
     /// inputs.
-    void add(const Rule& rule) {
+    void add(const PlanTask& rule) {
         text_ += "\n" + make_path(rule.target) + ":";
         for (const fs::path& need : rule.needs) text_ += " " + make_path(need);
         for (const fs::path& product : rule.products) text_ += unless_there(product);
@@ -114,23 +108,28 @@ private:
     std::string text_;
 };
 
-Rule rule_of(const JobStep& step, const Job& job, const Rules& rules) {
-    Rule rule{step.target, {}, step.products, rules.command(step.verb, step.arguments)};
-    for (const fs::path& input : step.inputs) rule.needs.push_back(made_by(input, job));
-    return rule;
-}
-
 /// Slicing, and the build that joins what the slices' rules have made: it finds them up to date.
 void add_build(const JobStep& step, const Job& job, const fs::path& programs, Rules& rules) {
-    Rule slice = rule_of(step, job, rules);
+    PlanTask slice = whole_task(step, job, programs);
     slice.target = job.stages.slice_target;
     slice.products = {plan_path(job.stages.work)};
     slice.command = rules.command("slice", job.stages.slice);
     rules.step("slice", slice);
-    Rule build = rule_of(step, job, rules);
+    PlanTask build = whole_task(step, job, programs);
     build.needs = {job.stages.slice_target};
     build.command = joining_build(step, job, programs);
     rules.step("build", build);
+}
+
+/// A step that is one task, or the tasks that share it, which have one stamp, and the one that joins them.
+void add_step(const JobStep& step, const Job& job, const fs::path& programs, Rules& rules) {
+    if (step.shares.empty()) return rules.step(step.name, whole_task(step, job, programs));
+    const fs::path mark = rules.stamp(step.name + " shares", text_of(step.arguments));
+    for (PlanTask& share : share_tasks(step, job, programs)) {
+        share.needs.push_back(mark);
+        rules.add(share);
+    }
+    rules.step(step.name, join_task(step, job, programs));
 }
 
 /// Prints to a file only if that succeeds.
@@ -170,13 +169,13 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
         if (step.verb == "build")
             add_build(step, job, programs, rules);
         else
-            rules.step(step.name, rule_of(step, job, rules));
+            add_step(step, job, programs, rules);
     }
     if (job.html) {
-        Rule page{page_target(job),
-                  goals,
-                  {job.folder / "index.html"},
-                  rules.command("run", job_words(job))};
+        PlanTask page{rules.command("run", job_words(job)),
+                      goals,
+                      page_target(job),
+                      {job.folder / "index.html"}};
         page.needs.push_back(rules.stamp("page", all_commands));
         rules.add(page);
         goals = {page.target};
@@ -198,13 +197,13 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
         Words command = rules.command(verb, arguments);
         if (!part.empty()) command.push_back(part);
         needs.push_back(mark);
-        rules.add({manifest_path(output), std::move(needs), {output}, command});
+        rules.add({command, std::move(needs), manifest_path(output), {output}});
         return manifest_path(output);
     };
     rules.append("# The slices of " + job.file.string() + "\n");
     const fs::path normals_mark =
-        rules.stamp("normals", fmt::format("{}", fmt::join(stages.normals, "\n")));
-    const fs::path fit_mark = rules.stamp("fit", fmt::format("{}", fmt::join(stages.fit, "\n")));
+        rules.stamp("normals", text_of(stages.normals));
+    const fs::path fit_mark = rules.stamp("fit", text_of(stages.fit));
     std::vector<fs::path> oriented, fits;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::vector<fs::path> needs = {stages.slice_target};

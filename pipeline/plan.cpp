@@ -7,10 +7,24 @@
 
 namespace slim {
 
+namespace {
+
+/// What plans make of a view that is large; nothing of the others.
+std::string division_text(const JobStep& step) {
+    if (step.division.empty()) return "";
+    return fmt::format("    in plans {}: {}\n",
+                       step.shares.empty() ? "one task"
+                                           : fmt::format("{} tasks and one that joins", step.shares.size()),
+                       step.division);
+}
+
+}  // namespace
+
 std::string explanation_of(const Job& job) {
     std::string text = "`slim run` does, in this order:\n";
     for (const JobStep& step : job.steps)
-        text += fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments));
+        text += fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments)) +
+                division_text(step);
     if (job.html)
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";

@@ -71,7 +71,8 @@ nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
         steps.push_back({{"name", step.name},
                          {"verb", step.verb},
                          {"arguments", step.arguments},
-                         {"output", step.output.string()}});
+                         {"output", step.output.string()},
+                         {"shares", step.shares.size()}});
     return {{"folder", job.folder.string()},
             {"steps", steps},
             {"left_out", job.left_out},

@@ -1,5 +1,9 @@
 #include "pipeline/plan_steps.h"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 namespace slim {
 
 namespace fs = std::filesystem;
@@ -26,6 +30,31 @@ Words joining_build(const JobStep& step, const Job& job, const fs::path& program
     Words words = verb_command(programs, step.verb, step.arguments);
     words.push_back("--work=" + job.stages.work.string());
     return words;
+}
+
+PlanTask whole_task(const JobStep& step, const Job& job, const fs::path& programs) {
+    PlanTask task{verb_command(programs, step.verb, step.arguments), {}, step.target, step.products};
+    for (const fs::path& input : step.inputs) task.needs.push_back(made_by(input, job));
+    return task;
+}
+
+std::vector<PlanTask> share_tasks(const JobStep& step, const Job& job, const fs::path& programs) {
+    std::vector<PlanTask> tasks;
+    for (const JobShare& share : step.shares) {
+        PlanTask task = whole_task(step, job, programs);
+        task.command.push_back(share.option);
+        task.target = share.target, task.products = share.products;
+        tasks.push_back(std::move(task));
+    }
+    return tasks;
+}
+
+PlanTask join_task(const JobStep& step, const Job& job, const fs::path& programs) {
+    PlanTask task = whole_task(step, job, programs);
+    task.command.push_back(fmt::format("--join={}", step.shares.size()));
+    task.needs.clear();
+    for (const JobShare& share : step.shares) task.needs.push_back(share.target);
+    return task;
 }
 
 bool normals_in_order(const Job& job, const SlicePlan& plan) {

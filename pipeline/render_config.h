@@ -54,6 +54,8 @@ struct RenderConfig {
     std::string crop, tile;
     int turntable = 0, frames = 0, frame = 0;
     std::string path;
+    std::string share;
+    int join = 0;
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -168,7 +170,8 @@ struct RenderConfig {
               "orthographic named cameras: one scale for all six sides, at which each fits");
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
-              "whole has there");
+              "whole has there (with lines each part, of --tile and --share too, first finds those of the whole "
+              "picture: 16 parts took four times the whole)");
         field("turntable", turntable,
               "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
@@ -181,6 +184,13 @@ struct RenderConfig {
         field(
             "tile", tile,
             "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
+        field.part("share", share,
+                   "i/n: draws share i of a film (pictures in a row) or picture (rows) that n tasks draw; "
+                   "then --join n");
+        field.part("join", join,
+                   "checks that all of so many shares are there and makes the whole of them: the bytes of one "
+                   "run",
+                   0, 9999);
     }
 };
 

@@ -16,10 +16,11 @@ bool has_sharp(const std::vector<ScenePart>& parts) {
                        [](const ScenePart& part) { return !part.tree->sharp().empty(); });
 }
 
-std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose) {
+std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose, Reporter& reporter) {
+    const auto tell = [&](std::size_t done, std::size_t total) { reporter.progress("edges", done, total); };
     std::vector<std::vector<SharpEdge>> out;
     for (const ScenePart& part : parts) {
-        out.push_back(trace_sharp_edges(*part.tree, loose));
+        out.push_back(trace_sharp_edges(*part.tree, loose, tell));
         for (SharpEdge& edge : out.back())
             for (EdgePoint& p : edge.points) p.point += part.offset;
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/render_trace.h"
+#include "slim/base/reporter.h"
 #include "slim/model/sharp_edge.h"
 #include "slim/model/surfel_tree.h"
 
@@ -15,7 +16,7 @@ std::vector<ScenePart> scene_parts(const SurfelTree& tree, const std::optional<T
 /// Whether some model has sharp surfels.
 bool has_sharp(const std::vector<ScenePart>& parts);
 
-/// The sharp edges of each model, frame of the first one.
-std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose);
+/// The sharp edges of each model, frame of the first one. Tells its progress, of each model in turn, and can be stopped.
+std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose, Reporter& reporter);
 
 }  // namespace slim

@@ -22,10 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_folder(const fs::path& output) {
-    return fs::is_directory(output) || !output.has_filename() || !output.has_extension();
-}
-
 /// True for an EXR, checked against --format.
 bool wants_exr(const RenderConfig& config, const fs::path& output, bool folder) {
     if (folder) return config.format == "exr";
@@ -135,6 +131,10 @@ std::array<float, 16> rows(const double (&m)[4][4]) {
 
 }  // namespace
 
+bool is_folder_output(const fs::path& output) {
+    return fs::is_directory(output) || !output.has_filename() || !output.has_extension();
+}
+
 fs::path OutputPlan::legend(const std::string& aov) const {
     const bool has_aov = stem.extension() == "." + aov;  // x.mean of x.mean.png
     return fs::path(stem.string() + (has_aov ? "" : "." + aov) + ".legend.svg");
@@ -175,7 +175,7 @@ std::vector<std::string> film_commands(const OutputPlan& plan) {
 
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const fs::path output = config.output;
-    const bool folder = is_folder(output);
+    const bool folder = is_folder_output(output);
     const bool exr = wants_exr(config, output, folder);
     OutputPlan plan;
     plan.stem = folder ? output / view_name(config) : fs::path(output).replace_extension();

@@ -40,6 +40,9 @@ struct OutputPlan {
 /// Command lines that make films of numbered pictures, one for each drawn AOV.
 std::vector<std::string> film_commands(const OutputPlan& plan);
 
+/// Whether an output is a folder, that is or is meant.
+bool is_folder_output(const std::filesystem::path& output);
+
 /// Throws ConfigError for an extension that is neither, or that contradicts --format.
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs);
 

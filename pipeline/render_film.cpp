@@ -69,6 +69,11 @@ std::vector<PicturePart> parts_of(const RenderJob& job) {
     return picture_parts(job.size, job.window, pixel_bytes(job), shading_margin(job.size));
 }
 
+/// Whether the picture as a whole fits one band, its lines being found.
+bool fits_one_band(const RenderJob& job) {
+    return picture_parts(job.size, {0, 0, job.size.width, job.size.height}, pixel_bytes(job), 0).size() == 1;
+}
+
 /// Lines are found in the frame that is drawn if that is all of the picture; else before, in bands of their own.
 void find_lines_before(RenderJob& job, StageContext& context, RenderOutcome& outcome) {
     job.found_lines.reset();
@@ -79,13 +84,26 @@ void find_lines_before(RenderJob& job, StageContext& context, RenderOutcome& out
     outcome.frame_ms += milliseconds_since(start);
 }
 
-/// The files of lines, of those that the wanted part shows.
+/// The files of lines, of those that the wanted part shows; the first share of a picture writes those of all of it.
 void add_found_lines(const RenderJob& job, PictureFiles& files, RenderOutcome& outcome) {
-    const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, job.window);
-    const DrawnLines drawn{shown, job.lines, job.size, job.window};
+    const bool is_share = job.share.of > 0 && job.n_frames == 1;
+    if (is_share && job.share.number > 1) return;
+    const PixelWindow window = is_share ? PixelWindow{0, 0, job.size.width, job.size.height} : job.window;
+    const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, window);
+    const DrawnLines drawn{shown, job.lines, job.size, window};
     for (const NamedText& file : line_files(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
         files.add_text(file);
     outcome.lines = lines_json(shown, job.lines);
+}
+
+/// Pictures of a film, counted from 1, both included; 1 to 1 of a single one.
+struct FrameRange {
+    int first, last;
+};
+FrameRange wanted_frames(const RenderJob& job) {
+    if (job.config.frame > 0) return {job.config.frame, job.config.frame};
+    if (job.share.of == 0 || job.n_frames == 1) return {1, job.n_frames};
+    return {share_begin(job.n_frames, job.share) + 1, share_end(job.n_frames, job.share)};
 }
 
 /// One picture of each AOV, of a film or the only one; its files are not yet under their names.
@@ -115,6 +133,7 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
     }
     if (job.n_frames == 1) require_hits(job, outcome.stats);
     if (!job.lines.empty()) add_found_lines(job, files, outcome);
+    outcome.whole_at_once = fits_one_band(job);
     ++outcome.frames;
     return files;
 }
@@ -130,25 +149,24 @@ void commit(std::vector<PictureFiles>& pictures, RenderOutcome& outcome) {
 RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
                         StageContext& context) {
     const OutputPlan plan = job.plan;
-    const int wanted = job.config.frame;
-    const int last = wanted > 0 ? wanted : job.n_frames;
+    const FrameRange range = wanted_frames(job);
     RenderOutcome outcome;
     std::vector<PictureFiles> held;  // of a film, until a picture of it shows something
-    for (int k = wanted > 0 ? wanted : 1; k <= last; ++k) {
+    for (int k = range.first; k <= range.last; ++k) {
         if (job.n_frames > 1) {
-            context.reporter.progress("pictures", static_cast<std::uint64_t>(k - 1),
-                                      static_cast<std::uint64_t>(job.n_frames));
+            context.reporter.progress("pictures", static_cast<std::uint64_t>(k - range.first),
+                                      static_cast<std::uint64_t>(range.last - range.first + 1));
             job.camera = frame_camera(job.config, job.header(), job.size, free_right, k - 1);
             job.plan = plan.numbered(k);
         }
         held.push_back(draw_picture(job, model_identity, context, outcome));
-        if (k == last)
+        if (k == range.last)
             for (const NamedText& legend : legend_files(job)) held.back().add_text(legend);
         held.back().seal();
         if (outcome.stats.covered_pixels > 0) commit(held, outcome);
     }
     job.plan = plan;
-    require_hits(job, outcome.stats);
+    if (job.share.of == 0) require_hits(job, outcome.stats);  // the whole has some, or is refused when it is joined
     commit(held, outcome);
     return outcome;
 }

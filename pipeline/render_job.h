@@ -11,6 +11,7 @@
 #include "pipeline/render_shadings.h"
 #include "pipeline/render_trace.h"
 #include "pipeline/render_view.h"
+#include "pipeline/render_share.h"
 #include "raytrace/renderer.h"
 #include "slim/model/surfel_tree.h"
 
@@ -38,6 +39,7 @@ struct RenderJob {
     ModelHeader drawn;  ///< the model's; its bounds are those of what is drawn, of all models
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
     ModelReads* reads = nullptr;           ///< is told of every node before it is drawn
+    RenderShare share = {};                ///< of the film or picture
     std::map<std::string, AovLook> looks = {};
     /// those of the picture, in the order of drawing, once they are found
     std::optional<std::vector<FeatureLine>> found_lines = {};

@@ -10,7 +10,8 @@
 #include "pipeline/render_edges.h"
 #include "pipeline/render_film.h"
 #include "pipeline/render_frames.h"
-#include "pipeline/render_maps.h"
+#include "pipeline/render_inputs.h"
+#include "pipeline/join_shares.h"
 #include "pipeline/render_trace.h"
 #include "raytrace/font.h"
 #include "slim/base/error.h"
@@ -64,6 +65,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
         result["light_rays"] = outcome.light_rays;
         result["scene_ms"] = job.traced->build_ms();
     }
+    if (job.share.of > 0) result["whole_at_once"] = outcome.whole_at_once;
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
     if (job.n_frames > 1) {
         result["frames"] = outcome.frames;
@@ -103,61 +105,14 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
             config.unit, unknown));
 }
 
-/// What can be wrong before the model is opened. Returns the number of pictures.
-int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    check_view_name(config.name);
-    check_ranges(config);
-    check_lines(config, aovs);
-    check_shadings(config);
-    check_tracing(config, aovs);
-    parse_background(config.background, false);
-    const int frames = n_frames(config);
-    if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
-        throw ConfigError(
-            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
-    require_model(config.model);
-    return frames;
-}
-
-/// All that the pictures depend on.
-void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::path& named,
-                Stamp& stamp) {
-    stamp.input(config.model, model.identity());
-    for (const std::string& file : {config.environment, config.matcap})
-        if (!file.empty()) stamp.input(file);
-    for (const std::string& added : config.add) stamp.input(added);
-    stamp.depends("drawn as " + named.stem().string());
-    for (const std::string& file : {config.lines_ply, config.lines_obj})
-        stamp.depends("lines to " + file);
-    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
-}
-
-/// No file of the run may be one that it reads, by whatever name.
-void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan) {
-    std::vector<fs::path> outputs = plan.pngs;
-    outputs.push_back(plan.exr);
-    for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
-    outputs.push_back(plan.lines_svg());
-    for (const fs::path& output : outputs) {
-        refuse_to_overwrite(output.string(), {config.model, config.environment, config.matcap});
-        for (const std::string& added : config.add) refuse_to_overwrite(output.string(), {added});
-    }
-}
-
-}  // namespace
-
-Json run_render(const RenderConfig& config, StageContext& context) {
+/// Draws what a configuration asks for, or a share of its film; `manifest` is written last.
+Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& manifest, StageContext& context) {
     std::vector<std::string> aovs = wanted_aovs(config);
     const PictureSize size = parse_size(config.size);
     const int frames = check_request(config, aovs);
-    const fs::path named = plan_outputs(config, aovs).named;
-    for (int k = 0; k <= (frames > 1 ? frames : 0); ++k) {
-        const OutputPlan pictures = plan_outputs(config, aovs);
-        refuse_to_overwrite_inputs(config, k > 0 ? pictures.numbered(k) : pictures);
-    }
     const ModelFile model = ModelFile::open_by_pages(config.model);
-    Stamp stamp(context, manifest_path(named.string()));
-    add_inputs(config, model, named, stamp);
+    Stamp stamp(context, manifest);
+    add_inputs(config, model, plan_outputs(config, aovs).named, stamp);
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;
 
@@ -187,14 +142,15 @@ Json run_render(const RenderConfig& config, StageContext& context) {
                   frames,
                   header,
                   traced ? &*traced : nullptr,
-                  &reads};
+                  &reads,
+                  share};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
     warn_of_letters(config, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
-    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose);
+    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose, context.reporter);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
     const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
@@ -206,6 +162,18 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     result["model_bytes_read"] = reads.bytes();
     result["model_nodes_checked"] = reads.n_checked();
     return stamp.commit(outcome.files, std::move(result));
+}
+
+}  // namespace
+
+Json run_render(const RenderConfig& config, StageContext& context) {
+    const RenderShare share = share_of(config);
+    if (config.join > 0) return join_shares(config, context);
+    const fs::path named = plan_outputs(config, wanted_aovs(config)).named;
+    if (share.of == 0) return draw(config, {}, manifest_path(named), context);
+    const fs::path folder = share_folder(named, share), manifest = share_target(named, share);
+    make_writable_folder(is_film(config) ? folder.parent_path() : folder);
+    return draw(config_of_share(config, share), share, manifest, context);
 }
 
 }  // namespace slim

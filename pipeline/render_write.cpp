@@ -9,12 +9,6 @@
 namespace slim {
 namespace {
 
-/// Whether every pixel of an AOV's picture hides what is behind it.
-bool has_background(const RenderJob& job, const std::string& aov) {
-    return (aov == "environment" && job.config.environment_behind) ||
-           parse_background(job.config.background, false).alpha >= 1;
-}
-
 void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at,
                     Picture& picture) {
     if (aov == "environment" && job.config.environment_behind)
@@ -79,6 +73,10 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
 
 }  // namespace
 
+bool has_background(const RenderConfig& config, const std::string& aov) {
+    return (aov == "environment" && config.environment_behind) || parse_background(config.background, false).alpha >= 1;
+}
+
 bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
                 const ImageMetadata& metadata, PictureFiles& files) {
     bool all_fits = true;
@@ -89,7 +87,7 @@ bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& p
             own["slim:range." + aov] =
                 fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
         files.add_png(k, finished_picture(job, aov, frames, part, all_fits),
-                      has_background(job, aov), own);
+                      has_background(job.config, aov), own);
     }
     if (!job.plan.exr.empty()) write_data(job, frames, part, metadata, files);
     return all_fits;

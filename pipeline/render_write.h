@@ -4,6 +4,7 @@
 #include "pipeline/render_output.h"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace slim {
@@ -12,6 +13,9 @@ namespace slim {
 /// file, and the band's data to the data file. False if a legend or scale bar did not fit.
 bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
                 const ImageMetadata& metadata, PictureFiles& files);
+
+/// Whether every pixel of an AOV's picture hides what is behind it.
+bool has_background(const RenderConfig& config, const std::string& aov);
 
 /// Legends and keys as SVG, beside the pictures.
 std::vector<NamedText> legend_files(const RenderJob& job);

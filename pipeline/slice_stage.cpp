@@ -6,6 +6,8 @@
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
+#include "pipeline/point_dealer.h"
+#include "pipeline/slice_planning.h"
 #include "slim/base/error.h"
 #include "slim/slicing/block_plan.h"
 
@@ -14,8 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
-#include <utility>
 
 namespace slim {
 namespace {
@@ -27,10 +27,6 @@ constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of
 // the diagonal that is a usual fit's error.
 constexpr double kCoarseQuantum = 2.5e-5;
-// Blocks, over as many as the points alone would fill: with more, every point is read by so many
-// slices.
-constexpr std::uint64_t kMostDearBlocks = 8;
-constexpr double kClearlyDearer = 1.1;  // than fewer blocks: still more will not be cheaper
 
 std::string names_of(const std::vector<std::string>& paths) {
     return paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
@@ -54,69 +50,6 @@ void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
             names_of(config.inputs), extent_most, kLeastDiagonal, kMostDiagonal));
 }
 
-Bbox shifted(const Bbox& box, const Vec3d& origin) { return {box.lo - origin, box.hi - origin}; }
-
-/// Takes the blocks, their counts and what they hold with a halo into the plan.
-void set_blocks(const BlockPlan& blocks, const std::vector<Cell>& cells, double width,
-                SlicePlan& plan) {
-    plan.slices.clear();
-    for (std::size_t i = 0; i < blocks.n_blocks(); ++i)
-        plan.slices.push_back({blocks.n_points[i], {}, shifted(blocks.regions[i], plan.origin)});
-    HaloCounts within;
-    if (blocks.n_blocks() > 1)
-        within = count_within(blocks, cells, width, possible_halos(plan.diagonal));
-    plan.most_within = std::move(within.most);
-    plan.all_within = std::move(within.all);
-}
-
-/// How slices do for the fit.
-struct FitCost {
-    /// infinite where memory leaves no room for the halo that the fit wants
-    double points_read = INFINITY;
-    double excess = INFINITY;       ///< points held at a time beyond those that the memory takes
-    double halo = 0;
-
-    /// Fewer points read; where neither suffices, less excess, then the wider halo.
-    bool better_than(const FitCost& other) const {
-        if (points_read < INFINITY || other.points_read < INFINITY)
-            return points_read < other.points_read;
-        return std::pair(-excess, halo) > std::pair(-other.excess, other.halo);
-    }
-};
-
-FitCost cost_of_fit(const SlicePlan& plan, std::uint64_t memory) {
-    const FitDivision division = divide_fit(plan, memory);
-    const std::uint64_t held = points_held(plan, division), room = points_in_memory(memory);
-    FitCost cost;
-    if (halo_suffices(plan, division) && held <= room)
-        cost.points_read = static_cast<double>(points_read(plan, division));
-    cost.excess = std::max(0.0, static_cast<double>(held) - static_cast<double>(room));
-    cost.halo = division.halo;
-    return cost;
-}
-
-/// As many blocks as leave room for the halo that the fit wants and have it read the fewest points,
-/// or if no reasonable number does, as many as leave room for the widest.
-BlockPlan blocks_for_memory(const std::vector<Cell>& cells, double cell_width, std::uint64_t memory,
-                            SlicePlan& plan) {
-    const std::uint64_t least = (plan.n_points - 1) / points_in_memory(memory) + 1;
-    const std::uint64_t most = least < 2 ? 1 : std::min(kMostDearBlocks * least, kMostBlocks);
-    BlockPlan best;
-    FitCost best_cost;
-    for (std::uint64_t n = std::min(least, most); n <= most; n += 1 + n / 8) {
-        BlockPlan blocks = plan_blocks(cells, cell_width, n);
-        set_blocks(blocks, cells, cell_width, plan);
-        if (plan.slices.size() < 2) return blocks;
-        const FitCost cost = cost_of_fit(plan, memory);
-        if (cost.points_read > kClearlyDearer * best_cost.points_read) break;
-        if (!cost.better_than(best_cost)) continue;
-        best = std::move(blocks);
-        best_cost = cost;
-    }
-    set_blocks(best, cells, cell_width, plan);
-    return best;
-}
-
 /// Where the slices are too few or the memory too small for a halo that a fit can do with.
 void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& reporter) {
     if (plan.slices.size() < 2) return;
@@ -126,117 +59,6 @@ void warn_of_memory(const SlicePlan& plan, std::uint64_t memory, Reporter& repor
         fmt::format("{} slices, each with its surroundings, take up to {} MiB, more than --memory",
                     plan.slices.size(), ((kProgramBytes + n * kBytesPerPoint) >> 20) + 1));
 }
-
-/// The blocks, in the world's frame, and the slices that they make.
-void plan_slices(const SliceConfig& config, const CloudSurvey& survey, BlockPlan& blocks,
-                 SlicePlan& plan) {
-    const std::vector<Cell> cells = survey.cells->cells();
-    const double width = survey.cells->width();
-    plan.spacing = surface_spacing(cells, width);
-    if (plan.slices_given) {
-        blocks = plan_blocks(cells, width, static_cast<std::uint64_t>(config.slices));
-        set_blocks(blocks, cells, width, plan);
-    } else {
-        blocks = blocks_for_memory(cells, width, parse_memory_size(config.memory), plan);
-    }
-}
-
-/// The plan and the blocks, in the world's frame; none of points that were gathered.
-SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
-                           BlockPlan& blocks) {
-    SlicePlan plan;
-    plan.inputs = survey.inputs;
-    plan.origin = choose_origin(survey.bounds);
-    plan.bounds = shifted(survey.bounds, plan.origin);
-    plan.diagonal = plan.bounds.diagonal();
-    plan.n_points = survey.n_points;
-    plan.n_dropped = survey.n_dropped;
-    plan.is_float32 = survey.is_float32;
-    plan.coordinate_quantum = survey.coordinate_quantum;
-    for (const PlanInput& input : survey.inputs) {
-        plan.has_normals |= input.has_normals;
-        plan.has_scans |= input.has_scan;
-    }
-    plan.slices_given = config.slices > 0;
-    if (survey.gathered.points().empty()) plan_slices(config, survey, blocks, plan);
-    if (plan.slices.size() > 1) return plan;
-    // The same plan, whether the cells of its one slice were counted or not.
-    const Vec3d far{INFINITY, INFINITY, INFINITY};
-    plan.slices = {{survey.n_points, {}, {far * -1.0, far}}};
-    plan.spacing = 0;
-    return plan;
-}
-
-/// Deals points out to the files of their slices. Holds one slice's points of one chunk at a time.
-class Dealer {
-public:
-    Dealer(const fs::path& work, SlicePlan& plan, const BlockPlan& blocks)
-        : plan_(plan), blocks_(blocks) {
-        for (std::size_t i = 0; i < plan.slices.size(); ++i) {
-            fs::create_directories(slice_folder(work, i));
-            writers_.emplace_back(slice_points_path(work, i).string(), plan.origin,
-                                  plan.slices[i].n_points, plan.has_normals, plan.has_scans);
-        }
-    }
-
-    void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input) {
-        sort_by_slice(chunk);
-        for (std::size_t s = 0; s < writers_.size(); ++s) {
-            if (begin_[s] == begin_[s + 1]) continue;
-            block_.position.clear();
-            block_.id.clear();
-            block_.normal.clear();
-            block_.scan.clear();
-            for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k)
-                put(chunk, order_[k], first_id, input, s);
-            writers_[s].append(block_);
-        }
-    }
-
-    void commit() {
-        for (SliceWriter& writer : writers_) writer.commit();
-    }
-
-private:
-    /// Fills order_ with the chunk's finite points, those of slice s from begin_[s] on, in their
-    /// order.
-    void sort_by_slice(const PointChunk& chunk) {
-        slice_of_.assign(chunk.size(), 0);
-        begin_.assign(writers_.size() + 1, 0);
-        for (std::size_t i = 0; i < chunk.size(); ++i) {
-            if (!is_finite(chunk.position[i])) continue;
-            slice_of_[i] = blocks_.block_of(chunk.position[i]);
-            ++begin_[slice_of_[i] + 1];
-        }
-        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-        order_.resize(begin_.back());
-        std::vector<std::size_t> at(begin_.begin(), begin_.end() - 1);
-        for (std::size_t i = 0; i < chunk.size(); ++i)
-            if (is_finite(chunk.position[i])) order_[at[slice_of_[i]]++] = i;
-    }
-
-    void put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id, std::size_t input,
-             std::size_t slice) {
-        const Vec3d local = chunk.position[i] - plan_.origin;
-        plan_.slices[slice].bounds.extend(local);
-        block_.position.push_back(local);
-        block_.id.push_back(first_id + i);
-        if (plan_.has_normals) {
-            const bool good = !chunk.normal.empty() && is_finite(chunk.normal[i]);
-            block_.normal.push_back(good ? chunk.normal[i] : Vec3f{});
-        }
-        if (plan_.has_scans) {
-            const std::uint32_t own = chunk.scan.empty() ? 0u : chunk.scan[i];
-            block_.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
-        }
-    }
-
-    SlicePlan& plan_;
-    const BlockPlan& blocks_;
-    std::vector<SliceWriter> writers_;
-    std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
-    PointBlock block_;
-};
 
 /// The one slice of a job whose points were gathered: written, handed on, or both.
 void pass_on_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey,
@@ -357,7 +179,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const bool gathered = !survey.gathered.points().empty();
     watch.over([&] {
         if (gathered) return pass_on_gathered(work, plan, survey, context);
-        Dealer dealer(work, plan, blocks);
+        PointDealer dealer(work, plan, blocks);
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
                            const CloudInfo&) { dealer.take(chunk, first_id, input); });

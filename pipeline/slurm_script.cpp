@@ -88,10 +88,21 @@ std::string slices_submission(const std::string& name, const std::string& option
                       "exec " + quoted_line(command) + " --slice=\"$SLURM_ARRAY_TASK_ID\"");
 }
 
+/// All of a verb, those that share a step among them.
 std::vector<Words> commands_of(const Job& job, const std::string& verb, const fs::path& programs) {
     std::vector<Words> commands;
+    for (const JobStep& step : job.steps) {
+        if (step.verb != verb) continue;
+        for (const PlanTask& share : share_tasks(step, job, programs)) commands.push_back(share.command);
+        if (step.shares.empty()) commands.push_back(whole_task(step, job, programs).command);
+    }
+    return commands;
+}
+
+std::vector<Words> joining_commands(const Job& job, const fs::path& programs) {
+    std::vector<Words> commands;
     for (const JobStep& step : job.steps)
-        if (step.verb == verb) commands.push_back(verb_command(programs, verb, step.arguments));
+        if (!step.shares.empty()) commands.push_back(join_task(step, job, programs).command);
     return commands;
 }
 
@@ -153,6 +164,8 @@ std::string slurm_slices_of(const Job& job, const SlicePlan& plan, const fs::pat
     for (const char* verb : {"measure", "render"})
         if (const auto commands = commands_of(job, verb, programs); !commands.empty())
             text += array_submission(verb, after("$build"), commands) + "all=$all:$id\n";
+    if (const auto commands = joining_commands(job, programs); !commands.empty())  // of the views, submitted last
+        text += array_submission("join", after("$id"), commands) + "all=$all:$id\n";
     if (job.html)
         text += submission("page", after("$all"),
                            "exec " + quoted_line(verb_command(programs, "run", job_words(job))));

@@ -139,28 +139,52 @@ void add_slices(const Job& job, const fs::path& programs, Rules& rules) {
                of_slice(fits, "{slice,[0-9]+}"), command("fit", stages.fit) + one});
 }
 
-std::vector<fs::path> outputs_of(const JobStep& step) {
-    std::vector<fs::path> files = step.products;
-    files.push_back(step.target);
+std::vector<fs::path> outputs_of(const PlanTask& task) {
+    std::vector<fs::path> files = task.products;
+    files.push_back(task.target);
     return files;
 }
 
-std::vector<fs::path> inputs_of(const JobStep& step, const Job& job) {
+void add_task(const PlanTask& task, const std::string& name, Rules& rules) {
+    rules.add({"rule", name, files_list(task.needs), files_list(outputs_of(task)), python_list(task.command)});
+}
+
+/// A step that is one task, or the tasks that share it and the one that joins them. A file is the output of one rule:
+/// pictures of a film are those of their share. Returns all outputs.
+std::vector<fs::path> add_step(const JobStep& step, const Job& job, const fs::path& programs, const std::string& name,
+                               Rules& rules) {
+    const PlanTask whole = whole_task(step, job, programs);
+    if (step.shares.empty()) {
+        add_task(whole, name, rules);
+        return outputs_of(whole);
+    }
+    PlanTask join = join_task(step, job, programs);
     std::vector<fs::path> files;
-    for (const fs::path& file : step.inputs) files.push_back(made_by(file, job));
+    int number = 0;
+    for (const PlanTask& share : share_tasks(step, job, programs)) {
+        add_task(share, fmt::format("{}_share_{}", name, ++number), rules);
+        for (const fs::path& file : outputs_of(share)) {
+            files.push_back(file);
+            std::erase(join.products, file);
+        }
+    }
+    // As inputs too: where a share is drawn again, so that the whole is joined again.
+    join.needs = files;
+    add_task(join, name, rules);
+    for (const fs::path& file : outputs_of(join)) files.push_back(file);
     return files;
 }
 
 void add_build(const JobStep& step, const Job& job, const fs::path& programs, Rules& rules) {
     const BuildStages& stages = job.stages;
-    rules.add({"checkpoint", "slice", files_list(inputs_of(step, job)),
+    rules.add({"checkpoint", "slice", files_list(whole_task(step, job, programs).needs),
                "plan=" + files_list({plan_path(stages.work)}) +
                    ", done=" + files_list({stages.slice_target}),
                python_list(verb_command(programs, "slice", stages.slice))});
     add_slices(job, programs, rules);
     rules.add({"rule", "build",
                fmt::format("lambda w: [{} for i in slices()]", formatted(fit_path(stages.work, 0))),
-               files_list(outputs_of(step)), python_list(joining_build(step, job, programs))});
+               files_list(outputs_of(whole_task(step, job, programs))), python_list(joining_build(step, job, programs))});
 }
 
 }  // namespace
@@ -172,15 +196,14 @@ std::string snakefile_of(const Job& job, const fs::path& programs,
     std::string about = job.title;
     int number = 0;
     for (const JobStep& step : job.steps) {
-        for (const fs::path& file : outputs_of(step)) goals.push_back(file);
         about += fmt::format("\n{}", fmt::join(step.arguments, "\n"));
         if (step.verb == "build") {
             add_build(step, job, programs, rules);
+            for (const fs::path& file : outputs_of(whole_task(step, job, programs))) goals.push_back(file);
             continue;
         }
-        rules.add({"rule", fmt::format("{}_{}", step.verb, ++number),
-                   files_list(inputs_of(step, job)), files_list(outputs_of(step)),
-                   python_list(verb_command(programs, step.verb, step.arguments))});
+        for (const fs::path& file : add_step(step, job, programs, fmt::format("{}_{}", step.verb, ++number), rules))
+            goals.push_back(file);
     }
     if (job.html) {
         const fs::path page = job.folder / "index.html";

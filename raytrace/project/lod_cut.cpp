@@ -2,7 +2,6 @@
 
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
-#include "slim/model/stand_in.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,16 +2,16 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
-#include "slim/cover/blend_refit.h"
+#include "slim/cover/cover_states.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
+#include "slim/cover/second_fit.h"
 #include "slim/model/surfel_tree.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -29,7 +29,6 @@ constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCovera
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
-constexpr std::size_t kPiece = 1024;        // leaves that wait together
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
@@ -40,14 +39,6 @@ struct Candidate : LeafCandidate {
     std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
 };
 
-/// What has become of a point so far: side by side, as points by priority lie anywhere in memory.
-struct PointState {
-    float weight = 0;         // sum of G over the leaves so far
-    std::uint16_t flags = 0;  // LevelCover::State
-    std::uint8_t stamp = 0;   // level at which an internal surfel covers the point
-    std::uint8_t degree = 0;  // that goes with the radius found by an earlier search
-};
-
 /// The state of one run; each method is one step of it.
 class LevelCover {
 public:
@@ -56,10 +47,8 @@ public:
           rules_(rules),
           pyramid_(points, box_of(points), rules.seed, rules.share),
           leaves_(points, rules, pyramid_),
-          states_(points.size()),
-          radius_(points.size(), 0.0f),
-          finest_(points.size(), 0.0f),
-          blend_(rules.fits_again() ? points.size() : 0),
+          states_(points, rules),
+          second_(rules.fits_again() ? points.size() : 0),
           open_(points.size()),
           work_([&rules] {
               LeafWork w;
@@ -68,22 +57,22 @@ public:
               return w;
           }) {
         std::iota(open_.begin(), open_.end(), 0u);
-        std::vector<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
-        std::sort(dropped.begin(), dropped.end());
-        for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
-            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) states_[i].flags = kClosed;
     }
 
     Cover run(Reporter& reporter) {
         if (rules_.done) mark_done();
-        std::size_t open = count_open();
+        std::size_t open = states_.count_open();
         for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
             run_level(level);
-            open = count_open();
+            open = states_.count_open();
             out_.counts.levels = static_cast<std::uint64_t>(level);
             reporter.progress("fit", block_.size() - open, block_.size());
         }
-        if (rules_.fits_again()) keep_refitted();
+        // Those of coarse levels, of whose points a slice sees a part only, stay as they are.
+        if (rules_.fits_again())
+            out_.counts.refitted += second_.run(pyramid_.all(), [&](const FittedSurfel& leaf) {
+                if (is_kept(leaf)) keep(leaf);
+            });
         for (const LeafWork& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
             out_.counts.sharp_rungs += w.ladder.sharp_rungs;
@@ -95,32 +84,10 @@ public:
     }
 
 private:
-    enum State : std::uint16_t {
-        kCore = 1, kClosed = 2, kForced = 4, kSaturatedTop = 8, kLimited = 16,
-        kTwoSheets = 32, kThreeSheets = 64,  // found by an earlier search: two sheets, three
-        kThin = 128,
-        kBeside = 256  // a leaf that is not doubtful lies near
-    };
-
     static Bbox box_of(const PointBlock& points) {
         Bbox box;
         for (const Vec3d& p : points.position) box.extend(p);
         return box;
-    }
-    bool is_open(std::uint32_t p) const {
-        const PointState& s = states_[p];
-        if (s.flags & kClosed) return false;
-        return !((s.flags & kCore) && s.weight >= rules_.coverage());
-    }
-    std::size_t count_open() const {
-        std::atomic<std::size_t> n = 0;
-        parallel_blocks(block_.size(), 65536, [&](std::size_t begin, std::size_t end) {
-            std::size_t own = 0;
-            for (std::size_t p = begin; p < end; ++p)
-                own += is_open(static_cast<std::uint32_t>(p)) ? 1u : 0u;
-            n += own;
-        });
-        return n;
     }
     bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
     bool is_kept(const FittedSurfel& f) const {
@@ -151,21 +118,15 @@ private:
     void accept_leaf(Candidate& c, int level);
     bool drop(std::uint32_t point);
     void mark(const CoveringSurfel& leaf);
-    void blend(const CoveringSurfel& leaf);
-    void wait_for_refit(const FittedSurfel& leaf);
-    void keep_refitted();
     bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
     const PointBlock& block_;
     const CoverRules& rules_;
     PointPyramid pyramid_;
     LeafMaker leaves_;
-    std::vector<PointState> states_;
-    std::vector<float> radius_;        // found by an earlier search, 0: not searched
-    std::vector<float> finest_;        // the smallest ball that search admitted
-    std::vector<BlendResidual> blend_;  // of a second fit only
+    CoverStates states_;
+    SecondFit second_;
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
-    std::vector<std::vector<FittedSurfel>> waiting_;  // leaves that wait for their second fit, those of others too
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
@@ -183,7 +144,7 @@ std::size_t LevelCover::thinning_for(double radius) const {
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
     // Only all of them are sifted for good: the coarse levels look at few.
-    const auto is_closed = [&](std::uint32_t rank) { return !is_open(pyramid_.by_priority()[rank]); };
+    const auto is_closed = [&](std::uint32_t rank) { return !states_.is_open(pyramid_.by_priority()[rank]); };
     if (thinning == 0) parallel_erase_if(open_, is_closed);
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting(open_.begin(), end);
@@ -201,8 +162,8 @@ void LevelCover::run_level(int level) {
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                           std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= rules_.coverage();
-    const auto may_lead = [&](std::uint32_t p) { return is_open(p) && states_[p].stamp != level; };
-    const auto is_free = [&](std::uint32_t p) { return last || states_[p].weight <= most_overlap; };
+    const auto may_lead = [&](std::uint32_t p) { return states_.may_lead(p, level); };
+    const auto is_free = [&](std::uint32_t p) { return last || states_.weight(p) <= most_overlap; };
 
     BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
     std::vector<std::uint32_t> passed, later;
@@ -212,9 +173,7 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
         passed.clear();
         places.clear();
         for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
-            // Points by priority lie anywhere in memory.
-            const std::uint32_t soon = waiting[std::min(next + kPrefetch, waiting.size() - 1)];
-            __builtin_prefetch(&states_[soon]);
+            states_.prefetch(waiting[std::min(next + kPrefetch, waiting.size() - 1)]);
             const std::uint32_t p = waiting[next];
             if (!may_lead(p)) continue;
             if (is_free(p)) {
@@ -242,21 +201,13 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     LeafWork& work = work_.local();
     c.center = c.point;
     c.level = level;
-    if (radius_[c.point] > 0) {
-        c.choice = {radius_[c.point], states_[c.point].degree, (states_[c.point].flags & kSaturatedTop) != 0,
-                    (states_[c.point].flags & kForced) != 0, false, (states_[c.point].flags & kLimited) != 0,
-                    0, finest_[c.point]};
-        c.sparse = (states_[c.point].flags & kThin) != 0;
-        c.n_sheets = states_[c.point].flags & kThreeSheets ? 3 : states_[c.point].flags & kTwoSheets ? 2 : 1;
-    } else {
-        leaves_.choose(c, work);
-    }
+    if (!states_.recall(c)) leaves_.choose(c, work);
     const double lower = level_radius(rules_.diagonal, level) * kGoldenRatio * kGoldenRatio;
     c.leaf = c.choice.radius >= lower && !c.choice.isolated;
     if (c.choice.isolated) return;
     // Known without a fit: many points of rims end here.
     c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
-    if (c.few_in_noise && (states_[c.point].flags & kBeside)) return;
+    if (c.few_in_noise && states_.is_beside(c.point)) return;
     if (c.leaf) leaves_.make(c, lower, work);
     if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
@@ -276,14 +227,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 }
 
 void LevelCover::accept(Candidate& c, int level) {
-    radius_[c.point] = static_cast<float>(c.choice.radius);
-    finest_[c.point] = static_cast<float>(c.choice.finest);
-    states_[c.point].degree = static_cast<std::uint8_t>(c.choice.degree);
-    if (c.choice.forced) states_[c.point].flags |= kForced;
-    if (c.choice.saturated) states_[c.point].flags |= kSaturatedTop;
-    if (c.choice.limited) states_[c.point].flags |= kLimited;
-    if (c.sparse) states_[c.point].flags |= kThin;
-    if (c.n_sheets > 1) states_[c.point].flags |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
+    states_.remember(c);
     if (c.choice.isolated) {
         out_.counts.isolated += drop(c.point);
         return;
@@ -295,15 +239,15 @@ void LevelCover::accept(Candidate& c, int level) {
             keep(c.internal);
             ++out_.counts.internals;
         }
-        for (const std::uint32_t p : c.stamped) states_[p].stamp = static_cast<std::uint8_t>(level);
-        states_[c.point].stamp = static_cast<std::uint8_t>(level);
+        for (const std::uint32_t p : c.stamped) states_.stamp(p, level);
+        states_.stamp(c.point, level);
         return;
     }
     accept_leaf(c, level);
 }
 
 void LevelCover::accept_leaf(Candidate& c, int level) {
-    if (c.few_in_noise && (states_[c.point].flags & kBeside)) {
+    if (c.few_in_noise && states_.is_beside(c.point)) {
         out_.counts.beside += drop(c.point);
         return;
     }
@@ -316,16 +260,16 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
     const bool saturated = c.choice.saturated && rules_.first_level == 1;
     f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
-                                        (c.choice.forced ? slim::kForced : 0) |
-                                        (c.choice.limited ? slim::kLimited : 0));
+                                        (c.choice.forced ? kForced : 0) |
+                                        (c.choice.limited ? kLimited : 0));
     f.point_id = block_.id[c.center];
-    if (is_raw() && (states_[c.point].flags & kBeside) && is_doubtful(f, rules_.noise_variance)) {
+    if (is_raw() && states_.is_beside(c.point) && is_doubtful(f, rules_.noise_variance)) {
         out_.counts.beside += drop(c.point);
         return;
     }
-    states_[c.point].flags |= kClosed;
+    states_.close(c.point);
     mark(c.surfel);
-    if (rules_.fits_again()) wait_for_refit(f);
+    if (rules_.fits_again()) second_.wait(f);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
@@ -333,62 +277,19 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     if (!rules_.fits_again()) keep(f);
 }
 
-/// Adds a leaf to what the blend leaves over at its points.
-void LevelCover::blend(const CoveringSurfel& leaf) {
-    const Surfel& s = leaf.fitted.surfel;
-    const auto rho = static_cast<float>(s.support_radius);
-    for (const Covered& p : leaf.covered) {
-        const float weight = p.weight * static_cast<float>(rim_share(s.rims, p.u, p.v));
-        blend_[p.point].weight += weight;
-        blend_[p.point].height += weight * p.off * rho;
-    }
-}
-
-/// In pieces: an array that doubles would take the memory of the points.
-void LevelCover::wait_for_refit(const FittedSurfel& leaf) {
-    if (waiting_.empty() || waiting_.back().size() == kPiece) waiting_.emplace_back().reserve(kPiece);
-    waiting_.back().push_back(leaf);
-}
-
-/// The leaves' second fit, once all are known. Those of coarse levels, of whose points a slice sees a part only,
-/// stay as they are.
-void LevelCover::keep_refitted() {
-    for (std::vector<FittedSurfel>& leaves : waiting_) {
-        out_.counts.refitted += refit_to_blend(pyramid_.all(), blend_, leaves);
-        for (const FittedSurfel& f : leaves)
-            if (is_kept(f)) keep(f);
-        std::vector<FittedSurfel>().swap(leaves);
-    }
-}
-
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
 bool LevelCover::drop(std::uint32_t point) {
-    states_[point].flags |= kClosed;
+    states_.close(point);
     if (rules_.is_sample() || !owns(block_.position[point])) return false;
     out_.dropped.push_back(block_.id[point]);
     return true;
 }
 
 void LevelCover::mark(const CoveringSurfel& leaf) {
-    const Surfel& surfel = leaf.fitted.surfel;
-    const double sq_radius = surfel.support_radius * surfel.support_radius;
-    const auto overlap = [&](const Covered& p) {
-        if (rules_.reading == CoverReading::b) return p.weight;
-        const double sq = sq_length(block_.position[p.point] - surfel.center) / sq_radius;
-        return overlap_weight(rules_.reading, static_cast<float>(sq));
-    };
-    const bool stands_for_more = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
-    const std::uint16_t beside = stands_for_more ? kBeside : 0;
-    const bool is_limited = (leaf.fitted.flags & (slim::kForced | slim::kLimited)) != 0;
-    const float times = is_limited && !rules_.refits ? kLimitedTimes : 1;
-    for (const Covered& p : leaf.covered) {
-        PointState& state = states_[p.point];
-        state.weight += times * overlap(p);
-        state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));
-    }
-    if (rules_.fits_again()) blend(leaf);
-    if (!stands_for_more) return;
-    for (const std::uint32_t p : leaf.beside) states_[p].flags |= kBeside;
+    const bool is_limited = (leaf.fitted.flags & (kForced | kLimited)) != 0;
+    const bool is_steady = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
+    states_.mark(leaf, is_limited && !rules_.refits ? kLimitedTimes : 1, is_steady);
+    if (rules_.fits_again()) second_.blend(leaf);
 }
 
 }  // namespace

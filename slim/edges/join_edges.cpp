@@ -1,5 +1,9 @@
 #include "slim/edges/join_edges.h"
 
+#include "slim/base/bbox.h"
+#include "slim/neighbors/box_tree.h"
+#include "slim/neighbors/morton.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
@@ -54,16 +58,34 @@ double gap(const std::vector<TracedEdge>& edges, const FreeEnd& a, const FreeEnd
 
 struct Bridge {
     double gap;
-    std::size_t a, b;  // ends
+    std::uint32_t a, b;  // ends
 };
+
+/// The numbers of ends along a Morton curve, for BoxTree.
+std::vector<std::uint32_t> along_curve(const std::vector<FreeEnd>& ends) {
+    Bbox box;
+    for (const FreeEnd& end : ends) box.extend(end.point);
+    const MortonCurve curve(box);
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(ends.size());
+    for (std::uint32_t i = 0; i < ends.size(); ++i) keys[i] = {curve.key(ends[i].point), i};
+    std::sort(keys.begin(), keys.end());
+    std::vector<std::uint32_t> order(ends.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = keys[i].second;
+    return order;
+}
 
 /// Pairs that may be joined, nearest first.
 std::vector<Bridge> bridges(const std::vector<TracedEdge>& edges, const std::vector<FreeEnd>& ends) {
+    const std::vector<std::uint32_t> order = along_curve(ends);
+    const BoxTree boxes(order.size(), [&](std::size_t i) { return ends[order[i]].point; });
     std::vector<Bridge> out;
-    for (std::size_t i = 0; i < ends.size(); ++i)
-        for (std::size_t j = i + 1; j < ends.size() && ends[j].point.x - ends[i].point.x < ends[i].radius;
-             ++j)
-            if (const double d = gap(edges, ends[i], ends[j]); d >= 0) out.push_back({d, i, j});
+    for (std::uint32_t i = 0; i < ends.size(); ++i)
+        boxes.for_buckets_in_ball(ends[i].point, ends[i].radius, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                if (order[k] > i)
+                    if (const double d = gap(edges, ends[i], ends[order[k]]); d >= 0)
+                        out.push_back({d, i, order[k]});
+        });
     std::sort(out.begin(), out.end(), [](const Bridge& p, const Bridge& q) {
         return std::tie(p.gap, p.a, p.b) < std::tie(q.gap, q.a, q.b);
     });

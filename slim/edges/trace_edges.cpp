@@ -1,77 +1,63 @@
 #include "slim/edges/trace_edges.h"
 
+#include "slim/base/parallel.h"
+#include "slim/edges/corners.h"
 #include "slim/edges/edge_blend.h"
+#include "slim/edges/edge_walk.h"
 #include "slim/edges/join_edges.h"
+#include "slim/edges/likely_starts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 namespace slim {
 namespace {
 
-constexpr double kStep = 0.1;  // of the leaves' mean radius
-constexpr std::size_t kMostPoints = 100'000;
 constexpr std::uint32_t kNobody = 0xffffffffu;
+constexpr std::size_t kAtOnce = 32;  // edges that are followed at the same time
 
-EdgeSide side_of(const Surfel& s, std::size_t pair, const Vec3d& x) {
-    const SheetPair& sheets = kSheetPairs[pair];
-    return {{normalized(s.sheet_gradient(sheets.a, x)), normalized(s.sheet_gradient(sheets.b, x))},
-            join_of_pair(*s.sharp, pair) == Join::max};
+/// An edge from its start both ways, as followed without knowledge of those beside it.
+struct WalkedEdge {
+    EdgeStart start;
+    EdgeWalk ahead;
+    std::optional<EdgeWalk> back;  ///< if it does not come back to its start
+};
+
+std::optional<WalkedEdge> walk_edge(EdgeWalker& walker, std::uint32_t number,
+                                    const PassedEdges& passed) {
+    auto start = walker.start(number / 3, number % 3);
+    if (!start) return std::nullopt;
+    WalkedEdge edge{std::move(*start), {}, {}};
+    edge.ahead = walker.follow(edge.start, 1, passed);
+    if (!edge.ahead.closed) edge.back = walker.follow(edge.start, -1, passed);
+    return edge;
 }
 
-/// A place where three faces meet, of all leaves that show it.
-struct Corner {
-    Vec3d point;
-    double radius;
-};
-
-/// Corners as they are found.
-class Corners {
-public:
-    explicit Corners(const BallIndex& leaves) : leaves_(leaves) {
-        for (std::size_t i = 0; i < leaves.n_leaves(); ++i) {
-            const Surfel& s = leaves.leaf(i);
-            const auto x = s.n_sheets() == 3 ? corner_of(s) : std::nullopt;
-            of_leaf_.push_back(x && sq_length(*x) < 1 ? find_or_add(s, *x) : kNoCorner);
-        }
-    }
-    std::uint32_t of_leaf(std::size_t leaf) const { return of_leaf_[leaf]; }
-    const Corner& operator[](std::uint32_t number) const { return found_[number]; }
-
-private:
-    /// The first leaf's corner stands for those of later ones within a share of their radius.
-    std::uint32_t find_or_add(const Surfel& s, const Vec3d& x) {
-        constexpr double kSame = 0.15;
-        const Vec3d p = s.center + x * s.support_radius;
-        leaves_.supporters(p, near_);
-        for (const Surfel* other : near_) {
-            const std::size_t leaf = leaves_.number_of(other);
-            if (leaf >= of_leaf_.size() || of_leaf_[leaf] == kNoCorner) continue;
-            const Corner& corner = found_[of_leaf_[leaf]];
-            const double reach = kSame * std::min(corner.radius, s.support_radius);
-            if (sq_length(corner.point - p) < reach * reach) return of_leaf_[leaf];
-        }
-        found_.push_back({p, s.support_radius});
-        return static_cast<std::uint32_t>(found_.size() - 1);
-    }
-
-    const BallIndex& leaves_;
-    std::vector<const Surfel*> near_;
-    std::vector<Corner> found_;
-    std::vector<std::uint32_t> of_leaf_;
-};
-
+/// Edges in the order of the leaves: each takes what it passes, and ends where all has been taken. They are
+/// walked several at once, from where they will likely start; what others took before them is cut
+/// off when their turn comes, so that all is as if one had been followed after the other.
 class EdgeTracer {
 public:
-    explicit EdgeTracer(const BallIndex& leaves)
-        : leaves_(leaves), blender_(leaves), corners_(leaves), owner_(3 * leaves.n_leaves(), kNobody) {}
+    EdgeTracer(const BallIndex& leaves, const EachBatch& each_batch)
+        : leaves_(leaves),
+          each_batch_(each_batch),
+          corners_(leaves),
+          walker_(leaves, corners_),
+          passed_(3 * leaves.n_leaves(), 0),
+          owner_(3 * leaves.n_leaves(), kNobody) {}
 
     std::vector<TracedEdge> run() {
-        for (std::size_t i = 0; i < leaves_.n_leaves(); ++i)
+        const std::size_t n = leaves_.n_leaves();
+        likely_ = likely_starts(leaves_, corners_,
+                                [&](std::size_t done, std::size_t) { tell(done); });
+        for (std::size_t i = 0; i < n; ++i)
             for (std::size_t pair = 0; pair < n_sheet_pairs(leaves_.leaf(i)); ++pair)
-                if (owner_[3 * i + pair] == kNobody) start(i, pair);
+                if (const auto number = static_cast<std::uint32_t>(3 * i + pair); !passed_[number]) {
+                    auto edge = walked(number);
+                    if (edge) take(std::move(*edge));
+                    tell(n + i);
+                }
         return std::move(edges_);
     }
 
@@ -83,118 +69,81 @@ private:
         bool closed = false;
     };
 
-    /// A place on the leaf's edge within its core that it shows: nearest the centre, or to either side.
-    std::optional<Vec3d> place_to_start(const Surfel& s, std::size_t pair) const {
-        const SheetPair& sheets = kSheetPairs[pair];
-        const auto middle = nearest_on_edge(s, sheets, {});
-        if (!middle) return std::nullopt;
-        const Vec3d along =
-            normalized(cross(s.sheet_gradient(sheets.a, *middle), s.sheet_gradient(sheets.b, *middle)));
-        const bool corner = s.n_sheets() == 3;  // likely in the middle
-        for (const double offset : {0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6}) {
-            if (corner && offset == 0.0) continue;
-            const auto x = nearest_on_edge(s, sheets, *middle + along * offset);
-            if (x && sq_length(*x) < kHitTrim * kHitTrim && edge_shows(s, sheets, *x)) return x;
-        }
-        return std::nullopt;
+    void tell(std::size_t done) const {
+        if (each_batch_) each_batch_(done, 2 * leaves_.n_leaves());
     }
 
-    void start(std::size_t leaf, std::size_t pair) {
-        const Surfel& s = leaves_.leaf(leaf);
-        const auto x = place_to_start(s, pair);
-        if (!x) return;
-        EdgeSide side = side_of(s, pair, *x);
-        const auto at = blender_.settle(s.center + *x * s.support_radius, side);
-        if (!at || !at->in_core || at->cut > at->shown) return;
-        ++number_, n_leaves_ = 0;
-        side.normal = at->normal;
-        if (passed_by_others()) return;
-        take_parts();
-        const EdgePoint first = edge_point(*at, 1);
-        Half ahead = follow(*at, side, 1);
-        Half back;
-        if (!ahead.closed) back = follow(*at, side, -1);
-        put_together(first, std::move(back), std::move(ahead), side.convex);
+    /// The edge from that start: one of those walked together, or walked now.
+    std::optional<WalkedEdge> walked(std::uint32_t number) {
+        while (!batch_.empty() && next_ < batch_.size() && batch_[next_] < number) ++next_;
+        if (next_ == batch_.size()) walk_batch(number);
+        if (next_ < batch_.size() && batch_[next_] == number) return std::move(edges_of_batch_[next_++]);
+        return walk_edge(walker_, number, passed_);
     }
 
-    static EdgePoint edge_point(const BlendedEdge& at, double way) {
-        const Vec3d along = normalized(cross(at.normal[0], at.normal[1])) * way;
-        return {at.point, to_float(along), {to_float(at.normal[0]), to_float(at.normal[1])}};
-    }
-
-    /// Whether all leaves here have been passed by edges before this one.
-    bool passed_by_others() const {
-        return std::none_of(blender_.parts().begin(), blender_.parts().end(), [&](const LeafEdge& part) {
-            return owner_[part.number()] == kNobody || owner_[part.number()] == number_;
+    /// Walks the next likely edges together, if this is the first of them.
+    void walk_batch(std::uint32_t number) {
+        while (next_likely_ < likely_.size() && likely_[next_likely_] < number) ++next_likely_;
+        batch_.clear(), next_ = 0;
+        if (next_likely_ == likely_.size() || likely_[next_likely_] != number) return;
+        for (; next_likely_ < likely_.size() && batch_.size() < kAtOnce; ++next_likely_)
+            if (!passed_[likely_[next_likely_]]) batch_.push_back(likely_[next_likely_]);
+        edges_of_batch_.assign(batch_.size(), std::nullopt);
+        parallel_blocks(batch_.size(), 1, [&](std::size_t i, std::size_t) {
+            EdgeWalker walker(leaves_, corners_);
+            edges_of_batch_[i] = walk_edge(walker, batch_[i], passed_);
         });
     }
-    void take_parts() {
-        for (const LeafEdge& part : blender_.parts())
-            if (owner_[part.number()] == kNobody) owner_[part.number()] = number_, ++n_leaves_;
-    }
 
-    /// The corner that ends an edge: of the nearest leaf that cuts it.
-    std::uint32_t corner_here(const Vec3d& p) const {
-        std::uint32_t best = kNoCorner;
-        double least = INFINITY;
-        for (const LeafEdge& part : blender_.parts()) {
-            const std::uint32_t corner = corners_.of_leaf(part.leaf);
-            if (corner == kNoCorner) continue;
-            const double sq = sq_length(corners_[corner].point - p);
-            if (sq < least) least = sq, best = corner;
+    void take(WalkedEdge edge) {
+        ++number_, n_leaves_ = 0;
+        if (passed_by_others(edge.start.parts)) return;
+        take_parts(edge.start.parts);
+        const double radius = edge.start.at.radius;
+        Half ahead = part_of(std::move(edge.ahead), edge.start.point(1), radius);
+        Half back;
+        if (!ahead.closed) {
+            if (!edge.back) edge.back = walker_.follow(edge.start, -1, passed_);
+            back = part_of(std::move(*edge.back), edge.start.point(-1), radius);
         }
-        return best;
+        put_together(edge.start.point(1), std::move(back), std::move(ahead), edge.start.side.convex);
     }
 
-    static bool returns_to(const EdgePoint& start, const EdgePoint& from, const EdgePoint& to) {
-        const Vec3d d = to.point - from.point, to_start = start.point - from.point;
-        const double sq = sq_length(d), share = std::clamp(dot(to_start, d) / sq, 0.0, 1.0);
-        return sq_length(to_start - d * share) < 0.0625 * sq && dot(start.tangent, from.tangent) > 0.5f;
+    /// Whether all leaves' edges here have been passed by edges before this one.
+    bool passed_by_others(std::span<const std::uint32_t> parts) const {
+        return std::none_of(parts.begin(), parts.end(), [&](std::uint32_t part) {
+            return owner_[part] == kNobody || owner_[part] == number_;
+        });
+    }
+    void take_parts(std::span<const std::uint32_t> parts) {
+        for (const std::uint32_t part : parts)
+            if (owner_[part] == kNobody) owner_[part] = number_, passed_[part] = 1, ++n_leaves_;
     }
 
-    Half follow(const BlendedEdge& from, EdgeSide side, double way) {
+    /// What of a walk no other edge passed before, which it takes.
+    Half part_of(EdgeWalk walk, const EdgePoint& start, double radius) {
         Half half;
-        EdgePoint at = edge_point(from, way);
-        const EdgePoint start = at;
-        double step = kStep * from.radius;
-        half.radius = from.radius;
+        half.radius = radius;
         std::size_t in_core = 0;  // points up to the last one that a core holds
-        while (half.points.size() < kMostPoints) {
-            const auto next = blender_.settle(at.point + to_double(at.tangent) * step, side);
-            if (!next) break;
-            const EdgePoint there = edge_point(*next, way);
-            // No edge turns so fast, nor does it come back: another one, or a fold of a leaf's own.
-            const Vec3d moved = next->point - at.point;
-            if (dot(there.tangent, at.tangent) < 0.5f || !(dot(moved, to_double(at.tangent)) > 0.3 * step) ||
-                sq_length(moved) > 4 * step * step)
-                break;
-            if (next->cut > next->shown) {
-                half.corner = corner_here(next->point);
-                break;
-            }
-            if (half.points.size() > 3 && returns_to(start, at, there)) {
-                half.closed = true;
-                break;
-            }
-            if (passed_by_others()) break;
-            take_parts();
-            half.points.push_back(there);
-            if (next->in_core) in_core = half.points.size();
-            at = there, side.normal = next->normal, step = kStep * next->radius;
-            if (next->in_core) half.radius = next->radius;
+        for (std::size_t i = 0; i < walk.steps.size() && !passed_by_others(walk.parts_of(i)); ++i) {
+            take_parts(walk.parts_of(i));
+            half.points.push_back(walk.steps[i].point);
+            if (walk.steps[i].in_core) in_core = i + 1, half.radius = walk.steps[i].radius;
         }
+        if (half.points.size() == walk.steps.size())
+            half.corner = walk.corner, half.closed = walk.closed;
         if (half.corner != kNoCorner) end_at_corner(start, half);
         if (half.corner == kNoCorner && !half.closed) half.points.resize(in_core);
         return half;
     }
 
     /// Puts the corner in place of the points beside and beyond it; none if it lies off the edge.
-    void end_at_corner(const EdgePoint& start, Half& half) {
+    void end_at_corner(const EdgePoint& start, Half& half) const {
         const Corner& corner = corners_[half.corner];
         const auto last = [&]() -> const EdgePoint& {
             return half.points.empty() ? start : half.points.back();
         };
-        const double near = 0.5 * kStep * corner.radius;
+        const double near = 0.5 * kEdgeStep * corner.radius;
         const Vec3d along = to_double(last().tangent);
         const Vec3d ahead = corner.point - last().point;
         if (sq_length(ahead - along * dot(ahead, along)) > 16 * near * near || dot(ahead, along) > 8 * near) {
@@ -224,7 +173,7 @@ private:
         // A start at a corner's side would be there twice.
         const auto at_start = [&](const Half& half) {
             return half.corner != kNoCorner && half.points.size() == 1 &&
-                   length(half.points[0].point - first.point) < 0.5 * kStep * half.radius;
+                   length(half.points[0].point - first.point) < 0.5 * kEdgeStep * half.radius;
         };
         if (!at_start(back) && !at_start(ahead)) edge.points.push_back(first);
         edge.points.insert(edge.points.end(), ahead.points.begin(), ahead.points.end());
@@ -232,8 +181,13 @@ private:
     }
 
     const BallIndex& leaves_;
-    EdgeBlender blender_;
-    Corners corners_;
+    const EachBatch& each_batch_;
+    const Corners corners_;
+    EdgeWalker walker_;
+    std::vector<std::uint32_t> likely_, batch_;  ///< where edges likely start; those that were walked together
+    std::size_t next_likely_ = 0, next_ = 0;
+    std::vector<std::optional<WalkedEdge>> edges_of_batch_;
+    PassedEdges passed_;
     std::vector<std::uint32_t> owner_;  ///< number of the edge that passed each edge of each leaf first
     std::uint32_t number_ = 0;
     std::size_t n_leaves_ = 0;
@@ -242,11 +196,11 @@ private:
 
 }  // namespace
 
-std::vector<SharpEdge> trace_sharp_edges(const SurfelTree& tree, bool loose) {
+std::vector<SharpEdge> trace_sharp_edges(const SurfelTree& tree, bool loose, const EachBatch& each_batch) {
     if (tree.sharp().empty()) return {};
     const BallIndex leaves = sharp_leaves(tree, loose);
     if (leaves.n_leaves() == 0) return {};
-    return joined_edges(EdgeTracer(leaves).run());
+    return joined_edges(EdgeTracer(leaves, each_batch).run());
 }
 
 }  // namespace slim

@@ -5,19 +5,13 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 namespace slim {
 
-/// A flag of internal nodes beside NodeFlags: leaves agree with their surfel all over its ball, so
-/// that it shows what is below where that is finer than a picture (slim/tree/stand_ins.h). Older
-/// files have none.
-inline constexpr std::uint8_t kStandsIn = 32;
-static_assert((kStandsIn & (kLeaf | kSaturated | kForced | kSharp | kLoose | kLimited)) == 0);
-
-/// Such a surfel as it is drawn: in a ball so much larger that renderers, which look for hits in the
-/// core (kHitTrim), look in all of its own. Balls of internal surfels cover the points of their
-/// level, their cores do not: the far side was seen through gaps between them.
+/// The surfel of a node that stands in for what is below (kStandsIn), as it is drawn: in a ball so
+/// much larger that renderers, which look for hits in the core (kHitTrim), look in all of its own.
+/// Balls of internal surfels cover the points of their level, their cores do not: the far side was
+/// seen through gaps between them.
 inline Surfel stand_in(Surfel s) {
     constexpr double kScale = 1 / kHitTrim;
     constexpr int kDegree[] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};

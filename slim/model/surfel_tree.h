@@ -34,6 +34,9 @@ enum NodeFlags : std::uint8_t {
     kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
     /// no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
     kLoose = 16,
+    /// internal nodes: leaves agree with their surfel all over its ball, so that it shows what is
+    /// below where that is finer than a picture (slim/tree/stand_ins.h). Older files have none
+    kStandsIn = 32,
     kLimited = 64,  ///< radius ended by a fold or another sheet, not by E
 };
 

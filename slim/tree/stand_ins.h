@@ -1,6 +1,5 @@
 #pragma once
 
-#include "slim/model/stand_in.h"
 #include "slim/model/surfel_tree.h"
 
 #include <cstdint>

@@ -1,67 +1,16 @@
 #include "pipeline/job.h"
 
-#include "pipeline/index_page.h"
-#include "pipeline/makefile.h"
-#include "slim/base/error.h"
+#include "tests/pipeline/job_support.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
-namespace slim {
+namespace slim::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kDemo = R"(
-[input.scan]
-shape = "sculpture"
-points = 1000
-noise = 0.001
-
-[fit]
-degree = 3
-
-[render]
-size = "640x480"
-
-[[view]]
-name = "front"
-camera = "front"
-
-[[view]]
-camera = "iso"
-aovs = ["mean"]
-size = "320x240"
-
-[measure]
-
-[output]
-dir = "out"
-aovs = ["shaded", "k1"]
-)";
-
-fs::path write_job(const std::string& text) {
-    const fs::path path = fs::path(testing::TempDir()) / "job.toml";
-    std::ofstream(path) << text;
-    return path;
-}
-
-std::string refusal(const std::string& text) {
-    try {
-        read_job(write_job(text));
-        return "";
-    } catch (const ConfigError& error) {
-        return error.what();
-    }
-}
-
-bool has(const JobStep& step, const std::string& argument) {
-    return std::find(step.arguments.begin(), step.arguments.end(), argument) !=
-           step.arguments.end();
-}
 
 TEST(Job, BecomesStepsInOrder) {
     const Job job = read_job(write_job(kDemo));
@@ -310,69 +259,5 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
     EXPECT_NE(refusal("degree = 2\n" + start).find(":1: unknown key 'degree'"), std::string::npos);
 }
 
-TEST(Makefile, NamesEveryStepsOutputAndWhatItNeeds) {
-    const Job job = read_job(write_job(kDemo));
-    const std::string text = makefile_of(job, "/opt/a b");
-    const std::string folder = job.folder.string();
-    EXPECT_NE(
-        text.find(folder + "/model.slim.work/slice.done.json: " + folder + "/cloud.ply.done.json"),
-        std::string::npos);
-    EXPECT_NE(text.find(folder + "/front.png.done.json: " + folder + "/model.slim.done.json"),
-              std::string::npos);
-    EXPECT_NE(text.find("$(wildcard " + folder + "/front.k1.png)"), std::string::npos);
-    EXPECT_NE(text.find("'/opt/a b/slim-build' '" + folder + "/cloud.ply' '--degree=3'"),
-              std::string::npos);
-    EXPECT_NE(text.find("\nall: " + folder + "/run.done.json\n"), std::string::npos);
-    EXPECT_NE(text.find("\ninclude " + folder + "/.make/slices.mk\n"), std::string::npos);
-}
-
-TEST(Makefile, HasARuleForEachSlice) {
-    const Job job = read_job(write_job(kDemo));
-    SlicePlan plan;
-    plan.slices.resize(3);
-    plan.has_normals = true;
-    const std::string work = job.folder.string() + "/model.slim.work/";
-    const std::string normals_1 = work + "slice_0001/oriented.slice.done.json: ";
-    const std::string normals_0 = work + "slice_0000/oriented.slice.done.json ";
-    const std::string free = slice_rules_of(job, plan, "/bin");
-    EXPECT_NE(free.find(normals_1 + work + "slice.done.json"), std::string::npos);
-    EXPECT_EQ(free.find(normals_1 + work + "slice.done.json " + normals_0), std::string::npos);
-    EXPECT_NE(free.find("'--degree=3' '--coarse'"), std::string::npos);
-    for (const char* slice :
-         {"'--degree=3' '--slice=0'", "'--degree=3' '--slice=1'", "'--degree=3' '--slice=2'"})
-        EXPECT_NE(free.find(slice), std::string::npos) << slice;
-    // Estimated normals take their signs from the slice before.
-    plan.has_normals = false;
-    const std::string in_order = slice_rules_of(job, plan, "/bin");
-    EXPECT_NE(in_order.find(normals_1 + work + "slice.done.json " + normals_0), std::string::npos);
-    plan.slices.resize(1);
-    EXPECT_EQ(slice_rules_of(job, plan, "/bin").find("--coarse"), std::string::npos);
-}
-
-TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
-    const Job job = read_job(write_job(kDemo));
-    std::vector<StepOutcome> outcomes;
-    for (const JobStep& step : job.steps)
-        outcomes.push_back({step, nlohmann::json::object(), false, 1.25, 2e6});
-    outcomes[1].result = {{"points", 1000u}, {"leaves", 1234567u}, {"bytes", 2048u},
-                          {"stages", {{"fit", {{"seconds", 0.5}, {"peak_memory_bytes", 1e6}}}}}};
-    outcomes[2].result = {{"l2", 1.5e-4}, {"normal_rms_deg", 2.5}};
-    outcomes[3].result = {{"files", {(job.folder / "front.shaded.png").string(),
-                                     (job.folder / "front.k1.png").string(),
-                                     (job.folder / "front.k1.legend.svg").string(),
-                                     (job.folder / "front.lines.svg").string()}}};
-    outcomes[0].up_to_date = true;
-    const std::string page = index_page(job, outcomes);
-    for (const char* part : {"1,234,567", "2 KiB", "0.00015", "src=\"front.shaded.png\"",
-                             "src=\"front.k1.png\"", "1.25", "&emsp;fit", "up to date"})
-        EXPECT_NE(page.find(part), std::string::npos) << part;
-    EXPECT_EQ(page.find("legend.svg"), std::string::npos);
-    // Drawings are linked below the pictures, which share the width between them and are not blown up.
-    EXPECT_LT(page.find("src=\"front.k1.png\""), page.find("</div>\n<p class=\"note\"><a href=\"front.lines.svg\">"));
-    EXPECT_NE(page.find("auto-fit"), std::string::npos);
-    EXPECT_NE(page.find("figure img { max-width: 100%"), std::string::npos);
-    EXPECT_EQ(page.find(job.folder.string()), std::string::npos);
-}
-
 }  // namespace
-}  // namespace slim
+}  // namespace slim::test

@@ -274,5 +274,48 @@ TEST(Creases, TakeTheirEdgesFromCrestLines) {
     EXPECT_TRUE(ridges.finish(creases.finish()).empty());
 }
 
+/// The cube, and one beside it whose edges no sharp leaf has: only the picture shows them, as crest lines.
+std::vector<Surfel> cube_beside_a_plain_one() {
+    std::vector<Surfel> leaves = cube_leaves();
+    const std::size_t n = leaves.size();
+    const Vec3d beside{-1.6, 2.4, -0.3};
+    for (std::size_t i = 0; i < n; ++i)
+        if (leaves[i].n_sheets() == 1) {
+            Surfel s = leaves[i];
+            s.center += beside, s.support_radius = 0.6;  // the faces meet
+            leaves.push_back(s);
+        }
+    return leaves;
+}
+
+TEST(Creases, AndCrestLinesAreTheSameInBandsOfRows) {
+    const SurfelTreeData model = flat_tree(cube_beside_a_plain_one(), 3);
+    const auto edges = trace_sharp_edges(model.view(), false);
+    const Camera camera = camera_at({5, 6, 7});
+    const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge, LineKind::convex_crease, LineKind::concave_crease};
+    const auto length_of = [&](const std::vector<FeatureLine>& lines, LineKind kind) {
+        double sum = 0;
+        for (const FeatureLine& line : lines) sum += line.kind == kind ? static_cast<double>(line.length_px) : 0;
+        return sum;
+    };
+    const Drawn whole = drawn(model, edges, camera, false, kinds);
+    const auto crest = drawn(model, {}, camera, false, kinds).lines;
+    // Some crest lines give way, others stay.
+    EXPECT_GT(length_of(whole.lines, LineKind::convex_crease), 200);
+    EXPECT_GT(length_of(whole.lines, LineKind::ridge), 20);
+    EXPECT_GT(length_of(crest, LineKind::ridge), length_of(whole.lines, LineKind::ridge) + 100);
+    const PixelView view = pixel_view(camera, kSize, kSize);
+    for (const int n_rows : {32, 77, 128}) {
+        LineSearch search(kinds);
+        for (int y = 0; y < kSize; y += n_rows) {
+            const int end = std::min(kSize, y + n_rows), margin = line_margin(kSize, kSize);
+            const int top = std::max(0, y - margin), bottom = std::min(kSize, end + margin);
+            const GBuffer part = crop(whole.buffer, {0, top, kSize, bottom - top});
+            search.add({part, view, model.header.diagonal, 3, edges, {top, kSize, y - top, end - top}});
+        }
+        EXPECT_EQ(lines_ply(search.finish(), {}), lines_ply(whole.lines, {})) << n_rows;
+    }
+}
+
 }  // namespace
 }  // namespace slim

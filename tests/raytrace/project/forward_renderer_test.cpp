@@ -1,7 +1,7 @@
 #include "raytrace/project/forward_renderer.h"
 
 #include "slim/base/parallel.h"
-#include "slim/model/stand_in.h"
+#include "slim/model/surfel_tree.h"
 #include "tests/raytrace/support/analytic_models.h"
 
 #include <gtest/gtest.h>

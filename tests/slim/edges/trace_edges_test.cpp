@@ -1,6 +1,7 @@
 #include "slim/edges/trace_edges.h"
 
 #include "slim/base/hash.h"
+#include "slim/base/parallel.h"
 #include "slim/edges/edge_leaf.h"
 #include "tests/raytrace/support/sharp_models.h"
 
@@ -162,6 +163,78 @@ TEST(TraceEdges, OfLooseLeavesOnlyWhenAsked) {
     for (TreeNode& node : data.nodes) node.flags |= kLoose;
     EXPECT_TRUE(trace_sharp_edges(data.view(), false).empty());
     EXPECT_EQ(trace_sharp_edges(data.view(), true).size(), 12u);
+}
+
+/// n cubes in a row, their edges' leaves off by a hundredth.
+std::vector<Surfel> rough_cubes(std::size_t n) {
+    std::vector<Surfel> leaves;
+    for (std::size_t k = 0; k < n; ++k)
+        for (Surfel s : cube_leaves()) {
+            s.center += Vec3d{3.0 * static_cast<double>(k), 0, 0};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                s.center[axis] += 0.01 * (2 * unit_interval(keyed_hash(leaves.size(), axis)) - 1);
+            leaves.push_back(s);
+        }
+    return leaves;
+}
+
+/// All that an edge is, in bytes.
+std::vector<float> numbers_of(const std::vector<SharpEdge>& edges) {
+    std::vector<float> out;
+    for (const SharpEdge& e : edges) {
+        out.insert(out.end(), {static_cast<float>(e.points.size()), static_cast<float>(e.n_leaves),
+                               static_cast<float>(e.corner[0]), static_cast<float>(e.corner[1])});
+        for (const EdgePoint& p : e.points)
+            for (const Vec3f& v : {to_float(p.point), p.tangent, p.normal[0], p.normal[1]})
+                out.insert(out.end(), {v.x, v.y, v.z});
+    }
+    return out;
+}
+
+TEST(TraceEdges, AreTheSameForAnyNumberOfThreads) {
+    const SurfelTreeData model = flat_tree(rough_cubes(6), 2);  // more edges than are followed at once
+    std::vector<float> expected;
+    for (const int n : {1, 2, 5}) {
+        const ThreadLimit limit(n);
+        const auto edges = trace_sharp_edges(model.view(), false);
+        if (expected.empty()) expected = numbers_of(edges);
+        EXPECT_GE(edges.size(), 72u);
+        EXPECT_EQ(numbers_of(edges), expected) << n;
+    }
+}
+
+TEST(TraceEdges, OfManyPartsAreThoseOfEachAlone) {
+    // What is followed at the same time takes nothing from each other.
+    const auto all = edges_of(rough_cubes(5));
+    std::size_t n = 0, n_leaves = 0;
+    double sum = 0;
+    for (std::size_t k = 0; k < 5; ++k) {
+        std::vector<Surfel> one = rough_cubes(5);
+        std::erase_if(one, [&](const Surfel& s) { return std::abs(s.center.x - 3.0 * static_cast<double>(k)) > 1.5; });
+        for (const SharpEdge& edge : edges_of(one)) ++n, n_leaves += edge.n_leaves, sum += length_of(edge);
+    }
+    std::size_t all_leaves = 0;
+    double all_sum = 0;
+    for (const SharpEdge& edge : all) all_leaves += edge.n_leaves, all_sum += length_of(edge);
+    EXPECT_EQ(all.size(), n);
+    EXPECT_EQ(all_leaves, n_leaves);
+    EXPECT_NEAR(all_sum, sum, 1e-3 * sum);
+}
+
+TEST(TraceEdges, TellTheirProgressAndCanBeStopped) {
+    const SurfelTreeData model = flat_tree(rough_cubes(4), 2);
+    std::vector<std::size_t> told;
+    std::size_t total = 0;
+    trace_sharp_edges(model.view(), false, [&](std::size_t done, std::size_t of) { told.push_back(done), total = of; });
+    ASSERT_GT(told.size(), 40u);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_LE(told.back(), total);
+    EXPECT_GT(told.back(), total / 2);
+    struct Stop {};
+    for (const std::size_t last : {std::size_t{0}, total / 2 + 1})
+        EXPECT_THROW(trace_sharp_edges(model.view(), false,
+                                       [&](std::size_t done, std::size_t) { if (done > last) throw Stop{}; }),
+                     Stop);
 }
 
 TEST(TraceEdges, OfASmoothModelAreNone) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "formats/slice_file.h"
+#include "pipeline/cloud_survey.h"
+#include "pipeline/plan_file.h"
+#include "slim/slicing/block_plan.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace slim {
+
+/// Deals points out to the files of their slices. Holds one slice's points of one chunk at a time.
+class PointDealer {
+public:
+    /// Sets the bounds of the plan's slices as points come; both must outlive the dealer.
+    PointDealer(const std::filesystem::path& work, SlicePlan& plan, const BlockPlan& blocks);
+
+    /// input: the number of the cloud that the chunk is of; first_id: the job's id of its first point
+    void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input);
+
+    /// Makes the files visible.
+    void commit();
+
+private:
+    void sort_by_slice(const PointChunk& chunk);
+    void put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id, std::size_t input,
+             std::size_t slice);
+
+    SlicePlan& plan_;
+    const BlockPlan& blocks_;
+    std::vector<SliceWriter> writers_;
+    std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
+    PointBlock block_;
+};
+
+}  // namespace slim

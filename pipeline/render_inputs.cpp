@@ -1,0 +1,58 @@
+#include "pipeline/render_inputs.h"
+
+#include "pipeline/input_kind.h"
+#include "pipeline/ray_options.h"
+#include "pipeline/render_lines.h"
+#include "pipeline/render_maps.h"
+#include "pipeline/render_shadings.h"
+#include "pipeline/render_view.h"
+#include "slim/base/error.h"
+
+#include <cstdlib>
+
+namespace slim {
+
+namespace fs = std::filesystem;
+
+int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    check_view_name(config.name);
+    check_ranges(config);
+    check_lines(config, aovs);
+    check_shadings(config);
+    check_tracing(config, aovs);
+    parse_background(config.background, false);
+    const int frames = n_frames(config);
+    if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
+        throw ConfigError(
+            "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
+    const OutputPlan pictures = plan_outputs(config, aovs);
+    for (int k = 0; k <= (frames > 1 ? frames : 0); ++k)
+        refuse_to_overwrite_inputs(config, k > 0 ? pictures.numbered(k) : pictures);
+    require_model(config.model);
+    return frames;
+}
+
+void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::path& named,
+                Stamp& stamp) {
+    stamp.input(config.model, model.identity());
+    for (const std::string& file : {config.environment, config.matcap})
+        if (!file.empty()) stamp.input(file);
+    for (const std::string& added : config.add) stamp.input(added);
+    stamp.depends("drawn as " + named.stem().string());
+    for (const std::string& file : {config.lines_ply, config.lines_obj})
+        stamp.depends("lines to " + file);
+    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
+}
+
+void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan) {
+    std::vector<fs::path> outputs = plan.pngs;
+    outputs.push_back(plan.exr);
+    for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
+    outputs.push_back(plan.lines_svg());
+    for (const fs::path& output : outputs) {
+        refuse_to_overwrite(output.string(), {config.model, config.environment, config.matcap});
+        for (const std::string& added : config.add) refuse_to_overwrite(output.string(), {added});
+    }
+}
+
+}  // namespace slim

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "formats/model_file.h"
+#include "pipeline/manifest.h"
+#include "pipeline/render_config.h"
+#include "pipeline/render_files.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What can be wrong before the model is opened, ConfigError: among it a file of the run that is
+/// one which it reads, by whatever name. Returns the number of pictures.
+int check_request(const RenderConfig& config, const std::vector<std::string>& aovs);
+
+/// No file of these may be one that the run reads.
+void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan);
+
+/// Adds all that the pictures depend on.
+void add_inputs(const RenderConfig& config, const ModelFile& model,
+                const std::filesystem::path& named, Stamp& stamp);
+
+}  // namespace slim

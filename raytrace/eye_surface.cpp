@@ -1,0 +1,127 @@
+#include "raytrace/eye_surface.h"
+
+#include "slim/base/check.h"
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr float kTurnedRound = 0.5f;  ///< from -n . e on no silhouette
+
+/// Calls pixel(i, n, toward_eye) at every hit of some rows, in parallel; i counts from their first.
+template <class Body>
+void for_hits(int width, int height, const RowRange& rows, const ShadeView& view,
+              const NormalPlanes& normals, std::span<const std::uint8_t> hit, const Body& pixel) {
+    const auto n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    check_planes(n_pixels, height, rows, normals, hit);
+    const EyeFrame frame(view, width, height);
+    const EyeSurface surface{width, height, frame, normals, hit};
+    const std::size_t first = surface.index(0, rows.begin);
+    parallel_blocks(static_cast<std::size_t>(rows.end - rows.begin), kShadedRows,
+                    [&](std::size_t begin, std::size_t end) {
+        const int last = rows.begin + static_cast<int>(end);
+        for (int y = rows.begin + static_cast<int>(begin); y < last; ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::size_t i = surface.index(x, y);
+                if (!hit[i]) continue;
+                const Vec3f toward_eye = frame.toward_eye(frame.across(x), frame.upwards(y));
+                pixel(i - first, surface.eye_normal(x, y, surface.raw_normal(i), toward_eye), toward_eye);
+            }
+    });
+}
+
+}  // namespace
+
+bool EyeSurface::is_near_front(int x, int y, const Vec3f& toward_eye) const {
+    const int reach = shade_reach(frame.whole_width, frame.whole_height);
+    for (int r = 1; r <= reach; ++r)
+        for (int dy = -r; dy <= r; dy += r)
+            for (int dx = -r; dx <= r; dx += r)
+                if (faces(x + dx, y + dy, toward_eye)) return true;
+    return false;
+}
+
+Vec3f EyeSurface::eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
+    const float away = -dot(n, toward_eye);
+    if (!(away > 0)) return n;
+    if (away >= kTurnedRound || !is_near_front(x, y, toward_eye)) return -n;
+    return silhouette_normal(n, toward_eye);
+}
+
+void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,
+                  std::span<const std::uint8_t> hit) {
+    SLIM_CHECK(hit.size(), ==, n_pixels);
+    SLIM_CHECK(std::min({normals.x.size(), normals.y.size(), normals.z.size()}), ==, n_pixels);
+    SLIM_CHECK(rows.begin, >=, 0);
+    SLIM_CHECK(rows.end, <=, height);
+}
+
+int shade_reach(int width, int height) { return std::max(2, std::max(width, height) / 200); }
+
+Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye) {
+    constexpr float kMirrored = 0.3f;
+    const float away = -dot(normal, toward_eye);
+    if (!(away > 0)) return normal;
+    if (away >= kTurnedRound) return -normal;
+    // Across the view: as it is for the mirror image, reversed for the normal turned round.
+    const Vec3f across = normal + toward_eye * away;
+    const float t = std::clamp((away - kMirrored) / (kTurnedRound - kMirrored), 0.0f, 1.0f);
+    return normalized(across * (1 - 2 * t) + toward_eye * away);
+}
+
+std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+                                                 std::span<const std::uint8_t> hit) {
+    std::array<std::vector<float>, 3> out;
+    for (auto& plane : out) plane.assign(hit.size(), 0.0f);
+    const Vec3f right = to_float(view.right), up = to_float(view.up), back = to_float(view.back);
+    for_hits(width, height, {0, height}, view, normals, hit, [&](std::size_t i, const Vec3f& n, const Vec3f&) {
+        const Vec3f world = right * n.x + up * n.y + back * n.z;
+        for (std::size_t axis = 0; axis < 3; ++axis) out[axis][i] = world[axis];
+    });
+    return out;
+}
+
+void light_picture(const ShadeView& view, const NormalPlanes& normals,
+                   std::span<const std::uint8_t> hit, float floor, Picture& picture,
+                   int first_row) {
+    const Vec3f toward = Lighting{}.key.toward;
+    const int height =
+        static_cast<int>(hit.size() / static_cast<std::size_t>(std::max(1, picture.width)));
+    for_hits(picture.width, height, {first_row, first_row + picture.height}, view, normals, hit,
+             [&](std::size_t i, const Vec3f& n, const Vec3f&) {
+                 const float wrapped = 0.5f * (1 + dot(n, toward));
+                 const float light = floor + (1 - floor) * wrapped;
+                 for (std::size_t c = 0; c < 3; ++c) picture.rgba[4 * i + c] *= light;
+             });
+}
+
+void for_eye_rows(int width, int height, const RowRange& rows, const ShadeView& view,
+                  const NormalPlanes& normals, std::span<const std::uint8_t> hit,
+                  const std::function<void(const EyeRow&)>& visit) {
+    const auto n = static_cast<std::size_t>(width);
+    check_planes(n * static_cast<std::size_t>(height), height, rows, normals, hit);
+    const EyeFrame frame(view, width, height);
+    const EyeSurface surface{width, height, frame, normals, hit};
+    parallel_blocks(static_cast<std::size_t>(rows.end - rows.begin), kShadedRows,
+                    [&](std::size_t begin, std::size_t end) {
+                        std::vector<Vec3f> normal(n), toward_eye(n);
+                        for (int y = rows.begin + static_cast<int>(begin);
+                             y < rows.begin + static_cast<int>(end); ++y) {
+                            for (int x = 0; x < width; ++x) {
+                                const std::size_t i = surface.index(x, y);
+                                if (!hit[i]) continue;
+                                const auto k = static_cast<std::size_t>(x);
+                                toward_eye[k] = frame.toward_eye(frame.across(x), frame.upwards(y));
+                                normal[k] =
+                                    surface.eye_normal(x, y, surface.raw_normal(i), toward_eye[k]);
+                            }
+                            visit({y, hit.subspan(surface.index(0, y), n), normal, toward_eye});
+                        }
+                    });
+}
+
+}  // namespace slim

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "raytrace/shade.h"
+#include "slim/base/simd.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+namespace slim {
+
+// What shadings share: a picture's surface in camera axes, its normals turned to the eye.
+
+/// Vectors of some pixels.
+struct Vec3V {
+    FloatV x, y, z;
+
+    FloatV dot(const Vec3V& b) const { return x * b.x + y * b.y + z * b.z; }
+    FloatV dot(const Vec3f& b) const { return x * b.x + y * b.y + z * b.z; }
+    Vec3f at(int lane) const {
+        const auto k = static_cast<std::size_t>(lane);
+        return {x[k], y[k], z[k]};
+    }
+    void set(int lane, const Vec3f& v) {
+        const auto k = static_cast<std::size_t>(lane);
+        x[k] = v.x, y[k] = v.y, z[k] = v.z;
+    }
+};
+
+/// A vector of length 0 stays one.
+inline Vec3V unit_lanes(const Vec3V& v) {
+    const FloatV scale = inverse_sqrt(stdx::max(v.dot(v), FloatV(std::numeric_limits<float>::min())));
+    return {v.x * scale, v.y * scale, v.z * scale};
+}
+
+inline float screen_coordinate(int pixel, int n) {
+    return (static_cast<float>(pixel) + 0.5f) * 2 / static_cast<float>(n) - 1;
+}
+
+/// The camera's axes in floats, and the direction from a pixel's surface to the eye in those axes.
+struct EyeFrame {
+    Vec3f right, up, back;
+    float half_width, half_height;
+    bool orthographic;
+    int first_x, first_y, whole_width, whole_height;
+
+    EyeFrame(const ShadeView& v, int width, int height)
+        : right(to_float(v.right)),
+          up(to_float(v.up)),
+          back(to_float(v.back)),
+          half_width(static_cast<float>(v.half_width)),
+          half_height(static_cast<float>(v.half_height)),
+          orthographic(v.orthographic),
+          first_x(v.first_x),
+          first_y(v.first_y),
+          whole_width(v.whole_width > 0 ? v.whole_width : width),
+          whole_height(v.whole_height > 0 ? v.whole_height : height) {}
+
+    Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
+    Vec3V from_world(const Vec3V& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
+
+    /// Column x and row y of the planes in [-1, 1] over the whole picture, rightwards and upwards.
+    float across(int x) const { return screen_coordinate(first_x + x, whole_width); }
+    float upwards(int y) const { return -screen_coordinate(first_y + y, whole_height); }
+
+    /// s, t in [-1, 1] over the picture, t upwards.
+    Vec3f toward_eye(float s, float t) const {
+        if (orthographic) return {0, 0, 1};
+        return normalized(Vec3f{-s * half_width, -t * half_height, 1});
+    }
+    /// The same at s, s + step, ...
+    Vec3V toward_eye(float s, float step, float t) const {
+        if (orthographic) return {FloatV(0.0f), FloatV(0.0f), FloatV(1.0f)};
+        const FloatV lane([](auto k) { return static_cast<float>(k); });
+        const FloatV across = -half_width * (s + lane * step);
+        return unit_lanes({across, FloatV(-t * half_height), FloatV(1.0f)});
+    }
+};
+
+/// The planes of a whole picture in camera axes.
+struct EyeSurface {
+    int width, height;
+    const EyeFrame& frame;
+    const NormalPlanes& normals;
+    std::span<const std::uint8_t> hit;
+
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x);
+    }
+
+    Vec3f raw_normal(std::size_t i) const {
+        return normalized(frame.from_world(Vec3f{normals.x[i], normals.y[i], normals.z[i]}));
+    }
+
+    bool faces(int x, int y, const Vec3f& toward_eye) const {
+        if (x < 0 || y < 0 || x >= width || y >= height) return false;
+        const std::size_t i = index(x, y);
+        return hit[i] && dot(raw_normal(i), toward_eye) > 0;
+    }
+
+    /// Whether a pixel in one of eight directions faces the eye; the nearest are asked first.
+    bool is_near_front(int x, int y, const Vec3f& toward_eye) const;
+
+    /// The normal n of one pixel, turned to the eye; zero where the renderer had none.
+    Vec3f eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
+};
+
+/// That the planes are those of a picture of these pixels, and the rows are in it.
+void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,
+                  std::span<const std::uint8_t> hit);
+
+/// Rows that a thread takes at a time.
+inline constexpr std::size_t kShadedRows = 8;
+
+}  // namespace slim

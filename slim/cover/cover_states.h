@@ -1,0 +1,79 @@
+#pragma once
+
+#include "slim/cover/cover_rules.h"
+#include "slim/cover/leaf_maker.h"
+#include "slim/model/point_block.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// What has become of the points of a cover so far: what lies over each, and what an earlier search
+/// found of it. Threads may read; who writes is alone. Holds references to all it is given.
+class CoverStates {
+public:
+    /// Points that the rules name as dropped are closed.
+    CoverStates(const PointBlock& points, const CoverRules& rules);
+
+    /// Whether a point still wants a leaf: it lies in no core, or under too little weight.
+    bool is_open(std::uint32_t p) const {
+        const PointState& s = states_[p];
+        if (s.flags & kClosed) return false;
+        return !((s.flags & kCore) && s.weight >= rules_.coverage());
+    }
+    std::size_t count_open() const;
+    /// Open, and under no internal surfel of that level.
+    bool may_lead(std::uint32_t p, int level) const {
+        return is_open(p) && states_[p].stamp != level;
+    }
+    /// Sum of G over the leaves so far.
+    float weight(std::uint32_t p) const { return states_[p].weight; }
+    /// Whether a leaf that is not doubtful lies near.
+    bool is_beside(std::uint32_t p) const { return (states_[p].flags & kBeside) != 0; }
+
+    /// What remember() knows of c.point; false if it was not searched.
+    bool recall(LeafCandidate& c) const;
+    /// Takes what a search found of c.point.
+    void remember(const LeafCandidate& c);
+
+    void close(std::uint32_t p) { states_[p].flags |= kClosed; }
+    /// Says that an internal surfel of that level covers a point.
+    void stamp(std::uint32_t p, int level) { states_[p].stamp = static_cast<std::uint8_t>(level); }
+    /// Adds a leaf at the points that it covers, `times` over. `is_steady`: it is not doubtful, so that
+    /// doubtful ones beside it give way.
+    void mark(const CoveringSurfel& leaf, float times, bool is_steady);
+
+    /// Has the state of a point that is looked at soon fetched: points by priority lie anywhere in
+    /// memory.
+    void prefetch(std::uint32_t p) const { __builtin_prefetch(&states_[p]); }
+
+private:
+    enum Flag : std::uint16_t {
+        kCore = 1,
+        kClosed = 2,
+        kForced = 4,
+        kSaturatedTop = 8,
+        kLimited = 16,
+        kTwoSheets = 32,  // found by an earlier search: two sheets, three
+        kThreeSheets = 64,
+        kThin = 128,
+        kBeside = 256
+    };
+    /// Side by side, as points by priority lie anywhere in memory.
+    struct PointState {
+        float weight = 0;
+        std::uint16_t flags = 0;
+        std::uint8_t stamp = 0;
+        std::uint8_t degree = 0;  // that goes with the radius found by an earlier search
+    };
+
+    const PointBlock& block_;
+    const CoverRules& rules_;
+    std::vector<PointState> states_;
+    std::vector<float> radius_;  // found by an earlier search, 0: not searched
+    std::vector<float> finest_;  // the smallest ball that search admitted
+};
+
+}  // namespace slim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "slim/cover/blend_refit.h"
+#include "slim/cover/surfel_fit.h"
+#include "slim/model/fitted_surfel.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace slim {
+
+/// Leaves that wait until all are known to be fitted a second time, and what their blend leaves over
+/// (blend_refit.h).
+class SecondFit {
+public:
+    /// Of so many points.
+    explicit SecondFit(std::size_t n_points) : blend_(n_points) {}
+
+    /// Adds a leaf to what the blend leaves over at its points: those that are not fitted again too.
+    void blend(const CoveringSurfel& leaf);
+    void wait(const FittedSurfel& leaf);
+    /// Fits all that wait, in their order, to visit(leaf); returns how many moved.
+    std::size_t run(const PointTree& points, const std::function<void(const FittedSurfel&)>& visit);
+
+private:
+    std::vector<BlendResidual> blend_;
+    std::vector<std::vector<FittedSurfel>> waiting_;
+};
+
+}  // namespace slim

@@ -1,0 +1,79 @@
+#include "slim/edges/likely_starts.h"
+
+#include "slim/edges/edge_walk.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kGrain = 64;
+
+/// Sets that are joined, each known by its least member.
+class LeastOfSets {
+public:
+    explicit LeastOfSets(std::size_t n) : parent_(n) {
+        std::iota(parent_.begin(), parent_.end(), 0u);
+    }
+    std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::uint32_t a, std::uint32_t b) {
+        a = find(a), b = find(b);
+        parent_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+/// The leaves' edges about each start, each list behind its start's number and length.
+using StartLists = std::vector<std::uint32_t>;
+
+StartLists starts_of(const BallIndex& leaves, const Corners& corners, std::size_t begin,
+                     std::size_t end) {
+    StartLists lists;
+    EdgeWalker walker(leaves, corners);
+    for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t pair = 0; pair < n_sheet_pairs(leaves.leaf(i)); ++pair)
+            if (const auto start = walker.start(i, pair)) {
+                lists.push_back(static_cast<std::uint32_t>(3 * i + pair));
+                lists.push_back(static_cast<std::uint32_t>(start->parts.size()));
+                lists.insert(lists.end(), start->parts.begin(), start->parts.end());
+            }
+    return lists;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> likely_starts(const BallIndex& leaves, const Corners& corners,
+                                         const EachBatch& each_batch) {
+    std::vector<StartLists> lists((leaves.n_leaves() + kGrain - 1) / kGrain);
+    parallel_batches(leaves.n_leaves(), kGrain, each_batch,
+                     [&](std::size_t begin, std::size_t end) {
+                         lists[begin / kGrain] = starts_of(leaves, corners, begin, end);
+                     });
+    LeastOfSets sets(3 * leaves.n_leaves());
+    const auto for_each_start = [&](const auto& visit) {
+        for (const StartLists& list : lists)
+            for (std::size_t at = 0; at < list.size(); at += 2 + list[at + 1])
+                visit(list[at], std::span(list).subspan(at + 2, list[at + 1]));
+    };
+    for_each_start([&](std::uint32_t start, std::span<const std::uint32_t> parts) {
+        for (const std::uint32_t part : parts) sets.join(start, part);
+    });
+    // In order: the first start that is met of each set.
+    std::vector<std::uint8_t> has_start(3 * leaves.n_leaves(), 0);
+    std::vector<std::uint32_t> likely;
+    for_each_start([&](std::uint32_t start, std::span<const std::uint32_t>) {
+        std::uint8_t& known = has_start[sets.find(start)];
+        if (!known) likely.push_back(start);
+        known = 1;
+    });
+    return likely;
+}
+
+}  // namespace slim
