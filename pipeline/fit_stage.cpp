@@ -77,6 +77,7 @@ CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const Global
     rules.sharp = config.sharp == "on";
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
+    rules.typical_variance = noise.typical_variance;
     rules.follow_normals = noise.normals_inform && !rules.windows;
     const double roughness = std::sqrt(noise.noise_variance) / noise.spacing;
     rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
@@ -104,8 +105,8 @@ nlohmann::json rules_json(const CoverRules& rules) {
 
 /// What a fit takes from the normals of all slices, for its manifest.
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} normals {}", rules.noise_variance,
-                       rules.ladder.contrary_share, rules.spacing, rules.follow_normals);
+    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}", rules.noise_variance,
+                       rules.ladder.contrary_share, rules.spacing, rules.typical_variance, rules.follow_normals);
 }
 
 /// Covers points and writes the surfels as they come: they take no memory, however many.
@@ -273,6 +274,7 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
     const NoiseVariance chosen = choose_noise(noise);
     const double measured = chosen.value;
     out.spacing = chosen.spacing;
+    out.typical_variance = chosen.typical;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;

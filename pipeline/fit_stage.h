@@ -43,6 +43,7 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work);
 struct GlobalNoise {
     double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
+    double typical_variance = 0;  ///< noise of a typical place, without what edges add to lambda
     double spacing = 0;         ///< square root of the area that a point usually has
     bool floored = false;
     /// the cloud's own normals tell more of its shape than its positions

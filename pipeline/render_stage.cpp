@@ -122,7 +122,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     ModelReads reads(model, takes_all_leaves(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
     refuse_to_overwrite_inputs(config, plan);
-    const double room = legend_room(config, plan.drawn, size);
+    const double room = legend_room(config, aovs, size);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
     const std::vector<ScenePart> parts = scene_parts(tree, traced);

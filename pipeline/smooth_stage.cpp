@@ -242,7 +242,7 @@ json smooth_faces(const Smoother& smoother) {
         counts.add(from[i], smoothed.vertices[i]);
         rewritten.push_back(smoother.rewritten(smoothed.vertices[i]));
     }
-    require_moved(smoother, counts);
+    if (smoothed.faces_unsupported == mesh.n_faces() || counts.points == counts.not_finite) require_moved(smoother, counts);
     out->write(rewritten);
     out->commit();
     if (2 * counts.held > counts.points)

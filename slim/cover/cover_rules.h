@@ -37,6 +37,8 @@ struct CoverRules {
     bool follow_normals = false;  ///< fits follow the points' normals as well (slim/fit/notes/0007)
     /// Leaves are fitted a second time, to what their blend leaves over (blend_refit.h), and so overlap less.
     bool refits = false;
+    /// Noise of a typical place, length^2: edges add nothing to it, as they do to lambda.
+    double typical_variance = 0;
     double spacing = 0;  ///< square root of the area that one of the job's points usually has; 0: as these have
     double share = 1;    ///< of the job's points that are here, by in_share(); what < 1 does not resolve waits
     std::function<bool(const Vec3d&)> owns;  ///< centres of surfels to keep and to count; empty: all

@@ -19,6 +19,7 @@ constexpr double kInwards = 0.45;           // of rho: how far its centre moves,
 constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
 constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
+constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
@@ -139,8 +140,10 @@ Edges LeafMaker::edges() const {
     return is_clean() ? Edges::real : Edges::doubtful;
 }
 
-/// Whether a smooth leaf rounds a real edge or corner off (notes/0011).
+/// Whether a smooth leaf rounds a real edge or corner off (notes/0011). In noise a smaller ball would be thicker still,
+/// and leaves would fall apart into single points.
 bool LeafMaker::rounds_off(const CoveringSurfel& leaf) const {
+    if (std::sqrt(rules_.typical_variance) > kThinNoise * kFinestBall * spacing_) return false;
     const FittedSurfel& f = leaf.fitted;
     return edges() == Edges::real && f.n_points > kFewest && f.fit_error > kRoundsOff * f.surfel.support_radius;
 }

@@ -44,32 +44,105 @@ private:
     double n_ = 0, u_ = 0, v_ = 0, uu_ = 0, uv_ = 0, vv_ = 0, h_ = 0, uh_ = 0, vh_ = 0;
 };
 
-/// The points of a ball that count, in a frame, coordinates over the ball's radius.
+/// The points of a ball that count, each place once (copies of a point tell nothing of its noise), in a frame, coordinates
+/// over the ball's radius.
 struct DiscPoints {
     std::vector<double> u, v, height;
+    std::vector<Vec3d> normal;  // in the frame; zero: none
 };
 
 DiscPoints in_frame(const BallPoints<float>& ball, const Frame<double>& frame) {
+    const auto place = [&ball](std::size_t i) { return std::array{ball.x[i], ball.y[i], ball.z[i]}; };
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < ball.n; ++i)
+        if (ball.sq[i] < 1) order.push_back(i);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return std::pair(place(a), a) < std::pair(place(b), b); });
     DiscPoints out;
-    for (std::size_t i = 0; i < ball.n; ++i) {
-        if (!(ball.sq[i] < 1)) continue;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const std::size_t i = order[k];
+        if (k > 0 && place(i) == place(order[k - 1])) continue;
         const Vec3d x = frame.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
         out.u.push_back(x.x), out.v.push_back(x.y), out.height.push_back(x.z);
+        out.normal.push_back(frame.local_from_world(Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]}));
     }
     return out;
 }
 
+double sq_between(std::span<const double> u, std::span<const double> v, std::size_t i, std::size_t k) {
+    return (u[k] - u[i]) * (u[k] - u[i]) + (v[k] - v[i]) * (v[k] - v[i]);
+}
+
+/// Median over that of a unit normal's square; nothing of few.
+std::optional<double> robust_mean(std::vector<double>& squares) {
+    if (squares.size() < kLeastSeeds) return std::nullopt;
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end());
+    return *middle / kMedianOfSquare;
+}
+
+/// Of points and the nearest to each: how far one is off the plane through the other that is normal to the mean of their
+/// normals. On an arc that is nothing, however wide apart they are; wrong normals add to it. Nothing without normals.
+std::optional<double> arc_noise(const DiscPoints& disc) {
+    std::vector<double> squares;
+    const std::size_t n = disc.u.size(), stride = (n + kMostSeeds - 1) / kMostSeeds;
+    for (std::size_t i = 0; i < n; i += stride) {
+        std::size_t near = i == 0 ? n - 1 : 0;
+        for (std::size_t k = 0; k < n; ++k)
+            if (k != i && sq_between(disc.u, disc.v, i, k) < sq_between(disc.u, disc.v, i, near)) near = k;
+        const Vec3d sum = disc.normal[i] + disc.normal[near];
+        if (!(sq_length(disc.normal[i]) > 0 && sq_length(disc.normal[near]) > 0 && sq_length(sum) > 0)) continue;
+        const Vec3d chord{disc.u[near] - disc.u[i], disc.v[near] - disc.v[i], disc.height[near] - disc.height[i]};
+        const double off = dot(chord, normalized(sum));
+        squares.push_back(off * off / 2);
+    }
+    return robust_mean(squares);
+}
+
+/// A point and the nearest to it by feet.
+struct Seed {
+    std::size_t point;
+    std::array<std::size_t, kNeighbors> near;
+};
+
+/// Evenly many of the points, each with its neighbours. Cost: O(seeds points).
+std::vector<Seed> seeds_of(std::span<const double> u, std::span<const double> v) {
+    std::vector<Seed> seeds;
+    if (u.size() < kLeastSeeds) return seeds;
+    std::vector<std::pair<double, std::size_t>> near(u.size());
+    const std::size_t stride = (u.size() - 1) / kMostSeeds + 1;
+    for (std::size_t i = 0; i < u.size(); i += stride) {
+        for (std::size_t k = 0; k < u.size(); ++k) near[k] = {k == i ? INFINITY : sq_between(u, v, i, k), k};
+        std::nth_element(near.begin(), near.begin() + (kNeighbors - 1), near.end());
+        Seed& seed = seeds.emplace_back(Seed{i, {}});
+        for (std::size_t k = 0; k < kNeighbors; ++k) seed.near[k] = near[k].second;
+    }
+    return seeds;
+}
+
+std::optional<double> noise_at(std::span<const Seed> seeds, std::span<const double> u, std::span<const double> v,
+                               std::span<const double> height) {
+    std::vector<double> squares;
+    for (const Seed& seed : seeds) {
+        const std::size_t i = seed.point;
+        PlaneSums sums;
+        for (const std::size_t j : seed.near) sums.add(u[j] - u[i], v[j] - v[i], height[j] - height[i]);
+        const MiddleOfPlane plane = sums.at_origin();
+        if (plane.variance <= kMostLeverage) squares.push_back(plane.height * plane.height / (1 + plane.variance));
+    }
+    return robust_mean(squares);
+}
+
 /// Least of the fit's own residual and of what the pseudo-residuals say.
-double least_noise(const WideFit& fit, const WideWork& work, const Frame<double>& frame) {
+double least_noise(const WideFit& fit, const WideWork& work, const Frame<double>& frame, bool by_normals) {
     DiscPoints disc = in_frame(work.ball, frame);
     const double sq_unit = work.ball.radius * work.ball.radius;
     double least = fit.sq_noise;
-    const auto take = [&] {
-        if (const auto sq = pseudo_residual_noise(disc.u, disc.v, disc.height)) least = std::min(least, *sq * sq_unit);
-    };
-    take();
+    const auto take = [&](std::optional<double> sq) { least = std::min(least, sq ? *sq * sq_unit : INFINITY); };
+    if (by_normals) take(arc_noise(disc));
+    const std::vector<Seed> seeds = seeds_of(disc.u, disc.v);
+    take(noise_at(seeds, disc.u, disc.v, disc.height));
     for (std::size_t i = 0; i < disc.u.size(); ++i) disc.height[i] -= fit.polynomial.value(disc.u[i], disc.v[i]);
-    take();
+    take(noise_at(seeds, disc.u, disc.v, disc.height));
     return std::max(least, fit.sq_rounding);
 }
 
@@ -79,33 +152,16 @@ std::optional<double> pseudo_residual_noise(std::span<const double> u, std::span
                                             std::span<const double> height) {
     SLIM_CHECK(u.size(), ==, height.size());
     SLIM_CHECK(v.size(), ==, height.size());
-    if (u.size() < kLeastSeeds) return std::nullopt;
-    std::vector<std::pair<double, std::size_t>> near(u.size());
-    std::vector<double> squares;
-    const std::size_t stride = (u.size() - 1) / kMostSeeds + 1;
-    for (std::size_t i = 0; i < u.size(); i += stride) {
-        for (std::size_t k = 0; k < u.size(); ++k)
-            near[k] = {k == i ? -1 : std::pow(u[k] - u[i], 2) + std::pow(v[k] - v[i], 2), k};
-        std::nth_element(near.begin(), near.begin() + kNeighbors, near.end());
-        PlaneSums sums;
-        for (std::size_t k = 0; k <= kNeighbors; ++k)
-            if (const std::size_t j = near[k].second; j != i) sums.add(u[j] - u[i], v[j] - v[i], height[j] - height[i]);
-        const MiddleOfPlane plane = sums.at_origin();
-        if (plane.variance <= kMostLeverage) squares.push_back(plane.height * plane.height / (1 + plane.variance));
-    }
-    if (squares.size() < kLeastSeeds) return std::nullopt;
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    return *middle / kMedianOfSquare;
+    return noise_at(seeds_of(u, v), u, v, height);
 }
 
 std::optional<double> disc_noise(const PointTree& points, const Vec3d& center, const Frame<double>& frame, double radius,
-                                 double n_points, double noise, WideWork& work) {
+                                 double n_points, double noise, bool by_normals, WideWork& work) {
     for (const double wanted : {kOfQuartic, kOfQuadratic}) {
         double narrow = std::min(radius, std::max(kThick * noise, radius * std::sqrt(wanted / n_points)));
         for (int i = 0; i < kTries && narrow <= radius; ++i, narrow *= kWiden)
             if (const auto fit = fit_wide(points, center, frame, narrow, noise, wanted == kOfQuartic, work))
-                return least_noise(*fit, work, frame);
+                return least_noise(*fit, work, frame, by_normals);
     }
     return std::nullopt;
 }

@@ -14,9 +14,11 @@ namespace slim {
 /// those of the heights less the disc's quadratic.
 /// n_points  within `radius` of the centre, about
 /// noise     no narrower a disc than four of it: thick noise is cut off by a ball
+/// by_normals  the least also of how far points are off the arcs to their nearest, by the normals of both: where all is
+///             edge
 /// Nothing where there are too few points to fit. Cost: about 30 us.
 std::optional<double> disc_noise(const PointTree& points, const Vec3d& center, const Frame<double>& frame, double radius,
-                                 double n_points, double noise, WideWork& work);
+                                 double n_points, double noise, bool by_normals, WideWork& work);
 
 /// Median of squares of pseudo-residuals over that of a unit normal's square; nothing of fewer than 12 points.
 /// u, v, height: of each point, any one unit

@@ -29,7 +29,7 @@ Vec3d middle_of(const Surfel& s) { return s.center + s.frame.normal * (s.polynom
 double own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide, const PointPyramid& points,
                  WideWork& work) {
     const double n = std::max(1.0, points.share(0) * leaf.n_points);
-    const double sq = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, work)
+    const double sq = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, n < kKnown, work)
                           .value_or(INFINITY);
     if (wide.radius > 0 && wide.sq_noise <= kAgrees * sq) return wide.sq_noise;
     return sq;
@@ -58,20 +58,23 @@ std::optional<double> sq_displacement(const Surfel& s, const PointTree& points, 
     return sum / static_cast<double>(n);
 }
 
-/// Of each leaf, the noise that the quietest fifth of the leaves about it has: of those next along the curve.
+/// Of each leaf, the noise that the quietest fifth of the leaves about it has: of those next along the curve, the same
+/// for kTogether in a row. Cost: about 40 values a leaf.
 std::vector<double> quiet_noise(std::span<const double> sq_noise) {
-    std::vector<double> out(sq_noise.size());
-    parallel_blocks(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kTogether = 64;
+    const std::size_t n = sq_noise.size();
+    std::vector<double> out(n, INFINITY);
+    parallel_blocks((n + kTogether - 1) / kTogether, 1, [&](std::size_t begin, std::size_t end) {
         std::vector<double> values;
-        for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t group = begin; group < end; ++group) {
+            const std::size_t first = group * kTogether, last = std::min(n, first + kTogether);
             values.clear();
-            for (std::size_t k = i > kAbout ? i - kAbout : 0; k < std::min(out.size(), i + kAbout + 1); ++k)
+            for (std::size_t k = first > kAbout ? first - kAbout : 0; k < std::min(n, last + kAbout); ++k)
                 if (std::isfinite(sq_noise[k])) values.push_back(sq_noise[k]);
-            out[i] = INFINITY;
             if (values.empty()) continue;
             const auto quiet = values.begin() + static_cast<std::ptrdiff_t>(kQuiet * static_cast<double>(values.size()));
             std::nth_element(values.begin(), quiet, values.end());
-            out[i] = *quiet;
+            std::fill(out.begin() + static_cast<std::ptrdiff_t>(first), out.begin() + static_cast<std::ptrdiff_t>(last), *quiet);
         }
     });
     return out;
@@ -125,7 +128,10 @@ std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRa
             if (!std::isfinite(sq_noise[i])) continue;
             if (radii[i].radius > 0 && radii[i].sq_noise <= kAgrees * sq_noise[i]) continue;
             const auto sq = sq_displacement(model.leaf(i), points.all(), projector, work);
-            if (!sq) continue;
+            if (!sq) {
+                out[i].sq_noise = static_cast<float>(sq_noise[i]);
+                continue;
+            }
             const double share = trusted_share(*sq - sq_noise[i], sq_noise[i]);
             if (share < 1 || !(radii[i].radius > 0)) out[i] = {static_cast<float>(share), static_cast<float>(sq_noise[i])};
         }

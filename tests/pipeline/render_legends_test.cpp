@@ -2,6 +2,7 @@
 
 #include "pipeline/render_look.h"
 #include "pipeline/render_uses.h"
+#include "slim/base/error.h"
 #include "tests/pipeline/render_test_support.h"
 
 #include <gtest/gtest.h>
@@ -16,6 +17,7 @@ namespace slim {
 namespace {
 
 using RenderLegends = test::RenderTest;
+using test::pixel;
 
 /// Pixels that a white-backed map and the same map without its legend do not share, where the
 /// latter shows the object.
@@ -104,6 +106,16 @@ TEST_F(RenderLegends, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
         EXPECT_NEAR(far_first + far_last, first + last, 3);
         EXPECT_NEAR(far_last - far_first, (last - first) / 2, 0.06 * (last - first));
     }
+}
+
+TEST_F(RenderLegends, TheOrderOfAovsOfAnExrFramesNothing) {
+    RenderConfig c = config("x.exr");
+    c.size = "500x500";
+    const auto covered = [&](std::vector<std::string> aovs) {
+        c.aov = std::move(aovs);
+        return run(c)["covered_pixels"].get<int>();
+    };
+    EXPECT_EQ(covered({"shaded", "mean"}), covered({"mean", "shaded"}));
 }
 
 TEST_F(RenderLegends, RoomForALegendIsForCamerasThatFrame) {

@@ -16,10 +16,7 @@ namespace slim {
 namespace {
 
 using RenderStage = test::RenderTest;
-
-const std::uint8_t* pixel(const PngImage& image, int x, int y) {
-    return &image.rgba[4 * static_cast<std::size_t>(y * image.width + x)];
-}
+using test::pixel;
 
 TEST_F(RenderStage, DrawsASphereOfTheRightSize) {
     RenderConfig c = config("x.png");

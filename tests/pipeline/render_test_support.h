@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,11 @@
 #include <string>
 
 namespace slim::test {
+
+/// Four bytes.
+inline const std::uint8_t* pixel(const PngImage& image, int x, int y) {
+    return &image.rgba[4 * static_cast<std::size_t>(y * image.width + x)];
+}
 
 /// A folder with a sphere model in it, and runs of the render stage there at small sizes.
 class RenderTest : public testing::Test {
