@@ -98,6 +98,19 @@ TEST(LevelCover, NoSmoothLeafRoundsOffACornerOfFourFaces) {
     }
 }
 
+TEST(LevelCover, NoiseRoundsNothingOff) {
+    // Smaller balls are thicker still: tried smaller, leaves would fall apart into single points.
+    PointBlock block = block_of(sampled("torus", 20000, 1, 1.6e-3));
+    const NoiseVariance noise = measured_noise(block.position, 0, 20000);
+    CoverRules rules = rules_for(block, 0.01);
+    rules.degree = 1, rules.noise_variance = noise.value, rules.typical_variance = noise.typical;
+    const std::uint64_t smooth = cover(block, rules).counts.leaves;
+    rules.sharp = true;
+    EXPECT_LE(cover(block, rules).counts.leaves, 1.02 * static_cast<double>(smooth));
+    rules.typical_variance = 0;  // as if there were none
+    EXPECT_GT(cover(block, rules).counts.leaves, 1.2 * static_cast<double>(smooth));
+}
+
 TEST(LevelCover, SharpLeavesAreTheSameForAnyNumberOfThreads) {
     const PointBlock block = cube_points(16);
     CoverRules rules = rules_for(block, 0.01);
