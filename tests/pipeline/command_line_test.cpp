@@ -3,6 +3,7 @@
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -83,7 +84,7 @@ TEST(CommandLine, PathsAreNotSplitAtCommas) {
 }
 
 TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "line.toml";
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / ("line_" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << "degree = 1\nangle = 10\ncamera = 'front'\n";
     LineConfig config;
     parse(config, {"--angle=30", "--set", "degree=2", "--set=angle=20", "--config", file.string()});

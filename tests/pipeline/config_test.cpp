@@ -4,6 +4,7 @@
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -54,7 +55,7 @@ std::string refusal(const Call& call) {
 }
 
 fs::path write_file(const std::string& name, const std::string& text) {
-    const fs::path path = fs::path(testing::TempDir()) / name;
+    const fs::path path = fs::path(testing::TempDir()) / (std::to_string(getpid()) + "_" + name);
     std::ofstream(path) << text;
     return path;
 }

@@ -4,6 +4,7 @@
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -40,8 +41,20 @@ dir = "out"
 aovs = ["shaded", "k1"]
 )";
 
+/// A folder of this process alone, as tests run side by side; gone at its end.
+inline const std::filesystem::path& job_folder() {
+    struct Folder {
+        std::filesystem::path path =
+            std::filesystem::path(testing::TempDir()) / ("slim_job_" + std::to_string(getpid()));
+        Folder() { std::filesystem::create_directories(path); }
+        ~Folder() { std::filesystem::remove_all(path); }
+    };
+    static const Folder folder;
+    return folder.path;
+}
+
 inline std::filesystem::path write_job(const std::string& text) {
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "job.toml";
+    const std::filesystem::path path = job_folder() / "job.toml";
     std::ofstream(path) << text;
     return path;
 }

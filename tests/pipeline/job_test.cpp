@@ -18,7 +18,7 @@ TEST(Job, BecomesStepsInOrder) {
     for (const JobStep& step : job.steps) names.push_back(step.name);
     EXPECT_EQ(names,
               (std::vector<std::string>{"scan", "build", "measure", "view front", "view iso"}));
-    EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out");
+    EXPECT_EQ(job.folder, job_folder() / "out");
 }
 
 TEST(Job, PassesOptionsOnToTheVerbs) {
@@ -66,7 +66,7 @@ TEST(Job, LightTablesBecomeOneOption) {
     const JobStep& view = job.steps[1];
     EXPECT_TRUE(has(view, "--light=sun azimuth=300 angle=2.5; rect at=1,2,3 size=1,0.5 shadows=false"));
     // A model that is added is an input, found beside the job.
-    EXPECT_EQ(view.inputs.back(), fs::path(testing::TempDir()) / "b.slim");
+    EXPECT_EQ(view.inputs.back(), job_folder() / "b.slim");
 }
 
 TEST(Job, BadLightsAreRefusedWithTheirLine) {
@@ -138,7 +138,7 @@ TEST(Job, LightsAndContoursAreForViewsThatShowThem) {
         "[[view]]\nname = 'a'\naovs = ['hillshade']\n[[view]]\nname = 'b'\naovs = ['matcap']\n"));
     EXPECT_TRUE(has(job.steps[1], "--contours=2"));
     EXPECT_FALSE(has(job.steps[2], "--contours=2"));
-    const std::string ball = "--matcap=" + (fs::path(testing::TempDir()) / "ball.png").string();
+    const std::string ball = "--matcap=" + (job_folder() / "ball.png").string();
     EXPECT_FALSE(has(job.steps[1], ball));
     EXPECT_TRUE(has(job.steps[2], ball));
 }
@@ -157,7 +157,7 @@ TEST(Job, PicturesThatLightAViewAreItsInputs) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[render]\nmatcap = 'ball.png'\nenvironment = 'sky.exr'\n"
         "[[view]]\naovs = ['matcap']\n[[view]]\nname = 'b'\naovs = ['environment']\n"));
-    const fs::path folder = testing::TempDir();
+    const fs::path folder = job_folder();
     EXPECT_EQ(job.steps[1].inputs.back(), folder / "ball.png");
     EXPECT_EQ(job.steps[2].inputs.back(), folder / "sky.exr");
 }
@@ -180,9 +180,9 @@ TEST(Job, ReadsFilesFromBesideItself) {
     const Job job = read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n[measure]\n"));
     ASSERT_EQ(job.steps.size(), 3u);
     EXPECT_EQ(job.steps[0].verb, "build");
-    EXPECT_EQ(job.steps[0].inputs[1], fs::path(testing::TempDir()) / "sub/b.ply");
+    EXPECT_EQ(job.steps[0].inputs[1], job_folder() / "sub/b.ply");
     EXPECT_EQ(job.steps[2].name, "measure b.ply");
-    EXPECT_EQ(job.folder, fs::path(testing::TempDir()) / "out/job");
+    EXPECT_EQ(job.folder, job_folder() / "out/job");
     // One file of figures cannot be that of two clouds.
     const std::string figures = "[measure]\nper_point = 'p.ply'\n";
     EXPECT_THROW(read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n" + figures)), ConfigError);
@@ -252,7 +252,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         const std::string found = refusal(start + text);
         EXPECT_NE(found, "");
         EXPECT_NE(found.find(message), std::string::npos) << found;
-        EXPECT_TRUE(found.starts_with(testing::TempDir())) << found;
+        EXPECT_TRUE(found.starts_with(job_folder().string())) << found;
     }
     EXPECT_EQ(refusal(start + "[fit]\nsharp = 'on'\n[[view]]\nlines = ['crease']\n"), "");
     EXPECT_NE(refusal("[fit]\ndegree = 2\n").find("no [input]"), std::string::npos);

@@ -4,6 +4,7 @@
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <functional>
@@ -128,7 +129,7 @@ TEST_F(StampTest, AMissingInputIsNamed) {
 }
 
 TEST(HashFile, IsTheHashOfTheBytes) {
-    const fs::path file = fs::path(testing::TempDir()) / "hash_me";
+    const fs::path file = fs::path(testing::TempDir()) / ("hash_me_" + std::to_string(getpid()));
     const std::string text(3'000'000, 'x');
     std::ofstream(file, std::ios::binary) << text;
     EXPECT_EQ(hash_file(file), hash_text(text));
