@@ -289,8 +289,8 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
              2 * kept > index.n_leaves())
         context.reporter.info(fmt::format(
             "{} of {} leaves of {} are used as they were built: fits made anew of {} would be no nearer there, as is "
-            "usual for a clean cloud, few points or edges. Points move no farther than their noise lets expect. Nothing "
-            "need be done; should they move farther, build the model with a smaller --t-mdl",
+            "usual for a clean cloud, few points or edges. Where their noise is known points move no farther than it lets "
+            "expect. Nothing need be done unless they move farther than you want: build the model with a smaller --t-mdl then",
             kept, index.n_leaves(), config.model, config.cloud));
     return result;
 }

@@ -1,38 +1,16 @@
 #pragma once
 
+#include "raytrace/lanes_of_vec.h"
 #include "raytrace/shade.h"
 #include "slim/base/simd.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 namespace slim {
 
 // What shadings share: a picture's surface in camera axes, its normals turned to the eye.
-
-/// Vectors of some pixels.
-struct Vec3V {
-    FloatV x, y, z;
-
-    FloatV dot(const Vec3V& b) const { return x * b.x + y * b.y + z * b.z; }
-    FloatV dot(const Vec3f& b) const { return x * b.x + y * b.y + z * b.z; }
-    Vec3f at(int lane) const {
-        const auto k = static_cast<std::size_t>(lane);
-        return {x[k], y[k], z[k]};
-    }
-    void set(int lane, const Vec3f& v) {
-        const auto k = static_cast<std::size_t>(lane);
-        x[k] = v.x, y[k] = v.y, z[k] = v.z;
-    }
-};
-
-/// A vector of length 0 stays one.
-inline Vec3V unit_lanes(const Vec3V& v) {
-    const FloatV scale = inverse_sqrt(stdx::max(v.dot(v), FloatV(std::numeric_limits<float>::min())));
-    return {v.x * scale, v.y * scale, v.z * scale};
-}
 
 inline float screen_coordinate(int pixel, int n) {
     return (static_cast<float>(pixel) + 0.5f) * 2 / static_cast<float>(n) - 1;
@@ -58,7 +36,7 @@ struct EyeFrame {
           whole_height(v.whole_height > 0 ? v.whole_height : height) {}
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
-    Vec3V from_world(const Vec3V& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
+    LanesOfVec from_world(const LanesOfVec& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
 
     /// Column x and row y of the planes in [-1, 1] over the whole picture, rightwards and upwards.
     float across(int x) const { return screen_coordinate(first_x + x, whole_width); }
@@ -70,11 +48,11 @@ struct EyeFrame {
         return normalized(Vec3f{-s * half_width, -t * half_height, 1});
     }
     /// The same at s, s + step, ...
-    Vec3V toward_eye(float s, float step, float t) const {
+    LanesOfVec toward_eye(float s, float step, float t) const {
         if (orthographic) return {FloatV(0.0f), FloatV(0.0f), FloatV(1.0f)};
         const FloatV lane([](auto k) { return static_cast<float>(k); });
         const FloatV across = -half_width * (s + lane * step);
-        return unit_lanes({across, FloatV(-t * half_height), FloatV(1.0f)});
+        return LanesOfVec{across, FloatV(-t * half_height), FloatV(1.0f)}.unit();
     }
 };
 

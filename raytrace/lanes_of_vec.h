@@ -19,6 +19,7 @@ struct LanesOfVec {
     [[gnu::always_inline]] FloatV dot(const LanesOfVec& b) const {
         return x * b.x + y * b.y + z * b.z;
     }
+    [[gnu::always_inline]] FloatV dot(const Vec3f& b) const { return x * b.x + y * b.y + z * b.z; }
     [[gnu::always_inline]] LanesOfVec cross(const LanesOfVec& b) const {
         return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
     }

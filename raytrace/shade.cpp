@@ -26,7 +26,7 @@ FloatV power_lanes(FloatV base, int exponent) {
 struct PixelLanes {
     int x, y, n;
     std::uint32_t hit;  ///< a bit each
-    Vec3V normal, toward_eye;
+    LanesOfVec normal, toward_eye;
 };
 
 /// The first n of some floats; zeros then.
@@ -44,8 +44,8 @@ PixelLanes load_lanes(const EyeSurface& surface, int x, int y) {
     p.hit = bits_of_bytes(&surface.hit[i], static_cast<std::size_t>(p.n));
     if (p.hit == 0) return p;
     const NormalPlanes& n = surface.normals;
-    p.normal = unit_lanes(surface.frame.from_world(
-        Vec3V{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}));
+    p.normal = surface.frame.from_world(
+        LanesOfVec{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}).unit();
     p.toward_eye = surface.frame.toward_eye(surface.frame.across(x),
                                             2 / static_cast<float>(surface.frame.whole_width),
                                             surface.frame.upwards(y));
@@ -63,14 +63,13 @@ void turn_to_eye(const EyeSurface& surface, PixelLanes& p) {
 
 /// Blinn's highlight of the key light, fading in with n.l so that it cannot shine on the dark side.
 FloatV highlight(const Lighting& l, const PixelLanes& p, const FloatV& facing_key) {
-    const Vec3V half = unit_lanes({p.toward_eye.x + l.key.toward.x, p.toward_eye.y + l.key.toward.y,
-                                   p.toward_eye.z + l.key.toward.z});
+    const LanesOfVec half = (p.toward_eye + LanesOfVec(l.key.toward)).unit();
     const FloatV facing = clamp_lanes(4.0f * facing_key);
     return l.specular * facing * power_lanes(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
 }
 
 /// Light that the pixels send to the eye, linear; 0 without a hit.
-Vec3V reflected(const Lighting& l, const PixelLanes& p) {
+LanesOfVec reflected(const Lighting& l, const PixelLanes& p) {
     const FloatV upward = 0.5f * (1.0f + p.normal.y), downward = 1.0f - upward;
     const FloatV at_key = p.normal.dot(l.key.toward);
     const FloatV key = stdx::max(FloatV(0.0f), at_key);
@@ -84,7 +83,7 @@ Vec3V reflected(const Lighting& l, const PixelLanes& p) {
     return {channel(0), channel(1), channel(2)};
 }
 
-void store_lanes(const Vec3V& color, const FloatV& alpha, int n, float* rgba) {
+void store_lanes(const LanesOfVec& color, const FloatV& alpha, int n, float* rgba) {
     if (n == kLanes) return store_interleaved(color.x, color.y, color.z, alpha, rgba);
     std::array<float, 4 * kLanes> some;
     store_interleaved(color.x, color.y, color.z, alpha, some.data());

@@ -9,14 +9,14 @@ namespace slim {
 
 /// Squared noise of the heights of points over a small disc, whatever the surface's shape there: how far points are off
 /// the planes through the six nearest to them, by feet in the frame's plane, over what that is for unit noise
-/// (pseudo-residuals: Gasser, Sroka, Jennen-Steinmetz 1986); the median, so that up to a third of the points may lie
-/// beside an edge. The least of the quartic's residual over the disc, of the heights' pseudo-residuals and of
+/// (pseudo-residuals: Gasser, Sroka, Jennen-Steinmetz 1986); the median, so that points beside an edge do
+/// not count. The least of the quartic's residual over the disc, of the heights' pseudo-residuals and of
 /// those of the heights less the disc's quadratic.
 /// n_points  within `radius` of the centre, about
 /// noise     no narrower a disc than four of it: thick noise is cut off by a ball
 /// by_normals  the least also of how far points are off the arcs to their nearest, by the normals of both: where all is
 ///             edge
-/// Nothing where there are too few points to fit. Cost: about 30 us.
+/// Nothing where there are too few points to fit. Cost: a fit, and some 50 searches among its points.
 std::optional<double> disc_noise(const PointTree& points, const Vec3d& center, const Frame<double>& frame, double radius,
                                  double n_points, double noise, bool by_normals, WideWork& work);
 
