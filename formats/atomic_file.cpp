@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <mutex>
+#include <set>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +25,31 @@ std::string folder_of(const std::string& path) {
     return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
 }
 
+/// Names of files that are open or sealed, for all threads.
+class LiveTemporaries {
+public:
+    void insert(const std::string& name) {
+        const std::lock_guard guard(mutex_);
+        names_.insert(name);
+    }
+    void erase(const std::string& name) {
+        const std::lock_guard guard(mutex_);
+        names_.erase(name);
+    }
+    void remove_files() {
+        const std::lock_guard guard(mutex_);
+        for (const std::string& name : names_) ::unlink(name.c_str());
+    }
+
+private:
+    std::mutex mutex_;
+    std::set<std::string> names_;
+};
+LiveTemporaries& live_temporaries() {
+    static LiveTemporaries all;
+    return all;
+}
+
 /// The new name must survive a power cut too; a file system that cannot sync a folder is no error.
 void sync_folder(const std::string& folder) {
     const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -32,6 +59,8 @@ void sync_folder(const std::string& folder) {
 }
 
 }  // namespace
+
+void remove_live_temporaries() { live_temporaries().remove_files(); }
 
 const std::string& temporary_suffix() {
     static const std::string suffix = [] {
@@ -65,20 +94,23 @@ AtomicFile::AtomicFile(std::string path)
         throw IoError(message(path_, ": cannot be created: ", std::strerror(errno)),
                       full ? ExitCode::resource : ExitCode::usage);
     }
+    live_temporaries().insert(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
     if (file_ < 0 && !sealed_) return;
     if (file_ >= 0) ::close(file_);
     ::unlink(temporary_.c_str());
+    live_temporaries().erase(temporary_);
 }
 
-void AtomicFile::fail(const char* doing) const {
+void AtomicFile::fail(const char* doing) {
     const int error = errno;
     const char* const hint = error == EFBIG ? " (see `ulimit -f`)" : "";
-    throw IoError(
-        message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(error), hint),
-        ExitCode::resource);
+    failure_ = std::make_exception_ptr(
+        IoError(message(path_, ": byte ", furthest_, ": ", doing, ": ", std::strerror(error), hint),
+                ExitCode::resource));
+    std::rethrow_exception(failure_);
 }
 
 void AtomicFile::put(std::uint64_t offset, const char* data, std::size_t n) {
@@ -123,19 +155,23 @@ std::uint64_t AtomicFile::size() const { return std::max(furthest_, end_ + buffe
 
 void AtomicFile::seal(Outlasts outlasts) {
     SLIM_CHECK(file_, >=, 0);
+    if (failure_) std::rethrow_exception(failure_);
     flush();
     const bool to_disk = outlasts == Outlasts::power_cut;
     if (to_disk && ::fsync(file_) != 0 && errno != EINVAL && errno != EROFS)
         fail("cannot be flushed to disk");
-    ::close(file_);
+    const int closed = ::close(file_);
     file_ = -1;
     sealed_ = true;
+    if (closed != 0 && errno != EINTR) fail("cannot be closed");  // quotas of network file systems
 }
 
 void AtomicFile::commit(Outlasts outlasts) {
     if (!sealed_) seal(outlasts);
+    if (failure_) std::rethrow_exception(failure_);
     if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
     sealed_ = false;
+    live_temporaries().erase(temporary_);
     if (outlasts == Outlasts::power_cut) sync_folder(folder_of(path_));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,10 @@ namespace slim {
 /// What half-written files of this process end with: ".tmp.<host>.<pid>.<random>". Tasks of an
 /// array job on several hosts write into one folder, where process ids alone would collide.
 const std::string& temporary_suffix();
+
+/// Removes the half-written files of this process, sealed ones too, which nothing may be written to
+/// afterwards: for the end by a signal.
+void remove_live_temporaries();
 
 /// An output replaces the file of its name; a device, a pipe or a folder is none.
 /// throws IoError, exit code `usage`
@@ -25,8 +30,8 @@ enum class Outlasts { power_cut, process };
 /// Without commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage`
-/// when the place cannot be written to at all
-/// cost   one buffer of 1 MiB
+/// when the place cannot be written to at all. What failed once fails again in seal() and commit():
+/// libraries that write through it may drop an exception. cost   one buffer of 1 MiB
 class AtomicFile {
 public:
     explicit AtomicFile(std::string path);
@@ -41,8 +46,9 @@ public:
     void write_at(std::uint64_t offset, const void* data, std::size_t n);
     /// Bytes so far: the furthest one that was written, plus one.
     std::uint64_t size() const;
-    /// Everything is on its way to disk, under the temporary name still, and the file is closed: for several files that
-    /// appear together or not at all, whose commits can then hardly fail. Nothing may be written afterwards.
+    /// Everything is on its way to disk, under the temporary name still, and the file is closed:
+    /// for several files that appear together or not at all, whose commits can then hardly fail.
+    /// Nothing may be written afterwards.
     void seal(Outlasts outlasts = Outlasts::power_cut);
     /// Makes the file visible under its name; nothing may be written afterwards.
     void commit(Outlasts outlasts = Outlasts::power_cut);
@@ -51,15 +57,16 @@ public:
 private:
     void flush();
     void put(std::uint64_t offset, const char* data, std::size_t n);
-    [[noreturn]] void fail(const char* doing) const;
+    [[noreturn]] void fail(const char* doing);
 
     std::string path_;
     std::string temporary_;
     int file_ = -1;
-    bool sealed_ = false;  ///< closed, and not yet renamed
-    std::uint64_t end_ = 0;         ///< where the buffer belongs
-    std::uint64_t furthest_ = 0;    ///< end of what was put to disk
+    bool sealed_ = false;         ///< closed, and not yet renamed
+    std::uint64_t end_ = 0;       ///< where the buffer belongs
+    std::uint64_t furthest_ = 0;  ///< end of what was put to disk
     std::vector<char> buffer_;
+    std::exception_ptr failure_;  ///< the first
 };
 
 /// Replaces the file by these bytes, atomically. Throws as AtomicFile.

@@ -1,6 +1,7 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
@@ -298,6 +299,7 @@ void check_fit_config(const FitConfig& config) {
 
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     check_fit_config(config);
+    const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     keep_freed_memory(plan.slices.size() == 1);
     if (plan.n_points < 3 || !(plan.diagonal > 0))

@@ -1,6 +1,7 @@
 #include "pipeline/normals_stage.h"
 
 #include "formats/slice_file.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/manifest.h"
 #include "pipeline/normals_rims.h"
 #include "pipeline/peak_memory.h"
@@ -291,6 +292,7 @@ std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
 }
 
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
+    const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     keep_freed_memory(plan.slices.size() == 1);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);

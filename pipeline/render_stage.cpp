@@ -3,6 +3,7 @@
 #include "formats/image_io.h"
 #include "formats/model_file.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/join_shares.h"
 #include "pipeline/manifest.h"
 #include "pipeline/model_reads.h"
 #include "pipeline/peak_memory.h"
@@ -11,7 +12,7 @@
 #include "pipeline/render_film.h"
 #include "pipeline/render_frames.h"
 #include "pipeline/render_inputs.h"
-#include "pipeline/join_shares.h"
+#include "pipeline/render_summary.h"
 #include "pipeline/render_trace.h"
 #include "raytrace/font.h"
 #include "slim/base/error.h"
@@ -164,9 +165,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     return stamp.commit(outcome.files, std::move(result));
 }
 
-}  // namespace
-
-Json run_render(const RenderConfig& config, StageContext& context) {
+Json drawn_or_joined(const RenderConfig& config, StageContext& context) {
     const RenderShare share = share_of(config);
     if (config.join > 0) return join_shares(config, context);
     const fs::path named = plan_outputs(config, wanted_aovs(config)).named;
@@ -174,6 +173,14 @@ Json run_render(const RenderConfig& config, StageContext& context) {
     const fs::path folder = share_folder(named, share), manifest = share_target(named, share);
     make_writable_folder(is_film(config) ? folder.parent_path() : folder);
     return draw(config_of_share(config, share), share, manifest, context);
+}
+
+}  // namespace
+
+Json run_render(const RenderConfig& config, StageContext& context) {
+    Json result = drawn_or_joined(config, context);
+    context.text = render_summary(config, result);
+    return result;
 }
 
 }  // namespace slim

@@ -5,8 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <ctime>
-#include <filesystem>
-#include <string>
+#include <string_view>
 #include <thread>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@ namespace slim {
 namespace {
 
 constexpr int kGraceSeconds = 3;
+constexpr int kMoreForAChild = 2;  // whose own grace must end first: it removes what it has not finished
 
 std::atomic<int> stop_signal{0};
 std::atomic<pid_t> child{0};
@@ -36,10 +36,17 @@ void wait_for_signals() {
     if (sigwait(&set, &signal) != 0) return;
     stop_signal = signal;
     if (const pid_t pid = child.load()) kill(pid, signal);
-    const timespec grace{kGraceSeconds, 0};
-    sigtimedwait(&set, nullptr, &grace);
+    const bool has_child = child.load() != 0;
+    const timespec grace{has_child ? kGraceSeconds + kMoreForAChild : kGraceSeconds, 0};
+    const bool again = sigtimedwait(&set, nullptr, &grace) > 0;
+    if (const pid_t pid = child.load(); pid && again) {
+        kill(pid, signal);
+        sleep(kMoreForAChild);
+    }
     if (const pid_t pid = child.load()) kill(pid, SIGKILL);
-    remove_open_temporaries();
+    remove_live_temporaries();
+    constexpr std::string_view kSaid = "interrupted before its work was done: nothing unfinished is left\n";
+    if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0) _exit(static_cast<int>(ExitCode::internal));
     _exit(static_cast<int>(exit_code_of(signal)));
 }
 
@@ -61,16 +68,6 @@ void watch_child(pid_t pid) {
     child = pid;
     // The signal may have come before the child was known.
     if (const int signal = stop_signal.load(); signal && pid) kill(pid, signal);
-}
-
-void remove_open_temporaries() {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator("/proc/self/fd", error)) {
-        const fs::path target = fs::read_symlink(entry.path(), error);
-        if (!error && target.filename().string().ends_with(temporary_suffix()))
-            fs::remove(target, error);
-    }
 }
 
 }  // namespace slim

@@ -17,7 +17,7 @@ struct Interrupted : Error {
 /// Blocks SIGINT and SIGTERM in this and later threads and waits for them in a thread of its own;
 /// ignores SIGPIPE and SIGXFSZ (writes fail instead). Call first in main. On a signal: passes it to
 /// the child of watch_child, lets check_stop throw, and if the stage has not ended after the grace
-/// time (or a second signal comes) removes the temporary files still open and leaves the process.
+/// time (or a second signal comes) removes half-written files and leaves the process.
 void watch_signals();
 
 /// Throws Interrupted if a signal came.
@@ -25,9 +25,5 @@ void check_stop();
 
 /// A running child process that must get our signals too; 0 when it has ended.
 void watch_child(pid_t child);
-
-/// Removes every open file whose name ends with temporary_suffix() (AtomicFile's names while
-/// half-written).
-void remove_open_temporaries();
 
 }  // namespace slim

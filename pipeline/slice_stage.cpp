@@ -3,6 +3,7 @@
 #include "formats/slice_file.h"
 #include "pipeline/cloud_survey.h"
 #include "pipeline/fit_division.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
@@ -157,6 +158,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     for (const std::string& path : config.inputs) stamp.input(path);
     if (auto result = stamp.up_to_date()) return *result;
 
+    const FolderLock lock(config.work);
     const InputWatch watch(config.inputs);
     const std::uint64_t most = most_gathered(config);
     keep_freed_memory(most > 0);

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -40,6 +41,11 @@ void write_stdout(const std::string& text) {
     }
 }
 
+/// A coordinate: six digits say where in a room, not where on a map.
+std::string coordinate_text(double v) {
+    return std::abs(v) >= 1e4 && std::abs(v) < 1e12 ? fmt::format("{:.3f}", v) : fmt::format("{:.6g}", v);
+}
+
 std::string value_text(const std::string& key, const json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (key.ends_with("bytes") && value.is_number_unsigned())
@@ -50,7 +56,9 @@ std::string value_text(const std::string& key, const json& value) {
         }))
         return text_of(value);
     std::string text;
-    for (const json& item : value) text += (text.empty() ? "" : ", ") + value_text(key, item);
+    for (const json& item : value)
+        text += (text.empty() ? "" : ", ") +
+                (item.is_number_float() ? coordinate_text(item.get<double>()) : value_text(key, item));
     return value.empty() ? "none" : text;
 }
 

@@ -3,6 +3,7 @@
 #include "formats/fit_file.h"
 #include "formats/model_file.h"
 #include "pipeline/fit_stage.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -134,6 +135,7 @@ nlohmann::json provenance_of(const SlicePlan& plan, const Fits& fits,
 
 nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     keep_freed_memory(false);
+    const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);

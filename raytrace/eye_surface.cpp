@@ -5,12 +5,28 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace slim {
 namespace {
 
 constexpr float kTurnedRound = 0.5f;  ///< from -n . e on no silhouette
+constexpr float kSameSurface = 0.5f;  ///< cosine between normals of one surface that turns away
+/// Shares of a neighbourhood that face the eye: up to the first a pixel is of a sheet's back, from the second on an overshoot.
+constexpr float kBack = 0.1f, kOvershoot = 0.3f;
+constexpr std::size_t kPlaces = 32;
+
+/// Even over the unit disc: a spiral with the golden angle, which has no direction of its own.
+std::array<std::array<float, 2>, kPlaces> places_in_disc() {
+    constexpr double kGoldenAngle = 2.399963229728653;
+    std::array<std::array<float, 2>, kPlaces> out{};
+    for (std::size_t i = 0; i < kPlaces; ++i) {
+        const double r = std::sqrt((static_cast<double>(i) + 0.5) / kPlaces), a = static_cast<double>(i) * kGoldenAngle;
+        out[i] = {static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a))};
+    }
+    return out;
+}
 
 /// Calls pixel(i, n, toward_eye) at every hit of some rows, in parallel; i counts from their first.
 template <class Body>
@@ -36,20 +52,26 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
 
 }  // namespace
 
-bool EyeSurface::is_near_front(int x, int y, const Vec3f& toward_eye) const {
-    const int reach = shade_reach(frame.whole_width, frame.whole_height);
-    for (int r = 1; r <= reach; ++r)
-        for (int dy = -r; dy <= r; dy += r)
-            for (int dx = -r; dx <= r; dx += r)
-                if (faces(x + dx, y + dy, toward_eye)) return true;
-    return false;
+float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
+    static const std::array<std::array<float, 2>, kPlaces> disc = places_in_disc();
+    const auto reach = static_cast<float>(shade_reach(frame.whole_width, frame.whole_height));
+    int hits = 0, front = 0;
+    for (const auto& [dx, dy] : disc) {
+        const int px = x + static_cast<int>(std::lround(reach * dx)), py = y + static_cast<int>(std::lround(reach * dy));
+        if (px < 0 || py < 0 || px >= width || py >= height || !hit[index(px, py)]) continue;
+        const Vec3f there = raw_normal(index(px, py));
+        ++hits, front += dot(there, toward_eye) > 0 && dot(there, n) > kSameSurface;
+    }
+    return hits > 0 ? static_cast<float>(front) / static_cast<float>(hits) : 0;
 }
 
 Vec3f EyeSurface::eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     const float away = -dot(n, toward_eye);
     if (!(away > 0)) return n;
-    if (away >= kTurnedRound || !is_near_front(x, y, toward_eye)) return -n;
-    return silhouette_normal(n, toward_eye);
+    if (away >= kTurnedRound) return -n;
+    const float t = std::clamp((share_of_front(x, y, n, toward_eye) - kBack) / (kOvershoot - kBack), 0.0f, 1.0f);
+    if (t == 0) return -n;
+    return normalized(silhouette_normal(n, toward_eye) * t - n * (1 - t));
 }
 
 void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,

@@ -72,14 +72,9 @@ struct EyeSurface {
         return normalized(frame.from_world(Vec3f{normals.x[i], normals.y[i], normals.z[i]}));
     }
 
-    bool faces(int x, int y, const Vec3f& toward_eye) const {
-        if (x < 0 || y < 0 || x >= width || y >= height) return false;
-        const std::size_t i = index(x, y);
-        return hit[i] && dot(raw_normal(i), toward_eye) > 0;
-    }
-
-    /// Whether a pixel in one of eight directions faces the eye; the nearest are asked first.
-    bool is_near_front(int x, int y, const Vec3f& toward_eye) const;
+    /// Of the surface about a pixel whose normal n faces away, within shade_reach, the share that faces the eye with
+    /// a normal less than 60 degrees from n: near one half where a front overshoots its edge, 0 on the back of a sheet.
+    float share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
 
     /// The normal n of one pixel, turned to the eye; zero where the renderer had none.
     Vec3f eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;

@@ -72,17 +72,19 @@ float line_cover(float distance, float width, float gap) {
     return tone * (1 - t) + cover * t;
 }
 
-/// Cover of the contour line next to a height.
+/// Cover of the contour lines next to a height. Index lines fade by their own distance: they stay where the lines
+/// between run into a tone.
 float contour_cover(const Relief& r, double height, float change, float width) {
     constexpr double kMostSteps = 1e15;  // beyond, a double no longer tells a line from the next
-    const double in_steps = height / r.spacing;
-    if (!(std::abs(in_steps) < kMostSteps)) return 0.7f * line_cover(0, width, 0);
-    const double nearest = std::round(in_steps);
-    const float step_px =
-        std::min(static_cast<float>(std::min(r.spacing, 1e30)) / std::max(change, 1e-30f), 1e30f);
-    const auto distance = static_cast<float>(std::abs(in_steps - nearest)) * step_px;
-    const bool is_index = std::fmod(std::abs(nearest), r.index_every) < 0.5;
-    return line_cover(distance, is_index ? 2 * width : width, step_px) * (is_index ? 1.0f : 0.7f);
+    constexpr float kThin = 0.7f;
+    if (!(std::abs(height / r.spacing) < kMostSteps)) return kThin * line_cover(0, width, 0);
+    const auto cover_of = [&](double spacing, float line_width) {
+        const double in_steps = height / spacing;
+        const float gap =
+            std::min(static_cast<float>(std::min(spacing, 1e30)) / std::max(change, 1e-30f), 1e30f);
+        return line_cover(static_cast<float>(std::abs(in_steps - std::round(in_steps))) * gap, line_width, gap);
+    };
+    return std::max(kThin * cover_of(r.spacing, width), cover_of(r.spacing * r.index_every, 2 * width));
 }
 
 }  // namespace

@@ -65,8 +65,8 @@ Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
 int shade_reach(int width, int height);
 
 /// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
-/// sides of a sheet look alike; but within 1/200 of the picture's longer side (at least 2 pixels) of a
-/// surface that faces the eye it is taken for an overshoot of that surface: silhouette_normal.
+/// sides of a sheet look alike; but where much of the surface within 1/200 of the picture's longer side (at least
+/// 2 pixels) faces the eye with much the same normal, it is taken for an overshoot of that: silhouette_normal.
 ///
 /// normals, hit  width * height each, row-major from the top left; hit != 0 where there is a surface
 /// returns       premultiplied linear Rec.709, alpha 1 at hits and 0 elsewhere

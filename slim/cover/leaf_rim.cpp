@@ -14,6 +14,10 @@ namespace {
 /// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
 /// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
 constexpr double kMargin = 1.2;
+/// Where so many more points would lie beyond the last covered one if the surface went on, it has ended (one in 400 by
+/// chance): half of a spacing is what a point stands for.
+constexpr double kSurelyMissing = 6;
+constexpr double kMarginOfBorder = 0.5;
 /// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover as wholes.
 constexpr double kMarginOfFew = 0.15;
 constexpr std::size_t kFew = 8;
@@ -122,14 +126,28 @@ PerDirection ends_of(const std::vector<EdgePoint>& edge_points, const PerDirecti
     return ends;
 }
 
+/// Part of the unit disc beyond a chord at that distance from its centre.
+double part_beyond(double reach) {
+    const double x = std::min(reach, 1.0);
+    return (std::acos(x) - x * std::sqrt(1 - x * x)) / std::numbers::pi;
+}
+
+/// How far a leaf of n covered points reaches beyond the last of them, over rho.
+double margin_beyond(double last, double n) {
+    const double beyond = part_beyond(last);
+    if (n * beyond < kSurelyMissing * (1 - beyond)) return kMargin * std::sqrt(std::numbers::pi / n);
+    return kMarginOfBorder * std::sqrt(std::numbers::pi * (1 - beyond) / n);
+}
+
 Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
-    double margin = kMargin * std::sqrt(std::numbers::pi / static_cast<double>(leaf.covered.size()));
-    if (leaf.edges_are_real && leaf.covered.size() < kFew) margin = std::min(margin, kMarginOfFew);
+    const auto n = static_cast<double>(leaf.covered.size());
     const EdgeVotes votes(leaf.edges, covered);
     Bounds out;
     out.lean = ends_of(leaf.edge_points, covered);
     for (int k = 0; k < kRimDirections; ++k) {
         const double last = static_cast<double>(covered[direction(k)]);
+        double margin = margin_beyond(last, n);
+        if (leaf.edges_are_real && leaf.covered.size() < kFew) margin = std::min(margin, kMarginOfFew);
         out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
         if (out.lean[direction(k)] > 0) out.reach[direction(k)] = last;
     }

@@ -5,7 +5,6 @@
 #include <csignal>
 #include <filesystem>
 #include <string>
-
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -51,6 +50,20 @@ TEST(AtomicFile, SealedItIsWholeButStillInvisible) {
     EXPECT_EQ(folder.n_files(), 1u);
 }
 
+TEST(AtomicFile, TemporariesOfAProcessThatEndsAreRemovedSealedOnesToo) {
+    const TempFolder folder;
+    AtomicFile open(folder.file("a")), sealed(folder.file("b")), done(folder.file("c"));
+    open.write("a");
+    sealed.write("b");
+    sealed.seal();
+    done.write("c");
+    done.commit();
+    EXPECT_EQ(folder.n_files(), 3u);
+    remove_live_temporaries();
+    EXPECT_EQ(folder.n_files(), 1u);
+    EXPECT_EQ(read_bytes(folder.file("c")), "c");
+}
+
 TEST(AtomicFile, ReplacesFilesOnly) {
     const TempFolder folder;
     for (const std::string& path : {std::string("/dev/null"), folder.file(".")}) {
@@ -74,24 +87,48 @@ TEST(AtomicFile, TemporaryNamesDifferBetweenHosts) {
                                                std::to_string(getpid())));
 }
 
+/// While it lives a file of this process may have 1000 bytes: more fails as on a full disk.
+class FullDisk {
+public:
+    FullDisk() : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit small{1000, before_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &small);
+    }
+    ~FullDisk() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, old_handler_);
+    }
+
+private:
+    rlimit before_{};
+    void (*old_handler_)(int);
+};
+
+TEST(AtomicFile, AFailureThatALibrarySwallowedIsNotCommitted) {
+    const TempFolder folder;
+    AtomicFile file(folder.file("a"));
+    {
+        const FullDisk full;
+        EXPECT_THROW(file.write_at(2000, "x", 1), IoError);
+    }
+    file.write("the rest is written");
+    EXPECT_THROW(file.seal(), IoError);
+    EXPECT_THROW(file.commit(), IoError);
+    EXPECT_FALSE(std::filesystem::exists(folder.file("a")));
+}
+
 TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {
     const TempFolder folder;
-    // A file size limit fails a write as a full disk does.
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit small{1000, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
     ExitCode code = ExitCode::ok;
     std::string said;
     try {
+        const FullDisk full;
         write_file_atomically(folder.file("big"), std::string(5000, 'x'));
     } catch (const IoError& error) {
         code = error.code();
         said = error.what();
     }
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, old_handler);
     EXPECT_EQ(code, ExitCode::resource);
     EXPECT_NE(said.find("byte 1000: cannot be written: File too large (see `ulimit -f`)"),
               std::string::npos)

@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <png.h>
 
 namespace slim {
 namespace {
@@ -109,6 +112,81 @@ TEST_F(ImageIo, NothingIsLeftBesideTheFiles) {
     write_png_srgb8(file("a.png"), 2, 2, ramp(2, 2, true));
     write_png_srgb8(file("a.png"), 2, 2, ramp(2, 2, false));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(ImageIo, TextsOfAPngAreOtherProgramsNamesAndAnyAlphabet) {
+    const ImageMetadata words{{"DateTime", "2005:07:31 10:00:00"},
+                              {"ImageDescription", "a b"},
+                              {"slim:config", "input = \"Büste/Ναός.ply\""}};
+    write_png_srgb8(file("a.png"), 3, 2, ramp(3, 2, true), words);
+    const std::string bytes = bytes_of(file("a.png"));
+    EXPECT_NE(bytes.find("tEXtDescription"), std::string::npos);
+    EXPECT_NE(bytes.find("iTXtslim:config"), std::string::npos);  // tEXt is Latin-1
+    const ImageMetadata back = read_png(file("a.png")).metadata;
+    for (const auto& [name, value] : words) EXPECT_EQ(back.at(name), value);
+}
+
+/// A PNG of 8 x 8 pixels of another program: 16 bits of grey and alpha, in seven passes.
+std::string deep_interlaced_png(const std::string& path) {
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    std::FILE* out = std::fopen(path.c_str(), "wb");
+    png_init_io(png, out);
+    png_set_IHDR(png, info, 8, 8, 16, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_INTERLACE_ADAM7,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    std::array<std::array<png_byte, 32>, 8> pixels{};
+    std::array<png_bytep, 8> rows{};
+    for (std::size_t y = 0; y < 8; ++y) {
+        rows[y] = pixels[y].data();
+        for (std::size_t x = 0; x < 8; ++x)
+            pixels[y][4 * x] = static_cast<png_byte>(8 * y + x), pixels[y][4 * x + 2] = pixels[y][4 * x + 3] = 200;
+    }
+    png_write_image(png, rows.data());
+    png_write_end(png, nullptr);
+    png_destroy_write_struct(&png, &info);
+    std::fclose(out);
+    return path;
+}
+
+TEST_F(ImageIo, PngsOfOtherProgramsAreReadAsRgba) {
+    PngReader reader(deep_interlaced_png(file("a.png")));
+    EXPECT_EQ(reader.header().n_file_channels, 2);
+    std::vector<std::uint8_t> rgba;
+    reader.read_rows(3, rgba);
+    reader.read_rows(5, rgba);  // rows 3 to 7
+    ASSERT_EQ(rgba.size(), 4u * 8 * 5);
+    EXPECT_EQ((std::vector<std::uint8_t>(rgba.begin() + 4, rgba.begin() + 8)),
+              (std::vector<std::uint8_t>{25, 25, 25, 200}));
+}
+
+TEST_F(ImageIo, DamagedPngsAreRefused) {
+    write_png_srgb8(file("a.png"), 50, 50, ramp(50, 50, false));
+    const std::string whole = bytes_of(file("a.png"));
+    for (const std::size_t n :
+         {std::size_t{20}, std::size_t{60}, whole.size() / 2, whole.size() - 30}) {
+        std::ofstream(file("cut.png"), std::ios::binary) << whole.substr(0, n);
+        EXPECT_THROW(read_png(file("cut.png")), FormatError) << n;
+    }
+    std::string flipped = whole;
+    flipped[whole.size() / 2] ^= 1;
+    std::ofstream(file("flipped.png"), std::ios::binary) << flipped;
+    EXPECT_THROW(read_png(file("flipped.png")), FormatError);
+}
+
+TEST_F(ImageIo, LightIsLinearFromIntegersAndAsItIsFromFloats) {
+    const std::vector<std::uint8_t> grey{188, 188, 188, 255};
+    write_png_srgb8(file("a.png"), 1, 1, grey);
+    EXPECT_NEAR(read_light_image(file("a.png")).rgb.at(0), 0.5, 0.005);
+    const std::vector<float> bright{7.5f};
+    const std::vector<ExrChannel> rgb{{"R", ChannelType::float32, bright, {}},
+                                      {"G", ChannelType::float32, bright, {}},
+                                      {"B", ChannelType::float32, bright, {}}};
+    write_exr(file("a.exr"), 1, 1, rgb);
+    EXPECT_FLOAT_EQ(read_light_image(file("a.exr")).rgb.at(2), 7.5f);
+    std::ofstream(file("text.hdr")) << "no picture";
+    EXPECT_THROW(read_light_image(file("text.hdr")), FormatError);
+    EXPECT_THROW(read_light_image(file("absent.hdr")), IoError);
 }
 
 TEST_F(ImageIo, UnwritablePlacesAndWrongFilesAreNamed) {

@@ -142,15 +142,42 @@ TEST(Shade, AnOvershootAtTheTopEdgeIsNoDarkRim) {
 }
 
 TEST(Shade, OnlyANearbyFrontMakesASilhouette) {
-    // A row of just reversed normals with a front at its left end.
-    constexpr int kWidth = 9;
-    const std::vector<float> x(kWidth, 0), y(kWidth, 0.995f);
-    std::vector<float> z(kWidth, -0.1f);
-    z[0] = 0.1f;
-    const std::vector<std::uint8_t> hit(kWidth, 1);
-    const Picture p = shade(kWidth, 1, orthographic_view(), {x, y, z}, hit);
-    EXPECT_FLOAT_EQ(brightness(p, 2, 0), brightness(p, 1, 0));
-    EXPECT_LT(brightness(p, 3, 0), 0.5f * brightness(p, 2, 0));
+    // Just reversed normals with a front of two columns at their left end, from which they lean away.
+    constexpr int kWidth = 9, kHeight = 5;
+    const std::size_t n = kWidth * kHeight;
+    const std::vector<float> x(n, -0.995f), y(n, 0.0f);
+    std::vector<float> z(n, -0.1f);
+    for (int row = 0; row < kHeight; ++row)
+        for (int column = 0; column < 2; ++column) z[static_cast<std::size_t>(row * kWidth + column)] = 0.1f;
+    const std::vector<std::uint8_t> hit(n, 1);
+    const Picture p = shade(kWidth, kHeight, orthographic_view(), {x, y, z}, hit);
+    EXPECT_NEAR(brightness(p, 2, 2), brightness(p, 1, 2), 0.02f);
+    EXPECT_LT(brightness(p, 6, 2), 0.5f * brightness(p, 2, 2));
+}
+
+TEST(Shade, WhatOneFrontPixelOrAnotherSurfaceDoesHasNoShape) {
+    // A star stood about single front pixels, along the picture's rows, columns and diagonals.
+    constexpr int kSide = 41;
+    const std::size_t n = kSide * kSide, middle = n / 2;
+    std::vector<float> x(n, 0.0f), y(n, 0.995f), z(n, -0.1f);
+    const std::vector<std::uint8_t> hit(n, 1);
+    ShadeView view = orthographic_view();
+    view.whole_width = view.whole_height = 4000;  // looks 20 pixels far
+    const auto far_from_back = [&] {
+        const Picture p = shade(kSide, kSide, view, {x, y, z}, hit);
+        float most = 0;
+        for (int row = 0; row < kSide; ++row)
+            for (int column = 0; column < kSide; ++column)
+                if (static_cast<std::size_t>(row * kSide + column) != middle)
+                    most = std::max(most, std::abs(brightness(p, column, row) - brightness(p, 0, 0)));
+        return most;
+    };
+    z[middle] = 0.1f;
+    EXPECT_LT(far_from_back(), 0.01f);
+    for (std::size_t i = 0; i < n; ++i)  // half of the picture: a front that leans the other way
+        if (i % kSide > kSide / 2) y[i] = -0.995f, z[i] = 0.1f;
+    const Picture p = shade(kSide, kSide, view, {x, y, z}, hit);
+    EXPECT_FLOAT_EQ(brightness(p, kSide / 2 - 1, 5), brightness(p, 0, 5));
 }
 
 TEST(Shade, RowsAreThoseOfTheWholePicture) {

@@ -184,6 +184,21 @@ TEST(Hillshade, ContourLinesLieAtTheirHeightsOnePixelWide) {
     EXPECT_LT(with.pixel(50, 50)[0], with.pixel(58, 50)[0]);
 }
 
+TEST(Hillshade, HeavyLinesStayWhereTheOthersRunIntoATone) {
+    const int n = 100;
+    Camera camera;
+    camera.eye = {0, 0, 100}, camera.orthographic = true, camera.width = n;
+    ShadeView shade;
+    shade.orthographic = true;
+    // A line every 1.5 pixels, a heavy one every 15.
+    const Relief relief{{Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 0, 315, 45, 1.5, 10};
+    const Picture p = paint_relief(slope(n, 1), pixel_view(camera, n, n), shade, {0, n}, relief, 1);
+    std::vector<float> tone;
+    for (int x = 53; x < 62; ++x) tone.push_back(p.pixel(x, 50)[0]);
+    EXPECT_LT(*std::max_element(tone.begin(), tone.end()) - *std::min_element(tone.begin(), tone.end()), 0.02f);
+    for (const int heavy : {50, 65, 80}) EXPECT_LT(p.pixel(heavy, 50)[0], 0.6f * tone[4]) << heavy;
+}
+
 TEST(Hillshade, ContoursOfAnySpacingAreNumbers) {
     ShadeView shade;
     shade.orthographic = true;

@@ -1,0 +1,43 @@
+#include "pipeline/render_summary.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace slim {
+namespace {
+
+using nlohmann::json;
+
+std::string file_lines(const json& files) {
+    constexpr std::size_t kMost = 12;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(files.size(), kMost); ++i) text += files[i].get<std::string>() + "\n";
+    if (files.size() > kMost)
+        text += fmt::format("... and {} more, the last {}\n", files.size() - kMost, files.back().get<std::string>());
+    return text;
+}
+
+}  // namespace
+
+std::string render_summary(const RenderConfig& config, const json& result) {
+    const std::string unit = config.unit.empty() ? "model units" : config.unit;
+    std::string text = file_lines(result.value("files", json::array()));
+    const double covered = result.value("covered_pixels", 0.0);
+    const double all = result.value("width", 0.0) * result.value("height", 0.0) * result.value("frames", 1.0);
+    text += fmt::format("{} x {} pixels{}", result.value("width", 0), result.value("height", 0),
+                        result.contains("frames") ? fmt::format(", {} pictures", result.value("frames", 0)) : "");
+    if (all > 0) text += fmt::format(", {:.3g} % covered", std::min(100.0, 100 * covered / all));
+    if (result.contains("pixel_size"))
+        text += fmt::format("; 1 pixel = {:.4g} {}", result.at("pixel_size").get<double>(), unit);
+    text += "\n";
+    for (const auto& [aov, range] : result.value("ranges", json::object()).items())
+        text += fmt::format("{}: {:.4g} to {:.4g}\n", aov, range.at(0).get<double>(), range.at(1).get<double>());
+    if (result.contains("frame_ms_median"))
+        text += fmt::format("drawn in {:.3g} ms{}\n", result.at("frame_ms_median").get<double>(),
+                            config.repeat > 1 ? fmt::format(", the median of {}", config.repeat) : "");
+    return text;
+}
+
+}  // namespace slim
