@@ -60,6 +60,8 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("normals estimated: {}\n", n);
     if (const auto n = count(result, "normals_turned"))
         text += fmt::format("normals turned: {}\n", n);
+    if (const auto n = count(fit, "copies"))
+        text += fmt::format("at the place of another, left out: {}\n", counted(n, "point"));
     if (const auto n = count(result, "dropped"))
         text += fmt::format("strays, left out: {}\n", counted(n, "point"));
     text += stretched_diagonal(result);

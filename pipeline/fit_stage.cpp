@@ -12,6 +12,7 @@
 #include "slim/cover/level_cover.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/fit/normal_variance.h"
+#include "slim/model/distinct_points.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/slicing/block_plan.h"
 
@@ -133,7 +134,8 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     stamp.input(plan_path(config.work));
     stamp.depends(shared_values(rules));
     if (auto done = stamp.up_to_date()) return *done;
-    const PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
+    PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
+    keep_distinct(sample, [](const Vec3d&) { return false; });
     CoverRules coarse = rules;
     // A gap that waits till the first fine level may ask for a leaf wider than the slices can see.
     coarse.last_level = division.last_coarse;
@@ -183,10 +185,13 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     rules.first_level = division.first_fine;
     rules.done = source_of(coarse.surfels);
     rules.dropped = coarse.dropped;
-    const PointBlock block =
+    PointBlock block =
         handed ? std::move(*handed) : read_with_halo(config.work, plan, slice, division.halo);
-    const CoverCounts counts = write_cover(output, block, rules, context);
-    return stamp.commit({output}, counts_json(counts), Outlasts::process);
+    const std::uint64_t copies =
+        keep_distinct(block, [&](const Vec3d& p) { return !rules.owns || rules.owns(p); });
+    nlohmann::json result = counts_json(write_cover(output, block, rules, context));
+    result["copies"] = copies;
+    return stamp.commit({output}, result, Outlasts::process);
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so

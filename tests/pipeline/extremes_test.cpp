@@ -156,6 +156,23 @@ TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
     EXPECT_FALSE(warned_of("finer detail"));  // there is none
 }
 
+TEST_F(Extremes, Row07CopiesOfAFewPointsAreTheUniqueSet) {
+    for (const auto& [n, copies] : {std::pair{60, 12}, {150, 6}, {4, 20}}) {
+        SCOPED_TRACE(testing::Message() << n << " x " << copies);
+        const Cloud cloud = sampled("sphere", static_cast<std::size_t>(n));
+        Cloud all;
+        for (int i = 0; i < copies; ++i) append(all, cloud);
+        build(build_config(write(cloud, "once.ply"), "once.slim"));
+        const auto result = build(build_config(write(all, "often.ply"), "often.slim"));
+        EXPECT_EQ(result.at("stages").at("fit").at("copies"), static_cast<std::uint64_t>(n * (copies - 1)));
+        const auto once = measure(file("once.slim"), file("once.ply"));
+        const auto often = measure(file("often.slim"), file("once.ply"));
+        EXPECT_EQ(often.at("leaves"), once.at("leaves"));
+        EXPECT_EQ(often.at("missed"), once.at("missed"));
+        EXPECT_NEAR(often.at("l2").get<double>(), once.at("l2").get<double>(), 0.02 * once.at("l2").get<double>());
+    }
+}
+
 TEST_F(Extremes, Row08OneOrTwoScanLinesMakeDiscsAndPlanesAndSaySo) {
     for (const int lines : {1, 2}) {
         SCOPED_TRACE(lines);
