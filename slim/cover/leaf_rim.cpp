@@ -14,9 +14,9 @@ namespace {
 /// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
 /// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
 constexpr double kMargin = 1.2;
-/// Where so many more points would lie beyond the last covered one if the surface went on, it has ended (one in 400 by
-/// chance): half of a spacing is what a point stands for.
-constexpr double kSurelyMissing = 6;
+/// Where n points at random would all lie this side of the last one once in e^7 = 1,100 times only, the surface has
+/// ended: half of a spacing is what a point stands for.
+constexpr double kSurelyEnded = 7;
 constexpr double kMarginOfBorder = 0.5;
 /// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover as wholes.
 constexpr double kMarginOfFew = 0.15;
@@ -135,7 +135,7 @@ double part_beyond(double reach) {
 /// How far a leaf of n covered points reaches beyond the last of them, over rho.
 double margin_beyond(double last, double n) {
     const double beyond = part_beyond(last);
-    if (n * beyond < kSurelyMissing * (1 - beyond)) return kMargin * std::sqrt(std::numbers::pi / n);
+    if (-n * std::log1p(-beyond) < kSurelyEnded) return kMargin * std::sqrt(std::numbers::pi / n);
     return kMarginOfBorder * std::sqrt(std::numbers::pi * (1 - beyond) / n);
 }
 

@@ -56,6 +56,18 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
     }
 }
 
+TEST(LeafRim, AScoreOfPointsOnOneSideEndHalfASpacingBeyondTheLast) {
+    PointBlock block;
+    std::size_t n = 0;
+    const auto leaf = leaf_at({0, 0, 0}, block,
+                              [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 20; }, flat);
+    const Rim rim = unpack_rim(rims_of(leaf).first);
+    ASSERT_FALSE(rim.is_whole());
+    // The last is the centre; the spacing is sqrt(pi / 2 / 20) = 0.28, and reaches are multiples of 0.08.
+    EXPECT_LE(rim.reach, 0.24 + 1e-9);
+    EXPECT_GT(rim.u * leaf.fitted.surfel.frame.u_axis.x + rim.v * leaf.fitted.surfel.frame.v_axis.x, 0.9);
+}
+
 TEST(LeafRim, FewPointsAreNoRim) {
     // Six points may leave a half of the disc empty by chance.
     PointBlock block;
