@@ -79,7 +79,7 @@ double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const 
     std::vector<double> times;
     const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
     for (std::uint64_t k = 0; k < repeats; ++k) {
-        context.reporter.progress("frames", k, repeats);
+        if (repeats > 1) context.reporter.progress("frames", k, repeats);  // of one picture: those of a film are told
         const auto start = std::chrono::steady_clock::now();
         frames.stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
         times.push_back(milliseconds_since(start));

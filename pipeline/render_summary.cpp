@@ -25,7 +25,7 @@ std::string render_summary(const RenderConfig& config, const json& result) {
     const std::string unit = config.unit.empty() ? "model units" : config.unit;
     std::string text = file_lines(result.value("files", json::array()));
     const double covered = result.value("covered_pixels", 0.0);
-    const double all = result.value("width", 0.0) * result.value("height", 0.0) * result.value("frames", 1.0);
+    const double all = result.value("rendered_pixels", 0.0) * result.value("frames", 1.0);
     text += fmt::format("{} x {} pixels{}", result.value("width", 0), result.value("height", 0),
                         result.contains("frames") ? fmt::format(", {} pictures", result.value("frames", 0)) : "");
     if (all > 0) text += fmt::format(", {:.3g} % covered", std::min(100.0, 100 * covered / all));
