@@ -8,6 +8,7 @@
 
 #include <malloc.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 namespace slim {
 namespace {
@@ -16,13 +17,20 @@ constexpr std::chrono::milliseconds kBetweenSamples{5};
 
 int n_alive = 0;
 
-/// "VmHWM" or "VmRSS" of /proc/self/status, in bytes; 0 if there is none.
+/// An entry of /proc/self/status such as "VmHWM", in bytes; 0 if there is none.
 std::uint64_t status_entry(const std::string& key) {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
         if (line.starts_with(key + ":"))
             return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
     return 0;
+}
+
+/// Memory held now, in bytes, by /proc/self/statm, which costs a tenth of /proc/self/status; 0 if there is none.
+std::uint64_t resident() {
+    std::uint64_t all = 0, here = 0;
+    std::ifstream("/proc/self/statm") >> all >> here;
+    return here * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 /// Unlike ru_maxrss, VmHWM starts anew at exec.
@@ -62,7 +70,7 @@ PeakMeter::~PeakMeter() {
 void PeakMeter::sample() {
     std::unique_lock lock(mutex_);
     do {
-        largest_sample_ = std::max(largest_sample_, status_entry("VmRSS"));
+        largest_sample_ = std::max(largest_sample_, resident());
     } while (!ends_.wait_for(lock, kBetweenSamples, [this] { return ended_; }));
 }
 
@@ -70,7 +78,7 @@ std::uint64_t PeakMeter::bytes() const {
     const std::uint64_t mark = high_water_mark();
     if (outermost_ || mark > mark_before_) return mark;
     const std::lock_guard lock(mutex_);
-    return std::max(largest_sample_, status_entry("VmRSS"));
+    return std::max(largest_sample_, resident());
 }
 
 }  // namespace slim

@@ -4,11 +4,13 @@
 #include "formats/model_file.h"
 #include "formats/point_source.h"
 #include "pipeline/apart.h"
+#include "pipeline/cloud_survey.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 #include "slim/neighbors/point_pyramid.h"
 #include "slim/smooth/cloud_sample.h"
 #include "slim/smooth/local_noise.h"
@@ -31,7 +33,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kChunk = 1 << 16;
 /// What coordinates in text are rounded to, over the diagonal: a hundredth of a float's step.
 constexpr double kTextStep = 1e-9;
 
@@ -71,13 +72,11 @@ constexpr std::uint64_t kSeed = 0;
 
 CloudSample read_sample(const std::string& path, const Vec3d& origin, std::size_t most, StageContext& context) {
     CloudSampler sampler(most, kSeed);
-    const auto source = open_cloud(path);
-    PointChunk chunk;
-    while (source->read(chunk, kChunk)) {
-        sampler.add(chunk.position, chunk.normal, origin);
-        context.reporter.progress("refit", source->bytes_read(), source->info().file_size);
-        context.check_stop();
-    }
+    for_each_chunk({path}, context.reporter, "refit",
+                   [&](const PointChunk& chunk, std::uint64_t, std::size_t, const CloudInfo&) {
+                       sampler.add(chunk.position, chunk.normal, origin);
+                       context.check_stop();
+                   });
     return sampler.take();
 }
 
@@ -145,6 +144,28 @@ struct Smoother {
     }
 };
 
+/// Some points of a cloud and where they end.
+struct SmoothedChunk {
+    std::vector<Vec3d> from;  // frame of the job
+    std::vector<SmoothedPoint> points;
+    std::vector<RewrittenPoint> rewritten;
+
+    void smooth(const SmoothSurface& surface, const Smoother& smoother, const PointChunk& chunk) {
+        from = chunk.position;
+        for (Vec3d& p : from) p -= smoother.origin;
+        points.resize(from.size());
+        smooth_points(surface, smoother.settings(), from, chunk.normal, points);
+    }
+    void write(const Smoother& smoother, Counts& counts, CloudRewriter& out) {
+        rewritten.clear();
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            counts.add(from[i], points[i]);
+            rewritten.push_back(smoother.rewritten(points[i]));
+        }
+        out.write(rewritten);
+    }
+};
+
 /// Nothing is written where the model says nothing of any point.
 void require_moved(const Smoother& smoother, const Counts& counts) {
     const std::string& cloud = smoother.config.cloud;
@@ -192,25 +213,18 @@ json smooth_cloud(const Smoother& smoother) {
                                too_many ? 0 : budget.fits, smoother.context, leaves);
     warn_of_memory(leaves, budget, smoother);
     const SmoothSurface surface{smoother.index, anew.surface.get(), anew.trust};
-    const auto source = open_cloud(config.cloud);
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     Counts counts;
-    PointChunk chunk;
-    std::vector<SmoothedPoint> smoothed;
-    std::vector<RewrittenPoint> rewritten;
-    while (source->read(chunk, kChunk)) {
-        for (Vec3d& p : chunk.position) p -= smoother.origin;
-        smoothed.resize(chunk.size());
-        smooth_points(surface, smoother.settings(), chunk.position, chunk.normal, smoothed);
-        rewritten.clear();
-        for (std::size_t i = 0; i < smoothed.size(); ++i) {
-            counts.add(chunk.position[i], smoothed[i]);
-            rewritten.push_back(smoother.rewritten(smoothed[i]));
-        }
-        out->write(rewritten);
-        smoother.context.reporter.progress("smooth", source->bytes_read(), source->info().file_size);
-        smoother.context.check_stop();
-    }
+    SmoothedChunk done, next;
+    const auto write = [&] { done.write(smoother, counts, *out); };
+    // One thread alone counts and writes a chunk: while the next one is smoothed, and the one after it is read.
+    for_each_chunk({config.cloud}, smoother.context.reporter, "smooth",
+                   [&](const PointChunk& chunk, std::uint64_t, std::size_t, const CloudInfo&) {
+                       run_both(write, [&] { next.smooth(surface, smoother, chunk); });
+                       std::swap(done, next);
+                       smoother.context.check_stop();
+                   });
+    write();
     require_moved(smoother, counts);
     out->commit();
     json result = counts.to_json("points");

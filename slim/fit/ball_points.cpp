@@ -1,6 +1,7 @@
 #include "slim/fit/ball_points.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <type_traits>
@@ -53,14 +54,14 @@ struct Offsets {
     }
     /// The same by the positions of the block, from the first-th of the tree on.
     Offsets(const PointTree& tree, std::size_t first, const Vec3d& center, double scale) {
-        const auto axis = [&](double Vec3d::* a) {
-            return V([&](auto lane) {
-                const std::size_t i = first + lane;
-                return i < tree.size() ? static_cast<T>((tree.position(i).*a - center.*a) * scale)
-                                       : std::numeric_limits<T>::infinity();
-            });
-        };
-        set({axis(&Vec3d::x), axis(&Vec3d::y), axis(&Vec3d::z)});
+        std::array<T, V::size()> x, y, z;
+        x.fill(std::numeric_limits<T>::infinity()), y = x, z = x;
+        for (std::size_t k = 0; k < V::size() && first + k < tree.size(); ++k) {
+            const Vec3d from = (tree.position(first + k) - center) * scale;
+            x[k] = static_cast<T>(from.x), y[k] = static_cast<T>(from.y), z[k] = static_cast<T>(from.z);
+        }
+        const auto lanes = [](const std::array<T, V::size()>& a) { return V(a.data(), stdx::element_aligned); };
+        set({lanes(x), lanes(y), lanes(z)});
     }
 
 private:

@@ -53,11 +53,11 @@ SlopeMoments<Degree> accumulate_slopes(const BallPoints<T>& points, const Frame<
             weight += g;
         }
         for (std::size_t k = 0; k < along_u.size(); ++k) {
-            sums.along_u[k] += detail::lane_sum(along_u[k]);
-            sums.along_v[k] += detail::lane_sum(along_v[k]);
+            sums.along_u[k] += lane_sum(along_u[k]);
+            sums.along_v[k] += lane_sum(along_v[k]);
         }
-        sums.sq_slope += detail::lane_sum(sq_slope);
-        sums.weight += detail::lane_sum(weight);
+        sums.sq_slope += lane_sum(sq_slope);
+        sums.weight += lane_sum(weight);
     }
     return sums;
 }

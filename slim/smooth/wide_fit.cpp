@@ -1,5 +1,6 @@
 #include "slim/smooth/wide_fit.h"
 
+#include "slim/base/simd.h"
 #include "slim/fit/moments.h"
 #include "slim/fit/nested_cholesky.h"
 
@@ -147,16 +148,21 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
 
 /// Distances in the frame's plane instead of those in space, coordinates over `radius`; points whose normals are below
 /// kLeastCos to the frame's do not count.
-void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
+[[gnu::flatten]] void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
     const auto scale = static_cast<float>(ball.radius / radius);
     const Vec3f n = to_float(frame.normal);
-    for (std::size_t i = 0; i < ball.padded(); ++i) {
-        const float x = ball.x[i] *= scale, y = ball.y[i] *= scale, z = ball.z[i] *= scale;
-        const float w = n.x * x + n.y * y + n.z * z;
-        const float sq = std::max(0.0f, x * x + y * y + z * z - w * w);
-        const float nx = ball.nx[i], ny = ball.ny[i], nz = ball.nz[i];
-        const bool contrary = (nx != 0) | (ny != 0) | (nz != 0) ? n.x * nx + n.y * ny + n.z * nz < kLeastCos : false;
-        ball.sq[i] = ball.sq[i] < 1 && !contrary ? sq : 2.0f;
+    for (std::size_t i = 0; i < ball.padded(); i += FloatV::size()) {
+        const auto lanes = [i](const std::vector<float>& a) { return FloatV(&a[i], stdx::element_aligned); };
+        const FloatV x = lanes(ball.x) * scale, y = lanes(ball.y) * scale, z = lanes(ball.z) * scale;
+        const FloatV w = n.x * x + n.y * y + n.z * z;
+        const FloatV sq = x * x + y * y + z * z - w * w;
+        const FloatV nx = lanes(ball.nx), ny = lanes(ball.ny), nz = lanes(ball.nz);
+        const auto measured = nx != 0.0f || ny != 0.0f || nz != 0.0f;
+        const auto contrary = measured && n.x * nx + n.y * ny + n.z * nz < kLeastCos;
+        const auto counts = lanes(ball.sq) < 1.0f && !contrary;
+        const auto put = [i](const FloatV& v, std::vector<float>& a) { v.copy_to(&a[i], stdx::element_aligned); };
+        put(x, ball.x), put(y, ball.y), put(z, ball.z);
+        put(select(counts, select(sq > 0.0f, sq, FloatV(0.0f)), FloatV(2.0f)), ball.sq);
     }
     ball.radius = radius;
 }

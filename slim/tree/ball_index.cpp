@@ -113,7 +113,7 @@ std::uint64_t BallIndex::holding(const Boxes& boxes, const Vec3f& p_down, const 
     return lane_bits(holds);
 }
 
-void BallIndex::supporters(const Vec3d& p, std::vector<const Surfel*>& out) const {
+[[gnu::flatten]] void BallIndex::supporters(const Vec3d& p, std::vector<const Surfel*>& out) const {
     out.clear();
     if (leaves_.empty()) return;
     const Vec3f down{rounded_down(p.x), rounded_down(p.y), rounded_down(p.z)};
