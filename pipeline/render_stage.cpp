@@ -65,6 +65,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
         result["light_rays"] = outcome.light_rays;
         result["scene_ms"] = job.traced->build_ms();
     }
+    if (job.wants("truth_distance")) result["truth_unknown_pixels"] = outcome.truth_unknown;
     if (job.share.of > 0) result["whole_at_once"] = outcome.whole_at_once;
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
     if (job.n_frames > 1) {
@@ -157,6 +158,10 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     if (frames > 1)
         for (const std::string& command : film_commands(job.plan))
             context.reporter.info("as a film: " + command);
+    if (outcome.truth_unknown > 0)
+        context.reporter.warn(fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
+                                          "(truth_unknown_pixels): is the model of that shape?",
+                                          outcome.truth_unknown, config.truth_shape));
     Json result = make_result(job, outcome);
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = reads.bytes();
