@@ -129,6 +129,7 @@ void AtomicFile::seal(Outlasts outlasts) {
         fail("cannot be flushed to disk");
     ::close(file_);
     file_ = -1;
+    std::vector<char>().swap(buffer_);  // sealed files may be many: the pictures of a film that show nothing yet
     sealed_ = true;
 }
 

@@ -26,7 +26,7 @@ enum class Outlasts { power_cut, process };
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage`
 /// when the place cannot be written to at all
-/// cost   one buffer of 1 MiB
+/// cost   one buffer of 1 MiB, until it is sealed
 class AtomicFile {
 public:
     explicit AtomicFile(std::string path);
