@@ -122,7 +122,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
     ModelReads reads(model, takes_all_leaves(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
-    refuse_to_overwrite_inputs(config, plan);
+    check_outputs(config, plan);
     const double room = legend_room(config, aovs, size);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
