@@ -54,7 +54,7 @@ std::string makefile_in(const std::string& name) {
     job.steps.resize(1);
     job.steps[0].verb = "scan";
     job.steps[0].target = "/w/" + name + "/cloud.done.json";
-    job.steps[0].needs = {"/w/" + name + "/in"};
+    job.steps[0].inputs = {"/w/" + name + "/in"};
     job.folder = "/w/" + name;
     return makefile_of(job, "/bin");
 }
