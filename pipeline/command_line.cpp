@@ -94,14 +94,25 @@ std::vector<std::string> all_options(const FieldList& fields) {
     return names;
 }
 
-void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields) {
+/// Whether there is a -o that was not given.
+bool misses_output(const FieldList& fields, const std::vector<Given>& given) {
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (fields.fields()[i].role == FieldRole::output) return given[i].items.empty();
+    return false;
+}
+
+void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields, const std::vector<Given>& given) {
     for (const std::string& word : extras) {
         if (word.size() < 2 || word[0] != '-') continue;
         const std::string name = word.substr(0, word.find('='));
+        // As make and others have it.
+        const bool threads = name.starts_with("-j") && name.find_first_not_of("0123456789", 2) == std::string::npos;
         throw ConfigError(fmt::format("unknown option {}{}", name,
-                                      suggestion(name, all_options(fields))));
+                                      threads ? " (threads are --threads N)" : suggestion(name, all_options(fields))));
     }
-    if (!extras.empty()) throw ConfigError(fmt::format("unexpected argument '{}'", extras[0]));
+    if (extras.empty()) return;
+    throw ConfigError(fmt::format("unexpected argument '{0}'{1}", extras[0],
+                                  misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
 }
 
 void apply_given(const FieldList& fields, const std::vector<Given>& given) {
@@ -181,7 +192,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
         throw ConfigError(in_our_words(error.what()));
     }
     if (common.help || common.version) return common;
-    refuse_extras(app.remaining(), fields);
+    refuse_extras(app.remaining(), fields, given);
     if (!common.config.empty()) apply_config_file(common.config, fields);
     for (const std::string& text : common.set) apply_set(text, fields);
     apply_given(fields, given);

@@ -56,7 +56,10 @@ bool names_input(const JobSource& source) {
 
 fs::path job_file(const JobSource& source) {
     const fs::path named = source.job;
-    if (input_kind(named) == InputKind::cloud)
+    const InputKind kind = input_kind(named);
+    if (kind == InputKind::model)
+        throw ConfigError(source.job + ": a model, not a job; expected a job file (TOML)");
+    if (kind == InputKind::cloud)
         throw ConfigError(fmt::format(
             "{}: a point cloud, not a job; expected a job file or a ready style before it, "
             "such as: {} (styles: {})",

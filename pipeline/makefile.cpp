@@ -6,6 +6,7 @@
 #include "pipeline/plan_steps.h"
 #include "pipeline/shell_word.h"
 #include "pipeline/version.h"
+#include "slim/base/error.h"
 
 #include <fmt/format.h>
 
@@ -39,23 +40,48 @@ std::string recipe_word(const std::string& text) {
     return out;
 }
 
-/// A path as target or prerequisite.
-std::string make_path(const fs::path& path) {
+/// The same within a conditional, which counts parentheses.
+std::string conditional_word(const std::string& text) {
+    std::string out;
+    for (const char c : recipe_word(text))
+        out += c == '(' ? "$(open)" : c == ')' ? "$(close)" : std::string{c};
+    return out;
+}
+
+/// Where make reads a name, each place with rules of its own for what it takes as syntax.
+enum class Place { target, need, include, function };
+
+std::string make_char(char c, Place place) {
+    const auto is_one_of = [c](std::string_view set) { return set.find(c) != std::string_view::npos; };
+    const bool in_rule = place == Place::target || place == Place::need;
+    if (is_one_of("|;\n\\")) return "";
+    if (c == '$') return "$$";
+    if (c == '%') return place == Place::target ? "\\%" : "%";
+    if (c == ':') return in_rule ? "\\:" : ":";
+    if (is_one_of(" #*?[")) return std::string{'\\', c};
+    if (in_rule && c == '=') return "$(equals)";
+    if (place == Place::function && c == '(') return "$(open)";
+    if (place == Place::function && c == ')') return "$(close)";
+    if (place == Place::function && c == ',') return "$(comma)";
+    return {c};
+}
+
+/// A path as a target, a prerequisite and so on; ConfigError where make has no way to write it.
+std::string make_path(const fs::path& path, Place place) {
     std::string out;
     for (const char c : path.string()) {
-        if (std::string_view(" #:%*?[").find(c) != std::string_view::npos) out += '\\';
-        out += c;
-        if (c == '$') out += '$';
+        const std::string written = make_char(c, place);
+        if (written.empty())
+            throw ConfigError(fmt::format("{}: a Makefile cannot name a path with {}; expected another name, or --format snakemake",
+                                          path.string(), c == '\n' ? "a line break" : std::string{c}));
+        out += written;
     }
     return out;
 }
 
-/// A prerequisite that is out of date as long as the file is missing; commas would part arguments.
+/// A prerequisite that is out of date as long as the file is missing.
 std::string unless_there(const fs::path& file) {
-    std::string path = make_path(file);
-    for (std::size_t at = 0; (at = path.find(',', at)) != std::string::npos; at += 8)
-        path.replace(at, 1, "$(comma)");
-    return " $(if $(wildcard " + path + "),,FORCE)";
+    return " $(if $(wildcard " + make_path(file, Place::function) + "),,FORCE)";
 }
 
 std::string text_of(const Words& words) { return fmt::format("{}", fmt::join(words, "\n")); }
@@ -76,7 +102,7 @@ public:
         const fs::path folder = marks_ / id;
         const fs::path file = folder / hash_text(program_version() + options).substr(0, 16);
         const std::string at = recipe_word(folder.string());
-        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file),
+        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file, Place::target),
                              at, at, recipe_word(file.string()));
         return file;
     }
@@ -90,8 +116,8 @@ public:
     /// A step that is up to date leaves its manifest as it was: touched, it is newer than its
     /// inputs.
     void add(const PlanTask& rule) {
-        text_ += "\n" + make_path(rule.target) + ":";
-        for (const fs::path& need : rule.needs) text_ += " " + make_path(need);
+        text_ += "\n" + make_path(rule.target, Place::target) + ":";
+        for (const fs::path& need : rule.needs) text_ += " " + make_path(need, Place::need);
         for (const fs::path& product : rule.products) text_ += unless_there(product);
         text_ += "\n\t";
         for (const std::string& word : rule.command) text_ += recipe_word(word) + " ";
@@ -143,17 +169,17 @@ std::string printing_recipe(const fs::path& programs, const Job& job, const char
 
 std::string slices_part(const Job& job, const Rules& rules, const fs::path& programs) {
     const fs::path file = rules.slices_file();
-    const std::string job_file = make_path(job.file);
-    return fmt::format("\n{0}: {1} {2} $(wildcard $(this))\n", make_path(file),
-                       make_path(job.stages.slice_target), job_file) +
+    const std::string job_file = make_path(job.file, Place::need);
+    return fmt::format("\n{0}: {1} {2} $(wildcard $(this))\n", make_path(file, Place::target),
+                       make_path(job.stages.slice_target, Place::need), job_file) +
            printing_recipe(programs, job, "slices", recipe_word(file.string())) +
            "\nifneq ($(wildcard $(this)),)\n$(this): " + job_file + "\n" +
            printing_recipe(programs, job, "make", "$(this)") +
            "else\n$(warning cannot tell its own file: print it anew after a change of the "
            "job)\nendif\n" +
            // A file that is to be remade first must not slice by what the job was before.
-           "\nifeq ($(shell test " + recipe_word(job.file.string()) +
-           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file) +
+           "\nifeq ($(shell test " + conditional_word(job.file.string()) +
+           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file, Place::include) +
            "\nendif\n";
 }
 
@@ -181,8 +207,8 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
         goals = {page.target};
     }
     std::string text = fmt::format(kHeader, job.file.string(), rules.slices_file().string());
-    text += "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\n\nall:";
-    for (const fs::path& goal : goals) text += " " + make_path(goal);
+    text += "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\nopen := (\nclose := )\nequals := =\n\nall:";
+    for (const fs::path& goal : goals) text += " " + make_path(goal, Place::need);
     return text + "\n.PHONY: all FORCE\nFORCE:\n" + rules.text() +
            slices_part(job, rules, programs);
 }
@@ -223,8 +249,8 @@ std::string slice_rules_of(const Job& job, const SlicePlan& plan, const fs::path
                            fit_path(stages.work, i), before, fit_mark));
     for (const JobStep& step : job.steps) {
         if (step.verb != "build") continue;
-        rules.append("\n" + make_path(step.target) + ":");
-        for (const fs::path& fit : fits) rules.append(" " + make_path(fit));
+        rules.append("\n" + make_path(step.target, Place::target) + ":");
+        for (const fs::path& fit : fits) rules.append(" " + make_path(fit, Place::need));
     }
     return rules.text() + "\n";
 }

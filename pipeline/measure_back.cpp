@@ -98,6 +98,9 @@ json measure_back(const ModelFile& model, const BallIndex& index, const std::str
     const double diagonal = model.header().diagonal;
     const std::vector<double> sq =
         faces ? to_faces(samples, cloud, origin) : to_points(samples, cloud, origin, context);
+    if (std::any_of(sq.begin(), sq.end(), [](double d) { return !std::isfinite(d); }))
+        throw DataError(cloud + ": two_way: its nearest face or point is farther from the model than the squares of numbers go "
+                                "(1e154); expected coordinates in the model's frame");
     double area = 0, sum = 0, within = 0;
     std::size_t farthest = 0;
     LogHistogram distances;

@@ -27,7 +27,7 @@ struct Sums {
     std::uint64_t points = 0, missed = 0, opposed = 0, astray = 0, no_normal = 0, within = 0;
     double sq_distance = 0, max = -1 /* none yet */, sq_angle = 0, sq_k1 = 0, sq_k2 = 0,
            sq_mean = 0;
-    std::uint64_t n_angles = 0;
+    std::uint64_t n_angles = 0, n_curvatures = 0;
     Vec3d max_at;  // world; the first point of the greatest distance
     Bbox box;      // world, of all finite points
 
@@ -42,7 +42,7 @@ struct Sums {
         sq_distance += b.sq_distance;
         if (b.max > max) max = b.max, max_at = b.max_at;
         sq_angle += b.sq_angle, n_angles += b.n_angles;
-        sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
+        n_curvatures += b.n_curvatures, sq_k1 += b.sq_k1, sq_k2 += b.sq_k2, sq_mean += b.sq_mean;
         box.extend(b.box);
     }
 };
@@ -64,8 +64,7 @@ public:
         if (!is_finite(world)) return out;
         ++sums.points;
         sums.box.extend(world);
-        const ProjectedPoint put =
-            put_(world - origin_, to_double(own_normal), truth != nullptr);
+        const ProjectedPoint put = put_(world - origin_, to_double(own_normal), truth != nullptr);
         sums.no_normal += put.has_normal ? 0u : 1u;
         sums.missed += put.hit ? 0u : 1u;
         if (!put.hit) return out;
@@ -73,8 +72,11 @@ public:
         sums.astray += put.astray ? 1u : 0u;
         sums.add_distance(put.hit->t, world, tolerance_);
         out.distance = -put.hit->t;  // the line that met the surface runs outwards
+        if (!(sq_length(put.hit->normal) > 0))
+            return out;  // the apex of a cone has no normal, no curvature
         if (truth || put.has_normal)
-            out.angle = add_angle(*put.hit, truth ? truth->normal : put.direction, put.opposed, sums);
+            out.angle =
+                add_angle(*put.hit, truth ? truth->normal : put.direction, put.opposed, sums);
         if (truth) add_curvature(put.hit->curvature, *truth, sums, out);
         return out;
     }
@@ -93,6 +95,7 @@ private:
         const auto sq = [](double x) { return x * x; };
         out.k1 = c.k1 - truth.k1, out.k2 = c.k2 - truth.k2;
         out.mean = c.mean - 0.5 * (truth.k1 + truth.k2);
+        ++sums.n_curvatures;
         sums.sq_k1 += sq(out.k1), sums.sq_k2 += sq(out.k2), sums.sq_mean += sq(out.mean);
     }
 
@@ -113,30 +116,39 @@ struct Distances {
 };
 
 json summary(const Sums& s, const Distances& d, const MeasuredSurface& surface, bool truth,
-               double tolerance) {
+             double tolerance) {
     const std::uint64_t n = s.points - s.missed;
     const double diagonal = surface.diagonal, hits = static_cast<double>(n);
     json out = {{"points", s.points},
-                  {"missed", s.missed},
-                  {"opposed", s.opposed},
-                  {"astray", s.astray},
-                  {"without_normal", s.no_normal},
-                  {"l2", rms(s.sq_distance, hits, diagonal)},
-                  {"max", n > 0 ? json(s.max / diagonal) : json()},
-                  {"max_at", n > 0 ? json{s.max_at.x, s.max_at.y, s.max_at.z} : json()},
-                  {"normal_rms_deg", rms(s.sq_angle, static_cast<double>(s.n_angles))},
-                  {"normal_p99_deg", s.n_angles > 0 ? json(d.angle.quantile(0.99)) : json()},
-                  {"tolerance", tolerance},
-                  {"completeness", static_cast<double>(s.within) / static_cast<double>(s.points)},
-                  {"diagonal", diagonal}};
+                {"missed", s.missed},
+                {"opposed", s.opposed},
+                {"astray", s.astray},
+                {"without_normal", s.no_normal},
+                {"l2", rms(s.sq_distance, hits, diagonal)},
+                {"max", n > 0 ? json(s.max / diagonal) : json()},
+                {"max_at", n > 0 ? json{s.max_at.x, s.max_at.y, s.max_at.z} : json()},
+                {"normal_rms_deg", rms(s.sq_angle, static_cast<double>(s.n_angles))},
+                {"normal_p99_deg", s.n_angles > 0 ? json(d.angle.quantile(0.99)) : json()},
+                {"tolerance", tolerance},
+                {"completeness", static_cast<double>(s.within) / static_cast<double>(s.points)},
+                {"diagonal", diagonal}};
     put_percentiles(d.distance, diagonal, out);
     if (!truth) return out;
     for (const auto& [key, sum] : {std::pair{"k1_rms", s.sq_k1}, std::pair{"k2_rms", s.sq_k2},
                                    std::pair{"mean_curvature_rms", s.sq_mean}}) {
-        out[key] = rms(sum, hits);
-        out[std::string(key) + "_x_diagonal"] = rms(sum, hits, 1 / diagonal);
+        out[key] = rms(sum, static_cast<double>(s.n_curvatures));
+        out[std::string(key) + "_x_diagonal"] =
+            rms(sum, static_cast<double>(s.n_curvatures), 1 / diagonal);
     }
     return out;
+}
+
+[[noreturn]] void refuse_all_missed(const MeasuredSurface& surface, const PlacedFile& cloud,
+                                    std::uint64_t n_points) {
+    if (!surface.file.path.empty()) refuse_apart(cloud, surface.file, n_points);
+    throw NumericalError(fmt::format(
+        "{}: no nearest point of the shape was found for {}; nothing is written", cloud.path,
+        n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points)));
 }
 
 }  // namespace
@@ -152,12 +164,13 @@ void put_percentiles(const LogHistogram& distances, double diagonal, json& out) 
 }
 
 json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, double tolerance,
-                     StageContext& context) {
+                   StageContext& context) {
     const auto source = open_cloud(files.cloud);
     std::optional<TruthReader> truth_file;
     if (!files.truth.empty()) truth_file.emplace(files.truth);
     std::optional<PointsFile> written;
-    if (!files.per_point.empty()) written.emplace(files.per_point, source->info(), truth_file.has_value());
+    if (!files.per_point.empty())
+        written.emplace(files.per_point, source->info(), truth_file.has_value());
     Sums sums;
     Distances distances;
     PointChunk chunk;
@@ -182,10 +195,12 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
     }
     if (truth_file && truth_file->n_left() > 0)
         throw FormatError(fmt::format("{}: expected the truth of {} points, found {}", files.truth,
-                                      truth_file->n_points() - truth_file->n_left(), truth_file->n_points()));
+                                      truth_file->n_points() - truth_file->n_left(),
+                                      truth_file->n_points()));
     if (sums.points == 0) throw DataError(files.cloud + ": no finite point to measure");
     const bool corners_only = surface.corners_may_miss && meet(sums.box, surface.file.box);
-    if (sums.missed == sums.points && !corners_only) refuse_apart({files.cloud, sums.box}, surface.file, sums.points);
+    if (sums.missed == sums.points && !corners_only)
+        refuse_all_missed(surface, {files.cloud, sums.box}, sums.points);
     if (written) written->commit();
     return summary(sums, distances, surface, truth_file.has_value(), tolerance);
 }

@@ -21,7 +21,7 @@ struct MeasuredSurface {
     double diagonal = 0;                      ///< L
     std::function<PutPoint()> new_projector;  ///< for one thread
     bool corners_may_miss = false;            ///< the cloud is a mesh whose faces are measured to as well
-    PlacedFile file = {};                     ///< the model's; a shape has none, and misses no point
+    PlacedFile file = {};                     ///< the model's; a shape has none
 };
 
 /// Where the cloud, its truth and the figures of its points lie; empty: none.
@@ -37,7 +37,7 @@ struct CloudFiles {
 ///            scalar_normal_angle (degrees, where there is a normal or truth), with truth
 ///            scalar_k1_error, scalar_k2_error and scalar_mean_curvature_error (model minus truth), and
 ///            quality, the distance again, which other programs show. NaN where a point is missed.
-/// throws     DataError without a finite point; NumericalError (refuse_apart) if every one is missed (of corners that
+/// throws     DataError without a finite point; NumericalError (of a model: refuse_apart) if every one is missed (of corners that
 ///            may miss: and the boxes do not meet), before per_point is there; FormatError if the truth is not of this cloud;
 ///            IoError as open_cloud and AtomicFile
 nlohmann::json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files,

@@ -35,15 +35,16 @@ MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& heade
             }, config.two_way && is_mesh(config.cloud), placed(config.model, header)};
 }
 
-/// A point put on an analytic shape: at its foot, the nearest point.
+/// A point put on an analytic shape: at its foot, the nearest point, if that is known.
 ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_normal) {
-    const FootPoint foot = foot_point(shape, p);
-    const SurfacePoint at = surface_point(shape.jet(foot.point));
     ProjectedPoint out;
     out.has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
+    const auto foot = nearest_point(shape, p);
+    if (!foot) return out;
+    const SurfacePoint at = surface_point(shape.jet(foot->point));
     out.direction = out.has_normal ? normalized(own_normal) : at.normal;
     Projection hit;
-    hit.point = foot.point, hit.t = -foot.signed_distance, hit.normal = at.normal;
+    hit.point = foot->point, hit.t = -foot->signed_distance, hit.normal = at.normal;
     hit.curvature.k1 = at.k1, hit.curvature.k2 = at.k2;
     hit.curvature.mean = (at.k1 + at.k2) / 2, hit.curvature.gauss = at.k1 * at.k2;
     out.opposed = out.has_normal && dot(out.direction, at.normal) < 0;
@@ -60,7 +61,13 @@ json against_shape(const MeasureConfig& config, const CloudFiles& files, StageCo
                                           return put_on(shape, p, n);
                                       };
                                   }};
-    return measure_cloud(surface, files, config.tolerance, context);
+    json out = measure_cloud(surface, files, config.tolerance, context);
+    if (const auto missed = out["missed"].get<std::uint64_t>(); missed > 0)
+        context.reporter.warn(
+            fmt::format("{}: {} of its {} points not measured (\"missed\"): too far from {}, or no "
+                        "nearest point of it found",
+                        config.cloud, missed, out["points"].get<std::uint64_t>(), config.model));
+    return out;
 }
 
 /// The result without its record.

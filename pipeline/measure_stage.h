@@ -51,7 +51,7 @@ struct MeasureConfig {
 /// the normals compared without sign (scans hold some flipped normals). One that is supported but
 /// whose line meets nothing in reach, the normal running along the surface, is counted as `astray`
 /// and projected along the model's normal. A point is missed if no surfel supports it or neither
-/// line meets the surface in reach. A mean over nothing is null.
+/// line meets the surface in reach; against a shape, if its nearest point is not known (nearest_point), with a warning. A mean over nothing is null.
 ///
 /// two_way adds model_to_cloud (measure_back.h). Two pictures are compared as measure_pictures.h says.
 /// throws DataError if the cloud has no finite point; NumericalError if the model misses every one, as in another frame

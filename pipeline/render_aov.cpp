@@ -12,6 +12,7 @@
 #include "slim/shapes/foot_point.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -218,17 +219,21 @@ bool is_filterable(const std::string& aov) {
 }
 
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
-                                   const GBuffer& b) {
+                                   const GBuffer& b, std::uint64_t* n_unknown) {
     const Shape& shape = find_shape(config.truth_shape);
     const Vec3d shift = model_origin - shape_offset(config);
     std::vector<float> distances(b.n_pixels(), 0.0f);
+    std::atomic<std::uint64_t> unknown{0};
     parallel_blocks(b.n_pixels(), kPixelGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!b.hit[i]) continue;
             const Vec3d p{b.position[0][i], b.position[1][i], b.position[2][i]};
-            distances[i] = static_cast<float>(signed_distance(shape, p + shift));
+            const auto foot = nearest_point(shape, p + shift);
+            if (foot) distances[i] = static_cast<float>(foot->signed_distance);
+            else ++unknown;
         }
     });
+    if (n_unknown) *n_unknown = unknown;
     return distances;
 }
 

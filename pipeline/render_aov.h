@@ -46,9 +46,10 @@ struct RenderedFrame {
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in
 /// the world), positive outside. Parallel over pixels. Throws ConfigError for an unknown shape or a
-/// bad offset. Cost: about five evaluations of the shape per hit.
+/// bad offset. 0 where no nearest point is known (nearest_point), counted in `n_unknown`. Cost: about six evaluations of
+/// the shape per hit.
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
-                                   const GBuffer& buffer);
+                                   const GBuffer& buffer, std::uint64_t* n_unknown = nullptr);
 
 /// What an AOV paints as a map: a plane of the frame, or the magnitudes of one whose sign is
 /// arbitrary.

@@ -120,6 +120,7 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
         Frames frames = draw_frames(job, parts[band], context);
         add(frames.stats, outcome.stats);
         outcome.stats.covered_pixels += frames.covered;
+        outcome.truth_unknown += frames.truth_unknown;
         outcome.frame_ms += frames.median_ms;
         outcome.light_rays += (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;
         outcome.factor = frames.has_fine ? job.config.supersample : 1;

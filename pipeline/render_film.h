@@ -19,6 +19,7 @@ struct RenderOutcome {
     int factor = 1;
     int frames = 0;
     bool whole_at_once = false;    ///< whether the picture that this is (a part of) fits one band
+    std::uint64_t truth_unknown = 0;
     std::uint64_t light_rays = 0;  ///< all but the primary ones
     nlohmann::json lines;
     std::vector<std::filesystem::path> files;

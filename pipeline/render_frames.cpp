@@ -139,7 +139,7 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
                                      : count_hits(frames.plain.buffer, part.inside());
     if (job.wants("truth_distance"))
         frames.plain.truth_distance =
-            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer);
+            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer, &frames.truth_unknown);
     return frames;
 }
 

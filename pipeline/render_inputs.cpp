@@ -1,5 +1,6 @@
 #include "pipeline/render_inputs.h"
 
+#include "formats/atomic_file.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/ray_options.h"
 #include "pipeline/render_lines.h"
@@ -8,11 +9,29 @@
 #include "pipeline/render_view.h"
 #include "slim/base/error.h"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 
 namespace slim {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// The first of the folders above that is there is one: those below it can be made.
+void check_folder_above(const fs::path& output) {
+    std::error_code none;
+    fs::path above = output.parent_path();
+    while (above.has_relative_path() && fs::status(above, none).type() == fs::file_type::not_found)
+        above = above.parent_path();
+    // Below a file nothing is found; the file itself is.
+    if (above.empty() || fs::is_directory(above, none)) return;
+    throw IoError(fmt::format("{}: {} is no folder; expected one, or a name that is free", output.string(), above.string()),
+                  ExitCode::usage);
+}
+
+}  // namespace
 
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
     check_view_name(config.name);
@@ -27,7 +46,7 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
             "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     const OutputPlan pictures = plan_outputs(config, aovs);
     for (int k = 0; k <= (frames > 1 ? frames : 0); ++k)
-        refuse_to_overwrite_inputs(config, k > 0 ? pictures.numbered(k) : pictures);
+        check_outputs(config, k > 0 ? pictures.numbered(k) : pictures);
     require_model(config.model);
     return frames;
 }
@@ -44,12 +63,14 @@ void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::pa
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
 }
 
-void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan) {
+void check_outputs(const RenderConfig& config, const OutputPlan& plan) {
     std::vector<fs::path> outputs = plan.pngs;
-    outputs.push_back(plan.exr);
     for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
-    outputs.push_back(plan.lines_svg());
+    for (const fs::path& output : {plan.exr, plan.lines_svg(), fs::path(config.lines_ply), fs::path(config.lines_obj)})
+        if (!output.empty()) outputs.push_back(output);
     for (const fs::path& output : outputs) {
+        check_replaceable(output.string());
+        check_folder_above(output);
         refuse_to_overwrite(output.string(), {config.model, config.environment, config.matcap});
         for (const std::string& added : config.add) refuse_to_overwrite(output.string(), {added});
     }

@@ -15,8 +15,9 @@ namespace slim {
 /// one which it reads, by whatever name. Returns the number of pictures.
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs);
 
-/// No file of these may be one that the run reads.
-void refuse_to_overwrite_inputs(const RenderConfig& config, const OutputPlan& plan);
+/// No file of these, nor of lines in space, may be one that the run reads (ConfigError), a folder or a device, or lie below
+/// a file (IoError, 2): said before the first picture is drawn.
+void check_outputs(const RenderConfig& config, const OutputPlan& plan);
 
 /// Adds all that the pictures depend on.
 void add_inputs(const RenderConfig& config, const ModelFile& model,

@@ -85,6 +85,7 @@ struct Frames {
     bool has_fine = false;
     RenderStats stats;
     double median_ms = 0;
+    std::uint64_t truth_unknown = 0;  ///< hits without a distance to the truth, of the margin, too
     std::uint64_t covered = 0;  ///< of the part that is wanted, not of its margin
 
     const RenderedFrame& for_aov(const std::string& aov) const {

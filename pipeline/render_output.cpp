@@ -1,5 +1,7 @@
 #include "pipeline/render_output.h"
 
+#include "pipeline/input_kind.h"
+
 namespace slim {
 namespace {
 
@@ -33,7 +35,7 @@ void PictureFiles::add_exr(int n_rows, std::span<const ExrChannel> channels,
 }
 
 void PictureFiles::add_text(const NamedText& file) {
-    if (file.path.has_parent_path()) std::filesystem::create_directories(file.path.parent_path());
+    if (file.path.has_parent_path()) make_writable_folder(file.path.parent_path());
     texts_.push_back(std::make_unique<AtomicFile>(file.path.string()));
     texts_.back()->write(file.text);
 }

@@ -66,6 +66,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
         result["light_rays"] = outcome.light_rays;
         result["scene_ms"] = job.traced->build_ms();
     }
+    if (job.wants("truth_distance")) result["truth_unknown_pixels"] = outcome.truth_unknown;
     if (job.share.of > 0) result["whole_at_once"] = outcome.whole_at_once;
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
     if (job.n_frames > 1) {
@@ -122,7 +123,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
     ModelReads reads(model, takes_all_leaves(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
-    refuse_to_overwrite_inputs(config, plan);
+    check_outputs(config, plan);
     const double room = legend_room(config, aovs, size);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
@@ -158,6 +159,10 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     if (frames > 1)
         for (const std::string& command : film_commands(job.plan))
             context.reporter.info("as a film: " + command);
+    if (outcome.truth_unknown > 0)
+        context.reporter.warn(fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
+                                          "(truth_unknown_pixels): is the model of that shape?",
+                                          outcome.truth_unknown, config.truth_shape));
     Json result = make_result(job, outcome);
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = reads.bytes();

@@ -10,7 +10,7 @@ namespace slim {
 /// Draws a model: pictures of what is asked (config.aov), each file whole or not at all.
 ///
 /// returns  files, width, height (of what is wanted of the picture), covered_pixels, surfels_drawn,
-///          nodes, nodes_visited, root_tests, distance_tests, unblended_pixels, frame_ms_median
+///          truth_unknown_pixels (of truth_distance), nodes, nodes_visited, root_tests, distance_tests, unblended_pixels, frame_ms_median
 /// (projection and shading, no
 ///          files; the median of config.repeat frames), ranges {aov: [lo, hi]} of the maps,
 /// model_bytes,

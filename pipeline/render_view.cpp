@@ -1,5 +1,6 @@
 #include "pipeline/render_view.h"
 
+#include "pipeline/option_names.h"
 #include "raytrace/camera_path.h"
 #include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
@@ -167,15 +168,16 @@ std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model
 
 int n_frames(const RenderConfig& config) {
     if (config.turntable > 0 && !config.path.empty())
-        throw ConfigError("turntable and `path` both move the camera: give one");
+        throw ConfigError("turntable and " + quoted_key("path") + " both move the camera: give one");
     if (config.path.empty() != (config.frames == 0))
-        throw ConfigError(config.path.empty() ? "frames is for a `path`, which is not given"
-                                              : "path: say how many pictures with `frames`");
+        throw ConfigError(config.path.empty() ? "frames is for a " + quoted_key("path") + ", which is not given"
+                                              : "path: say how many pictures with " + quoted_key("frames"));
     const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
     const bool film = config.turntable > 0 || !config.path.empty();
     if (config.frame > (film ? n : 0))
         throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
-                               : "frame is for a `turntable` or a `path`, which are not given");
+                               : "frame is for a " + quoted_key("turntable") + " or a " + quoted_key("path") +
+                                     ", which are not given");
     return n;
 }
 

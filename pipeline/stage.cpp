@@ -4,6 +4,7 @@
 #include "pipeline/console.h"
 #include "pipeline/json_text.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/option_names.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/signals.h"
 #include "pipeline/version.h"
@@ -177,22 +178,6 @@ int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const 
     return static_cast<int>(code);
 }
 
-/// A check of an option's value calls the option by its key, first of all or between backquotes; on a command line it
-/// is `--key`.
-std::string with_option(const FieldList& fields, std::string what) {
-    for (std::size_t at = what.find('`'); at != std::string::npos; at = what.find('`', at + 1)) {
-        const std::size_t close = what.find('`', at + 1);
-        if (close == std::string::npos) break;
-        const Field* quoted = fields.find(what.substr(at + 1, close - at - 1));
-        if (quoted && !quoted->is_word()) what.replace(at, close - at + 1, quoted->option());
-        else at = close;
-    }
-    const std::size_t end = what.find_first_of(": ");
-    if (end == std::string::npos) return what;
-    const Field* field = fields.find(what.substr(0, end));
-    return field && !field->is_word() ? field->option() + what.substr(end) : what;
-}
-
 }  // namespace
 
 std::string summary_text(const json& result, const std::vector<Headline>& headlines) {
@@ -213,7 +198,7 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         return 0;
     } catch (const Error& error) {
         const bool usage = error.code() == ExitCode::usage;
-        return fail(error.code(), usage ? with_option(stage.fields, error.what()) : error.what());
+        return fail(error.code(), usage ? with_option_names(stage.fields, error.what()) : error.what());
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, "out of memory");
     } catch (const std::filesystem::filesystem_error& error) {

@@ -6,6 +6,17 @@ namespace slim {
 
 // The classic test surfaces as implicit functions over T = double or Jet2. Sizes as in the clouds
 // that the peers were measured on: unit sphere, torus 1/0.35, ellipsoid 1/0.7/0.4, bumpy sphere.
+// foot(p), where there is a closed form: the nearest point of f = 0; any of several.
+
+namespace shape_detail {
+
+/// The point of the half plane through p and the z axis that lies at (rho, z) in it.
+inline Vec3d turned_to(const Vec3d& p, double rho, double z) {
+    const double at = std::hypot(p.x, p.y);
+    return at > 0 ? Vec3d{p.x / at * rho, p.y / at * rho, z} : Vec3d{rho, 0, z};
+}
+
+}  // namespace shape_detail
 
 /// z = 0, inside below.
 struct PlaneShape {
@@ -13,12 +24,17 @@ struct PlaneShape {
     static T value(const Vec3<T>& p) {
         return p.z;
     }
+    static Vec3d foot(const Vec3d& p) { return {p.x, p.y, 0}; }
 };
 
 struct SphereShape {
     template <class T>
     static T value(const Vec3<T>& p) {
         return norm(p) - 1.0;
+    }
+    static Vec3d foot(const Vec3d& p) {
+        const double r = std::hypot(p.x, p.y, p.z);
+        return r > 0 ? p / r : Vec3d{0, 0, 1};
     }
 };
 
@@ -27,6 +43,11 @@ struct TorusShape {
     template <class T>
     static T value(const Vec3<T>& p) {
         return torus_z(p, kMajor, kMinor);
+    }
+    static Vec3d foot(const Vec3d& p) {
+        const double off = std::hypot(p.x, p.y) - kMajor, r = std::hypot(off, p.z);
+        if (!(r > 0)) return shape_detail::turned_to(p, kMajor + kMinor, 0);
+        return shape_detail::turned_to(p, kMajor + kMinor * (off / r), kMinor * (p.z / r));
     }
 };
 
@@ -59,6 +80,7 @@ struct CylinderShape {
     static T value(const Vec3<T>& p) {
         return hypot2(p.x, p.y) - 1.0;
     }
+    static Vec3d foot(const Vec3d& p) { return shape_detail::turned_to(p, 1, p.z); }
 };
 
 /// Apex at (0, 0, 1), radius 1 at z = -1.
@@ -67,6 +89,11 @@ struct ConeShape {
     template <class T>
     static T value(const Vec3<T>& p) {
         return (hypot2(p.x, p.y) - kSlope * (1.0 - p.z)) / std::sqrt(1 + kSlope * kSlope);
+    }
+    /// On the line from the apex downwards; the apex where that line falls behind it.
+    static Vec3d foot(const Vec3d& p) {
+        const double along = (kSlope * std::hypot(p.x, p.y) + (1 - p.z)) / (1 + kSlope * kSlope);
+        return along > 0 ? shape_detail::turned_to(p, kSlope * along, 1 - along) : Vec3d{0, 0, 1};
     }
 };
 

@@ -22,6 +22,17 @@ Jet2 jet_at(const Vec3d& p) {
         {Jet2::variable(p.x, 0), Jet2::variable(p.y, 1), Jet2::variable(p.z, 2)});
 }
 
+using Foot = Vec3d (*)(const Vec3d&);
+
+/// F's closed form; null without one.
+template <class F>
+constexpr Foot foot_of() {
+    if constexpr (requires(const Vec3d& p) { F::foot(p); })
+        return F::foot;
+    else
+        return nullptr;
+}
+
 Bbox box_of(const Vec3d& lo, const Vec3d& hi) {
     Bbox b;
     b.extend(lo);
@@ -32,13 +43,13 @@ Bbox box_of(const Vec3d& lo, const Vec3d& hi) {
 template <class F>
 Shape closed(std::string_view name, const Vec3d& lo, const Vec3d& hi, double lipschitz,
              double band) {
-    return {name, box_of(lo, hi), false, lipschitz, band, value_at<F>, jet_at<F>};
+    return {name, box_of(lo, hi), false, lipschitz, band, value_at<F>, jet_at<F>, foot_of<F>()};
 }
 
 template <class F>
 Shape patch(std::string_view name, const Vec3d& lo, const Vec3d& hi, double lipschitz,
             double band) {
-    return {name, box_of(lo, hi), true, lipschitz, band, value_at<F>, jet_at<F>};
+    return {name, box_of(lo, hi), true, lipschitz, band, value_at<F>, jet_at<F>, foot_of<F>()};
 }
 
 /// Sizes and bounds; the Lipschitz constants are checked by a test on samples of the ball.

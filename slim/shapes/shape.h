@@ -22,6 +22,8 @@ struct Shape {
     double band = 0.05;
     double (*value)(const Vec3d&) = nullptr;
     Jet2 (*jet)(const Vec3d&) = nullptr;
+    /// The nearest point of f = 0 (of an open shape: also beyond its box), where there is a closed form; else null.
+    Vec3d (*foot)(const Vec3d&) = nullptr;
 };
 
 /// All shapes, in the order of the manual.

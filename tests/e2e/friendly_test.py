@@ -47,6 +47,10 @@ def wrong_files():
     (harness.folder / "hill.las").write_bytes(b"LASF" + b"\1" * 400)
     refused(3, ["pdal translate hill.las hill.ply"], "slim", "build", "hill.las", "-o", "x.slim")
     refused(2, ["is a folder"], "slim", "info", ".")
+    refused(3, ["is a folder"], "slim", "build", ".", "-o", "x.slim")
+    refused(3, ["standard input is not read"], "slim", "build", "-", "-o", "x.slim")
+    refused(2, ["unexpected argument 'x.png'; to write it: -o x.png"], "slim", "render", "t.slim", "x.png")
+    refused(2, ["a model, not a job"], "slim", "plan", "t.slim")
     refused(3, ["is a folder"], "slim", "render", ".", "-o", "x.png")
 
 

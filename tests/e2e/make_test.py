@@ -40,8 +40,8 @@ percentile = PERCENTILE
 dir = "out, all"
 aovs = ["k1"]
 """
-# A folder whose name needs quoting.
-place = harness.folder / "a job"
+# A folder whose name needs quoting, here and there in other ways.
+place = harness.folder / "a job (50%): x=1"
 place.mkdir()
 out = place / "out, all"
 STEPS = ("scan", "slice", "normals", "fit", "build", "measure", "render", "run")
@@ -138,4 +138,10 @@ write_job()
 called, done = make()
 check(done.returncode != 0 and "job.toml:" in done.stderr and "camera" in done.stderr, done.stderr)
 check(not called, f"a wrong job: make called {called}")
+# What make cannot name is refused.
+for name in ("a|b", "a;b", "a\\b"):
+    (harness.folder / name).mkdir()
+    (harness.folder / name / "job.toml").write_text((place / "job.toml").read_text().replace("camra", "camera"))
+    refused = run("slim", "plan", f"{name}/job.toml", "--format", "make")
+    check(refused.code == 2 and "a Makefile cannot name a path with" in refused.err, f"{name}: {refused.code} {refused.err}")
 harness.end()

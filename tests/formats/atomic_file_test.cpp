@@ -4,7 +4,11 @@
 
 #include <csignal>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
+
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -140,6 +144,24 @@ TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {
     } catch (const IoError& error) {
         EXPECT_EQ(error.code(), ExitCode::usage);
     }
+}
+
+TEST(AtomicFile, HoldsNoMemoryOnceItIsSealed) {
+    const TempFolder folder;
+    std::vector<std::unique_ptr<AtomicFile>> held;
+    const auto in_use = [] {
+        const struct mallinfo2 m = mallinfo2();
+        return m.uordblks + m.hblkhd;
+    };
+    const std::size_t before = in_use();
+    for (int i = 0; i < 50; ++i) {
+        held.push_back(std::make_unique<AtomicFile>(folder.file(std::to_string(i))));
+        held.back()->write("a picture");
+        held.back()->seal();
+    }
+    EXPECT_LT(in_use() - before, std::size_t{1} << 20);  // 50 MiB of buffers before
+    for (auto& file : held) file->commit();
+    EXPECT_EQ(read_bytes(folder.file("49")), "a picture");
 }
 
 }  // namespace

@@ -95,6 +95,7 @@ TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
 
 TEST(CommandLine, SuggestsTheNearestOption) {
     EXPECT_EQ(refusal({"--degre", "3"}), "unknown option --degre (did you mean '--degree'?)");
+    EXPECT_EQ(refusal({"-j", "3"}), "unknown option -j (threads are --threads N)");
     EXPECT_EQ(refusal({"--thread=3"}), "unknown option --thread (did you mean '--threads'?)");
     EXPECT_EQ(refusal({"--set", "degre=3"}),
               "--set degre=3: unknown key 'degre' (did you mean 'degree'?)");

@@ -48,5 +48,31 @@ TEST(Makefile, HasARuleForEachSlice) {
     EXPECT_EQ(slice_rules_of(job, plan, "/bin").find("--coarse"), std::string::npos);
 }
 
+/// The Makefile of a job in a folder of that name, "PATH" for its path as the file has it.
+std::string makefile_in(const std::string& name) {
+    Job job = read_job(write_job(kDemo));
+    job.steps.resize(1);
+    job.steps[0].verb = "scan";
+    job.steps[0].target = "/w/" + name + "/cloud.done.json";
+    job.steps[0].inputs = {"/w/" + name + "/in"};
+    job.folder = "/w/" + name;
+    return makefile_of(job, "/bin");
+}
+
+TEST(Makefile, NamesAreWrittenAsMakeReadsThemInEachPlace) {
+    // As a target a bare % is a pattern; as a prerequisite a quoted one keeps its backslash.
+    const std::string percent = makefile_in("a%b");
+    EXPECT_NE(percent.find("\n/w/a\\%b/cloud.done.json: /w/a%b/in"), std::string::npos) << percent;
+    EXPECT_NE(percent.find("\ninclude /w/a%b/.make/slices.mk\n"), std::string::npos);
+    EXPECT_NE(makefile_in("a:b").find("\ninclude /w/a:b/.make/slices.mk\n"), std::string::npos);
+    EXPECT_NE(makefile_in("a:b").find("\n/w/a\\:b/cloud.done.json: /w/a\\:b/in"), std::string::npos);
+    EXPECT_NE(makefile_in("a=b").find("\n/w/a$(equals)b/cloud.done.json: "), std::string::npos);
+    EXPECT_NE(makefile_in("a$ #b").find("\n/w/a$$\\ \\#b/cloud.done.json: "), std::string::npos);
+}
+
+TEST(Makefile, WhatMakeCannotNameIsRefused) {
+    for (const char* name : {"a|b", "a;b", "a\\b", "a\nb"}) EXPECT_THROW(makefile_in(name), ConfigError) << name;
+}
+
 }  // namespace
 }  // namespace slim::test

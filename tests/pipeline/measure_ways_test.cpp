@@ -115,6 +115,17 @@ TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused
     EXPECT_NE(message_.find("mesh.ply: two_way: no face"), std::string::npos) << message_;
 }
 
+TEST_F(MeasureWays, AFaceTooFarForSquaresIsRefused) {
+    // Its distance was null in the result.
+    build_sphere(2000);
+    const std::string far = folder_.write(
+        "far.ply",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n1e300 0 0\n-1e300 0 1\n0 1e300 0\n3 1 2 3\n");
+    EXPECT_EQ(code_of([&] { both_ways(model_, far); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("far.ply: two_way"), std::string::npos) << message_;
+}
+
 TEST_F(MeasureWays, ThreadsDoNotMatter) {
     build_sphere(5000);
     const auto at = [&](int threads) {
@@ -311,6 +322,21 @@ TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {
     EXPECT_EQ(code_of([&] { measured(a, "m.slim", [](MeasureConfig&) {}); }), ExitCode::usage);
     EXPECT_EQ(code_of([&] { measured(a, a, [&](MeasureConfig& c) { c.output = a; }); }), ExitCode::usage);
     EXPECT_EQ(code_of([&] { measured(a, file("none.png"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
+}
+
+TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
+    Cloud few;
+    few.positions = {{0, 0, 0}, {3, 4, 0}, {1e35, 0, 0}};
+    const json m = measured("shape:sphere", write(few, "few.ply"), [](MeasureConfig&) {});
+    EXPECT_EQ(m["points"], 3);
+    EXPECT_EQ(m["missed"], 1);
+    EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 4, 1e-6);
+    EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), std::sqrt(17.0 / 2), 1e-6);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("1 of its 3 points not measured"), std::string::npos) << listener_.warnings[0];
+    few.positions = {{1e35, 0, 0}};
+    const std::string path = write(few, "far.ply");
+    EXPECT_EQ(code_of([&] { measured("shape:sphere", path, [](MeasureConfig&) {}); }), ExitCode::numerical);
 }
 
 }  // namespace

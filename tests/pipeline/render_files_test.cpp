@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 namespace slim {
 namespace {
@@ -250,6 +252,43 @@ TEST_F(RenderFiles, TheClockComesFromTheEnvironmentOnly) {
     setenv("SOURCE_DATE_EPOCH", "soon", 1);
     EXPECT_THROW(run(config("y.exr")), ConfigError);
     unsetenv("SOURCE_DATE_EPOCH");
+}
+
+TEST_F(RenderFiles, AFolderInTheWayIsRefusedBeforeTheFirstPictureOfAFilm) {
+    for (const char* name : {"film.mean.legend.svg", "film_0003.png"}) {
+        std::filesystem::create_directory(file(name));
+        RenderConfig c = config("film.png");
+        c.aov = {"mean"}, c.turntable = 3;
+        try {
+            run(c);
+            ADD_FAILURE() << name;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::usage);
+            EXPECT_NE(std::string(error.what()).find(std::string(name) + ": is a folder"), std::string::npos) << error.what();
+        }
+        EXPECT_FALSE(exists("film_0001.png"));
+        std::filesystem::remove(file(name));
+    }
+}
+
+TEST_F(RenderFiles, LinesBelowAFileAreRefusedBeforeThePicture) {
+    std::ofstream(file("a_file")) << "x";
+    for (const char* name : {"a_file/x.obj", "a_file/y/x.obj"}) {
+        RenderConfig c = config("x.png");
+        c.lines = {"contour"}, c.lines_obj = file(name);
+        try {
+            run(c);
+            ADD_FAILURE() << name;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::usage);
+            EXPECT_NE(std::string(error.what()).find("a_file is no folder"), std::string::npos) << error.what();
+        }
+        EXPECT_FALSE(exists("x.png"));
+    }
+    RenderConfig c = config("x.png");
+    c.lines = {"contour"}, c.lines_obj = file("new/y/x.obj");
+    run(c);
+    EXPECT_TRUE(exists("new/y/x.obj"));
 }
 
 }  // namespace

@@ -254,5 +254,89 @@ TEST(FootPoint, IsNotThroughTheHeadAndOutAtTheFace) {
     EXPECT_LT(std::abs(foot.signed_distance), 0.03);
 }
 
+/// |distance| by the shape's nearest point; -1 if it is not known.
+double distance_to(const char* name, const Vec3d& x) {
+    const auto foot = nearest_point(find_shape(name), x);
+    if (!foot) return -1;
+    EXPECT_NEAR(std::abs(foot->signed_distance), length(x - foot->point), 1e-12 * length(x)) << name;
+    return std::abs(foot->signed_distance);
+}
+
+TEST(NearestPoint, OfMiddlesAndAxesIsARadiusAway) {
+    // Feet on all sides, and no gradient: these counted as on the surface.
+    EXPECT_DOUBLE_EQ(distance_to("sphere", {0, 0, 0}), 1);
+    EXPECT_DOUBLE_EQ(distance_to("sphere", {1e-200, 0, 0}), 1);
+    EXPECT_DOUBLE_EQ(distance_to("torus", {0, 0, 0}), 0.65);
+    EXPECT_DOUBLE_EQ(distance_to("torus", {0, 0, 5}), std::sqrt(26.0) - 0.35);
+    EXPECT_DOUBLE_EQ(distance_to("torus", {0.6, 0.8, 0}), 0.35);
+    EXPECT_DOUBLE_EQ(distance_to("cylinder", {0, 0, 0.5}), 1);
+    EXPECT_DOUBLE_EQ(distance_to("cone", {0, 0, 5}), 4);
+    EXPECT_DOUBLE_EQ(distance_to("cone", {0, 0, 0}), 1 / std::sqrt(5.0));
+    EXPECT_NEAR(distance_to("ellipsoid", {0, 0, 0}), 0.4, 1e-12);
+    EXPECT_NEAR(distance_to("bumpy", {0, 0, 0}), 0.9, 1e-9);
+    EXPECT_LT(nearest_point(find_shape("bumpy"), {0, 0, 0})->signed_distance, 0);
+}
+
+TEST(NearestPoint, IsFoundFromAfar) {
+    // To less than the spacing of doubles there; 20 to 70 before, the steps of gradient projection.
+    const Vec3d way{0.6, 0.0, 0.8}, up{0, 0, 1}, side{1, 0, 0};
+    for (const double far : {5.0, 1e3, 1e6, 1e12, 1e25}) {
+        const double tiny = 1e-12 + far * 1e-15;
+        EXPECT_NEAR(distance_to("sphere", way * far), far - 1, tiny);
+        EXPECT_NEAR(distance_to("ellipsoid", side * far), far - 1, tiny);
+        EXPECT_NEAR(distance_to("ellipsoid", up * far), far - 0.4, tiny);
+        EXPECT_NEAR(distance_to("torus", side * far), far - 1.35, tiny);
+        EXPECT_NEAR(distance_to("cyclide", side * far), far - 1.2, tiny);
+        EXPECT_NEAR(distance_to("cylinder", side * far), far - 1, tiny);
+        EXPECT_NEAR(distance_to("plane", way * far), 0.8 * far, tiny);
+    }
+    // A support plane: the ellipsoid reaches |axes * way| that way.
+    const double reach = length(Vec3d{0.6, 0, 0.4 * 0.8});
+    EXPECT_NEAR(distance_to("ellipsoid", way * 1e6), 1e6 - reach, 1e-6);
+}
+
+TEST(NearestPoint, IsNotAFarPointBeyondACentreOfCurvature) {
+    // The tip of the ellipsoid is stationary, 0.5 away; the nearest point has x = 0.5 / (1 - 0.16).
+    const double x = 0.5 / 0.84, z = 0.4 * std::sqrt(1 - x * x);
+    EXPECT_NEAR(distance_to("ellipsoid", {0.5, 0, 0}), std::hypot(x - 0.5, z), 1e-9);
+}
+
+TEST(NearestPoint, AcrossACreaseLiesOnIt) {
+    // Beside the plinth's upper edge x = 0.46, y = -0.86, which runs along z; and its corner.
+    const Vec3d edge{0.46, -0.86, 0.1}, corner{0.46, -1, 0.46};
+    for (const double off : {0.001, 0.01, 0.1}) {
+        EXPECT_NEAR(distance_to("sculpture", edge + Vec3d{off, off, 0}), off * std::sqrt(2.0), 1e-4);
+        EXPECT_NEAR(distance_to("sculpture", corner + Vec3d{off, -off, off}), off * std::sqrt(3.0), 1e-4);
+    }
+}
+
+TEST(NearestPoint, InsideASolidIsNotAtAnEdgeWithinIt) {
+    // Where two parts overlap the value has an edge inside, at -0.02; there gradient projection ended, and
+    // 0.0031 was the distance of a point that is 0.12 from the surface.
+    const Shape& shape = find_shape("sculpture");
+    const Vec3d x{-0.227850463, -0.876905319, -0.0716606202};
+    const auto foot = nearest_point(shape, x);
+    ASSERT_TRUE(foot);
+    EXPECT_NEAR(shape.value(foot->point), 0, 1e-10);
+    EXPECT_NEAR(foot->signed_distance, -(1 - 0.876905319), 1e-3);  // the base at y = -1
+}
+
+TEST(NearestPoint, IsUnknownWhereNothingTellsIt) {
+    EXPECT_FALSE(nearest_point(find_shape("sphere"), {1e200, 0, 0}));
+    EXPECT_FALSE(nearest_point(find_shape("ellipsoid"), {0, 1e200, 0}));
+    EXPECT_FALSE(nearest_point(find_shape("monkey"), {1e6, 2e6, 3e6}));  // goes on beyond its box
+    EXPECT_TRUE(nearest_point(find_shape("monkey"), {0.5, 0.1, 0.2}));
+}
+
+TEST(NearestPoint, AgreesWithTheFootOfPointsNearTheSurface) {
+    for (const Shape& shape : all_shapes())
+        for (const Vec3d& x : points_near(shape, 100)) {
+            const FootPoint foot = foot_point(shape, x);
+            const auto nearest = nearest_point(shape, x);
+            ASSERT_TRUE(nearest) << shape.name;
+            if (foot.converged) EXPECT_DOUBLE_EQ(nearest->signed_distance, foot.signed_distance) << shape.name;
+        }
+}
+
 }  // namespace
 }  // namespace slim
