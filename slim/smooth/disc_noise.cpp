@@ -19,6 +19,7 @@ constexpr std::size_t kNeighbors = 6;      ///< that a plane goes through
 constexpr std::size_t kMostSeeds = 48;     ///< points that are compared with their neighbours
 constexpr std::size_t kLeastSeeds = 12;
 constexpr double kMostLeverage = 1;        ///< of a plane's height at its middle: no point is judged from one side
+constexpr double kNearlyOnLine = 0.05;     ///< of the variance along a line: that across
 constexpr double kMedianOfSquare = 0.4549; ///< of a unit normal
 
 /// Height at the origin of the plane through points, and its variance for unit noise.
@@ -33,11 +34,22 @@ public:
         n_ += 1, u_ += u, v_ += v, uu_ += u * u, uv_ += u * v, vv_ += v * v;
         h_ += h, uh_ += u * h, vh_ += v * h;
     }
+    /// Of points nearly on a line of the frame's plane that of a line through them, level across: the
+    /// plane would be as steep as noise, which is not quite upright in the frame, tells.
     MiddleOfPlane at_origin() const {
-        const double c0 = uu_ * vv_ - uv_ * uv_, c1 = uv_ * v_ - u_ * vv_, c2 = u_ * uv_ - uu_ * v_;
-        const double determinant = n_ * c0 + u_ * c1 + v_ * c2;
-        if (!(determinant > 1e-6 * n_ * uu_ * vv_)) return {};
-        return {(c0 * h_ + c1 * uh_ + c2 * vh_) / determinant, c0 / determinant};
+        const double u = u_ / n_, v = v_ / n_, h = h_ / n_;
+        const double uu = uu_ / n_ - u * u, uv = uv_ / n_ - u * v, vv = vv_ / n_ - v * v;
+        const double uh = uh_ / n_ - u * h, vh = vh_ / n_ - v * h;
+        const double half = (uu + vv) / 2, apart = std::hypot((uu - vv) / 2, uv);
+        const double across = half - apart, along = half + apart;  // variances about the mean
+        if (!(along > 0)) return {};
+        // Unit direction along the points.
+        const double turn = std::atan2(2 * uv, uu - vv) / 2, c = std::cos(turn), s = std::sin(turn);
+        const double to = -(c * u + s * v), slope = (c * uh + s * vh) / along;
+        MiddleOfPlane out{h + slope * to, (1 + to * to / along) / n_};
+        if (across < kNearlyOnLine * along) return out;
+        const double to_side = s * u - c * v, side = (c * vh - s * uh) / across;
+        return {out.height + side * to_side, out.variance + to_side * to_side / across / n_};
     }
 
 private:

@@ -2,6 +2,7 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/smooth/coordinate_steps.h"
 #include "slim/smooth/disc_noise.h"
 #include "slim/smooth/point_projector.h"
 #include "slim/smooth/wide_fit.h"
@@ -25,12 +26,14 @@ constexpr double kFarOff = 4;            ///< of a point's noise: farther off, i
 
 Vec3d middle_of(const Surfel& s) { return s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius); }
 
-/// Squared noise about a leaf by itself; infinite where no disc can be fitted.
+/// Squared noise about a leaf by itself, no less than that of rounded coordinates; infinite where no disc can be fitted.
 double own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide, const PointPyramid& points,
-                 WideWork& work) {
+                 const Vec3d& steps, WideWork& work) {
     const double n = std::max(1.0, points.share(0) * leaf.n_points);
-    const double sq = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, n < kKnown, work)
-                          .value_or(INFINITY);
+    const double of_points =
+        disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, n < kKnown, work)
+            .value_or(INFINITY);
+    const double sq = std::max(of_points, rounding_noise(steps, s.frame.normal));
     if (wide.radius > 0 && wide.sq_noise <= kAgrees * sq) return wide.sq_noise;
     return sq;
 }
@@ -87,14 +90,16 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
     const std::size_t n = model.n_leaves();
     SLIM_CHECK(radii.size(), ==, n);
     std::vector<double> own(n, INFINITY), out(n, INFINITY);
+    const Vec3d steps = coordinate_steps(points.all());
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (radii[i].in_cloud) own[i] = own_noise(model.leaf(i), noise[i], radii[i], points, work);
+            if (radii[i].in_cloud) own[i] = own_noise(model.leaf(i), noise[i], radii[i], points, steps, work);
     });
     const std::vector<double> quiet = quiet_noise(own);
     for (std::size_t i = 0; i < n; ++i)
         if (points.share(0) * noise[i].n_points < kKnown) own[i] = std::min(own[i], kMostOfQuiet * quiet[i]);
+    for (std::size_t i = 0; i < n; ++i) own[i] = std::max(own[i], rounding_noise(steps, model.leaf(i).frame.normal));
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<const Surfel*> around;
         std::vector<double> values;
