@@ -25,6 +25,7 @@ constexpr double kMedianOfSquare = 0.4549; ///< of a unit normal
 /// Height at the origin of the plane through points, and its variance for unit noise.
 struct MiddleOfPlane {
     double height = 0, variance = INFINITY;
+    bool on_line = false;  ///< they lie nearly on one, which serves instead
 };
 
 /// Sums over points, for a plane through them.
@@ -46,8 +47,8 @@ public:
         // Unit direction along the points.
         const double turn = std::atan2(2 * uv, uu - vv) / 2, c = std::cos(turn), s = std::sin(turn);
         const double to = -(c * u + s * v), slope = (c * uh + s * vh) / along;
-        MiddleOfPlane out{h + slope * to, (1 + to * to / along) / n_};
-        if (across < kNearlyOnLine * along) return out;
+        const MiddleOfPlane out{h + slope * to, (1 + to * to / along) / n_, across < kNearlyOnLine * along};
+        if (out.on_line) return out;
         const double to_side = s * u - c * v, side = (c * vh - s * uh) / across;
         return {out.height + side * to_side, out.variance + to_side * to_side / across / n_};
     }
@@ -131,30 +132,42 @@ std::vector<Seed> seeds_of(std::span<const double> u, std::span<const double> v)
     return seeds;
 }
 
-std::optional<double> noise_at(std::span<const Seed> seeds, std::span<const double> u, std::span<const double> v,
-                               std::span<const double> height) {
+/// What pseudo-residuals say.
+struct PseudoResiduals {
+    std::optional<double> sq_noise;
+    bool on_lines = false;  ///< most points' neighbours lie on a line
+};
+
+PseudoResiduals noise_at(std::span<const Seed> seeds, std::span<const double> u, std::span<const double> v,
+                         std::span<const double> height) {
     std::vector<double> squares;
+    std::size_t on_line = 0;
     for (const Seed& seed : seeds) {
         const std::size_t i = seed.point;
         PlaneSums sums;
         for (const std::size_t j : seed.near) sums.add(u[j] - u[i], v[j] - v[i], height[j] - height[i]);
         const MiddleOfPlane plane = sums.at_origin();
-        if (plane.variance <= kMostLeverage) squares.push_back(plane.height * plane.height / (1 + plane.variance));
+        if (!(plane.variance <= kMostLeverage)) continue;
+        squares.push_back(plane.height * plane.height / (1 + plane.variance));
+        on_line += plane.on_line ? 1 : 0;
     }
-    return robust_mean(squares);
+    const bool on_lines = 2 * on_line > squares.size();
+    return {robust_mean(squares), on_lines};
 }
 
-/// Least of the fit's own residual and of what the pseudo-residuals say.
+/// Least of the fit's own residual and of what the pseudo-residuals say. Where points lie on lines the fit goes between
+/// few of them and follows the noise of each: its residual says nothing.
 double least_noise(const WideFit& fit, const WideWork& work, const Frame<double>& frame, bool by_normals) {
     DiscPoints disc = in_frame(work.ball, frame);
     const double sq_unit = work.ball.radius * work.ball.radius;
-    double least = fit.sq_noise;
+    const std::vector<Seed> seeds = seeds_of(disc.u, disc.v);
+    const PseudoResiduals whole = noise_at(seeds, disc.u, disc.v, disc.height);
+    double least = whole.sq_noise && whole.on_lines ? INFINITY : fit.sq_noise;
     const auto take = [&](std::optional<double> sq) { least = std::min(least, sq ? *sq * sq_unit : INFINITY); };
     if (by_normals) take(arc_noise(disc));
-    const std::vector<Seed> seeds = seeds_of(disc.u, disc.v);
-    take(noise_at(seeds, disc.u, disc.v, disc.height));
+    take(whole.sq_noise);
     for (std::size_t i = 0; i < disc.u.size(); ++i) disc.height[i] -= fit.polynomial.value(disc.u[i], disc.v[i]);
-    take(noise_at(seeds, disc.u, disc.v, disc.height));
+    take(noise_at(seeds, disc.u, disc.v, disc.height).sq_noise);
     return std::max(least, fit.sq_rounding);
 }
 
@@ -164,7 +177,7 @@ std::optional<double> pseudo_residual_noise(std::span<const double> u, std::span
                                             std::span<const double> height) {
     SLIM_CHECK(u.size(), ==, height.size());
     SLIM_CHECK(v.size(), ==, height.size());
-    return noise_at(seeds_of(u, v), u, v, height);
+    return noise_at(seeds_of(u, v), u, v, height).sq_noise;
 }
 
 std::optional<double> disc_noise(const PointTree& points, const Vec3d& center, const Frame<double>& frame, double radius,
