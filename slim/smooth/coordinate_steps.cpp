@@ -9,13 +9,13 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kSample = 4096, kLeastPoints = 64;
-constexpr double kSame = 1e-12;      ///< of the extent: what two equal coordinates may differ by
-constexpr double kOffLattice = 0.05; ///< of a step: floats of decimal steps are off it
-constexpr double kMostSteps = 1e4;   ///< of a gap that tells anything
-constexpr double kFarGaps = 0.01;    ///< of the gaps, that may be wider
+constexpr double kSame = 1e-12;       ///< of the extent: what two equal coordinates may differ by
+constexpr double kOffLattice = 0.05;  ///< of a step: floats of decimal steps are off it
+constexpr double kMostSteps = 1e4;    ///< of a gap that tells anything
+constexpr double kFarGaps = 0.01;     ///< of the gaps, that may be wider
 constexpr double kLeastPlaces = 4;
 constexpr double kAsWide = 1.0 / 3;  ///< of the points' distance: steps of a grid
-constexpr double kCopies = 0.02;     ///< of the points: rounding puts some in one place, a grid none
+constexpr double kCopies = 0.02;  ///< of the points: rounding puts some in one place, a grid none
 
 /// Distances between neighbouring coordinates, rising.
 std::vector<double> gaps_of(std::vector<double>& x) {
@@ -47,7 +47,8 @@ double step_of(std::vector<double>& x) {
     return static_cast<double>(n_far) <= kFarGaps * static_cast<double>(gaps.size()) ? step : 0;
 }
 
-/// How far points are from the next along the curve, in the median, and the share of those that lie where the next does.
+/// How far points are from the next along the curve, in the median, and the share of those that lie
+/// where the next does.
 struct Neighbours {
     double distance = 0, copies = 0;
 };
@@ -57,8 +58,10 @@ Neighbours neighbours_of(const PointTree& points, std::size_t stride) {
     double copies = 0;
     for (std::size_t i = 0; i + 1 < points.size(); i += stride) {
         const double d = length(points.position(i + 1) - points.position(i));
-        if (d > 0) distances.push_back(d);
-        else copies += 1;
+        if (d > 0)
+            distances.push_back(d);
+        else
+            copies += 1;
     }
     if (distances.empty()) return {};
     copies /= copies + static_cast<double>(distances.size());
