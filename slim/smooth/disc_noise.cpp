@@ -14,16 +14,20 @@ namespace {
 constexpr double kOfQuartic = 75, kOfQuadratic = 24;  ///< points in a narrow disc
 constexpr double kWiden = 1.3;
 constexpr int kTries = 3;
-constexpr double kThick = 4;               ///< of the noise: no disc is narrower
-constexpr std::size_t kNeighbors = 6;      ///< that a plane goes through
-constexpr std::size_t kMostSeeds = 48;     ///< points that are compared with their neighbours
+constexpr double kThick = 4;            ///< of the noise: no disc is narrower
+constexpr std::size_t kNeighbors = 6;   ///< that a plane goes through
+constexpr std::size_t kMostSeeds = 48;  ///< points that are compared with their neighbours
 constexpr std::size_t kLeastSeeds = 12;
-constexpr double kMostLeverage = 1;        ///< of a plane's height at its middle: no point is judged from one side
-constexpr double kMedianOfSquare = 0.4549; ///< of a unit normal
+/// Of a plane's height at its middle: no point is judged from one side.
+constexpr double kMostLeverage = 1;
+constexpr double kNearlyOnLine = 0.05;  ///< of the variance along a line: that across
+constexpr double kAgree = 6;  ///< times the least squared noise of all that is asked for: the most
+constexpr double kMedianOfSquare = 0.4549;  ///< of a unit normal
 
 /// Height at the origin of the plane through points, and its variance for unit noise.
 struct MiddleOfPlane {
     double height = 0, variance = INFINITY;
+    bool on_line = false;  ///< they lie nearly on one, which serves instead
 };
 
 /// Sums over points, for a plane through them.
@@ -33,30 +37,45 @@ public:
         n_ += 1, u_ += u, v_ += v, uu_ += u * u, uv_ += u * v, vv_ += v * v;
         h_ += h, uh_ += u * h, vh_ += v * h;
     }
+    /// Of points nearly on a line of the frame's plane that of a line through them, level across:
+    /// the plane would be as steep as noise, which is not quite upright in the frame, tells.
     MiddleOfPlane at_origin() const {
-        const double c0 = uu_ * vv_ - uv_ * uv_, c1 = uv_ * v_ - u_ * vv_, c2 = u_ * uv_ - uu_ * v_;
-        const double determinant = n_ * c0 + u_ * c1 + v_ * c2;
-        if (!(determinant > 1e-6 * n_ * uu_ * vv_)) return {};
-        return {(c0 * h_ + c1 * uh_ + c2 * vh_) / determinant, c0 / determinant};
+        const double u = u_ / n_, v = v_ / n_, h = h_ / n_;
+        const double uu = uu_ / n_ - u * u, uv = uv_ / n_ - u * v, vv = vv_ / n_ - v * v;
+        const double uh = uh_ / n_ - u * h, vh = vh_ / n_ - v * h;
+        const double half = (uu + vv) / 2, apart = std::hypot((uu - vv) / 2, uv);
+        const double across = half - apart, along = half + apart;  // variances about the mean
+        if (!(along > 0)) return {};
+        // Unit direction along the points.
+        const double turn = std::atan2(2 * uv, uu - vv) / 2, c = std::cos(turn), s = std::sin(turn);
+        const double to = -(c * u + s * v), slope = (c * uh + s * vh) / along;
+        const MiddleOfPlane out{h + slope * to, (1 + to * to / along) / n_,
+                                across < kNearlyOnLine * along};
+        if (out.on_line) return out;
+        const double to_side = s * u - c * v, side = (c * vh - s * uh) / across;
+        return {out.height + side * to_side, out.variance + to_side * to_side / across / n_};
     }
 
 private:
     double n_ = 0, u_ = 0, v_ = 0, uu_ = 0, uv_ = 0, vv_ = 0, h_ = 0, uh_ = 0, vh_ = 0;
 };
 
-/// The points of a ball that count, each place once (copies of a point tell nothing of its noise), in a frame, coordinates
-/// over the ball's radius.
+/// The points of a ball that count, each place once (copies of a point tell nothing of its noise),
+/// in a frame, coordinates over the ball's radius.
 struct DiscPoints {
     std::vector<double> u, v, height;
     std::vector<Vec3d> normal;  // in the frame; zero: none
 };
 
 DiscPoints in_frame(const BallPoints<float>& ball, const Frame<double>& frame) {
-    const auto place = [&ball](std::size_t i) { return std::array{ball.x[i], ball.y[i], ball.z[i]}; };
+    const auto place = [&ball](std::size_t i) {
+        return std::array{ball.x[i], ball.y[i], ball.z[i]};
+    };
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < ball.n; ++i)
         if (ball.sq[i] < 1) order.push_back(i);
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return std::pair(place(a), a) < std::pair(place(b), b); });
+    std::sort(order.begin(), order.end(),
+              [&](auto a, auto b) { return std::pair(place(a), a) < std::pair(place(b), b); });
     DiscPoints out;
     for (std::size_t k = 0; k < order.size(); ++k) {
         const std::size_t i = order[k];
@@ -68,7 +87,8 @@ DiscPoints in_frame(const BallPoints<float>& ball, const Frame<double>& frame) {
     return out;
 }
 
-double sq_between(std::span<const double> u, std::span<const double> v, std::size_t i, std::size_t k) {
+double sq_between(std::span<const double> u, std::span<const double> v, std::size_t i,
+                  std::size_t k) {
     return (u[k] - u[i]) * (u[k] - u[i]) + (v[k] - v[i]) * (v[k] - v[i]);
 }
 
@@ -80,18 +100,23 @@ std::optional<double> robust_mean(std::vector<double>& squares) {
     return *middle / kMedianOfSquare;
 }
 
-/// Of points and the nearest to each: how far one is off the plane through the other that is normal to the mean of their
-/// normals. On an arc that is nothing, however wide apart they are; wrong normals add to it. Nothing without normals.
+/// Of points and the nearest to each: how far one is off the plane through the other that is normal
+/// to the mean of their normals. On an arc that is nothing, however wide apart they are; wrong
+/// normals add to it. Nothing without normals.
 std::optional<double> arc_noise(const DiscPoints& disc) {
     std::vector<double> squares;
     const std::size_t n = disc.u.size(), stride = (n + kMostSeeds - 1) / kMostSeeds;
     for (std::size_t i = 0; i < n; i += stride) {
         std::size_t near = i == 0 ? n - 1 : 0;
         for (std::size_t k = 0; k < n; ++k)
-            if (k != i && sq_between(disc.u, disc.v, i, k) < sq_between(disc.u, disc.v, i, near)) near = k;
+            if (k != i && sq_between(disc.u, disc.v, i, k) < sq_between(disc.u, disc.v, i, near))
+                near = k;
         const Vec3d sum = disc.normal[i] + disc.normal[near];
-        if (!(sq_length(disc.normal[i]) > 0 && sq_length(disc.normal[near]) > 0 && sq_length(sum) > 0)) continue;
-        const Vec3d chord{disc.u[near] - disc.u[i], disc.v[near] - disc.v[i], disc.height[near] - disc.height[i]};
+        if (!(sq_length(disc.normal[i]) > 0 && sq_length(disc.normal[near]) > 0 &&
+              sq_length(sum) > 0))
+            continue;
+        const Vec3d chord{disc.u[near] - disc.u[i], disc.v[near] - disc.v[i],
+                          disc.height[near] - disc.height[i]};
         const double off = dot(chord, normalized(sum));
         squares.push_back(off * off / 2);
     }
@@ -111,7 +136,8 @@ std::vector<Seed> seeds_of(std::span<const double> u, std::span<const double> v)
     std::vector<std::pair<double, std::size_t>> near(u.size());
     const std::size_t stride = (u.size() - 1) / kMostSeeds + 1;
     for (std::size_t i = 0; i < u.size(); i += stride) {
-        for (std::size_t k = 0; k < u.size(); ++k) near[k] = {k == i ? INFINITY : sq_between(u, v, i, k), k};
+        for (std::size_t k = 0; k < u.size(); ++k)
+            near[k] = {k == i ? INFINITY : sq_between(u, v, i, k), k};
         std::nth_element(near.begin(), near.begin() + (kNeighbors - 1), near.end());
         Seed& seed = seeds.emplace_back(Seed{i, {}});
         for (std::size_t k = 0; k < kNeighbors; ++k) seed.near[k] = near[k].second;
@@ -119,31 +145,50 @@ std::vector<Seed> seeds_of(std::span<const double> u, std::span<const double> v)
     return seeds;
 }
 
-std::optional<double> noise_at(std::span<const Seed> seeds, std::span<const double> u, std::span<const double> v,
-                               std::span<const double> height) {
+/// What pseudo-residuals say.
+struct PseudoResiduals {
+    std::optional<double> sq_noise;
+    bool on_lines = false;  ///< most points' neighbours lie on a line
+};
+
+PseudoResiduals noise_at(std::span<const Seed> seeds, std::span<const double> u,
+                         std::span<const double> v, std::span<const double> height) {
     std::vector<double> squares;
+    std::size_t on_line = 0;
     for (const Seed& seed : seeds) {
         const std::size_t i = seed.point;
         PlaneSums sums;
-        for (const std::size_t j : seed.near) sums.add(u[j] - u[i], v[j] - v[i], height[j] - height[i]);
+        for (const std::size_t j : seed.near)
+            sums.add(u[j] - u[i], v[j] - v[i], height[j] - height[i]);
         const MiddleOfPlane plane = sums.at_origin();
-        if (plane.variance <= kMostLeverage) squares.push_back(plane.height * plane.height / (1 + plane.variance));
+        if (!(plane.variance <= kMostLeverage)) continue;
+        squares.push_back(plane.height * plane.height / (1 + plane.variance));
+        on_line += plane.on_line ? 1 : 0;
     }
-    return robust_mean(squares);
+    const bool on_lines = 2 * on_line > squares.size();
+    return {robust_mean(squares), on_lines};
 }
 
-/// Least of the fit's own residual and of what the pseudo-residuals say.
-double least_noise(const WideFit& fit, const WideWork& work, const Frame<double>& frame, bool by_normals) {
+/// Least of the fit's own residual and of what the pseudo-residuals say. Where points lie on lines
+/// the fit goes between few of them and follows the noise of each: its residual says nothing.
+DiscNoise least_noise(const WideFit& fit, const WideWork& work, const Frame<double>& frame,
+                      bool by_normals) {
     DiscPoints disc = in_frame(work.ball, frame);
     const double sq_unit = work.ball.radius * work.ball.radius;
-    double least = fit.sq_noise;
-    const auto take = [&](std::optional<double> sq) { least = std::min(least, sq ? *sq * sq_unit : INFINITY); };
-    if (by_normals) take(arc_noise(disc));
     const std::vector<Seed> seeds = seeds_of(disc.u, disc.v);
-    take(noise_at(seeds, disc.u, disc.v, disc.height));
-    for (std::size_t i = 0; i < disc.u.size(); ++i) disc.height[i] -= fit.polynomial.value(disc.u[i], disc.v[i]);
-    take(noise_at(seeds, disc.u, disc.v, disc.height));
-    return std::max(least, fit.sq_rounding);
+    const PseudoResiduals whole = noise_at(seeds, disc.u, disc.v, disc.height);
+    const bool by_fit = !(whole.sq_noise && whole.on_lines);
+    double least = by_fit ? fit.sq_noise : INFINITY, most = by_fit ? fit.sq_noise : 0;
+    const auto take = [&](std::optional<double> sq) {
+        if (sq) least = std::min(least, *sq * sq_unit), most = std::max(most, *sq * sq_unit);
+    };
+    const std::optional<double> arcs = by_normals ? arc_noise(disc) : std::nullopt;
+    take(arcs);
+    take(whole.sq_noise);
+    for (std::size_t i = 0; i < disc.u.size(); ++i)
+        disc.height[i] -= fit.polynomial.value(disc.u[i], disc.v[i]);
+    take(noise_at(seeds, disc.u, disc.v, disc.height).sq_noise);
+    return {std::max(least, fit.sq_rounding), arcs && most <= kAgree * least};
 }
 
 }  // namespace
@@ -152,15 +197,18 @@ std::optional<double> pseudo_residual_noise(std::span<const double> u, std::span
                                             std::span<const double> height) {
     SLIM_CHECK(u.size(), ==, height.size());
     SLIM_CHECK(v.size(), ==, height.size());
-    return noise_at(seeds_of(u, v), u, v, height);
+    return noise_at(seeds_of(u, v), u, v, height).sq_noise;
 }
 
-std::optional<double> disc_noise(const PointTree& points, const Vec3d& center, const Frame<double>& frame, double radius,
-                                 double n_points, double noise, bool by_normals, WideWork& work) {
+std::optional<DiscNoise> disc_noise(const PointTree& points, const Vec3d& center,
+                                    const Frame<double>& frame, double radius, double n_points,
+                                    double noise, bool by_normals, WideWork& work) {
     for (const double wanted : {kOfQuartic, kOfQuadratic}) {
-        double narrow = std::min(radius, std::max(kThick * noise, radius * std::sqrt(wanted / n_points)));
+        double narrow =
+            std::min(radius, std::max(kThick * noise, radius * std::sqrt(wanted / n_points)));
         for (int i = 0; i < kTries && narrow <= radius; ++i, narrow *= kWiden)
-            if (const auto fit = fit_wide(points, center, frame, narrow, noise, wanted == kOfQuartic, work))
+            if (const auto fit =
+                    fit_wide(points, center, frame, narrow, noise, wanted == kOfQuartic, work))
                 return least_noise(*fit, work, frame, by_normals);
     }
     return std::nullopt;

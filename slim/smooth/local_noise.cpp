@@ -2,41 +2,52 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/smooth/coordinate_steps.h"
 #include "slim/smooth/disc_noise.h"
 #include "slim/smooth/point_projector.h"
 #include "slim/smooth/wide_fit.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kGrain = 32;
-constexpr double kAgrees = 4;            ///< times the squared noise, which a disc tells within a half: a squared residual
+constexpr double kAgrees =
+    4;  ///< times the squared noise, which a disc tells within a half: a squared residual
 constexpr std::size_t kMostPoints = 64;  ///< of a leaf, that are put on the surface
 constexpr std::size_t kLeastPoints = 4;
-constexpr double kKnown = 300;           ///< points in a leaf's ball: its disc is so small a part that no edge fills it
-constexpr double kQuiet = 0.2;           ///< of the leaves about one: those of the least noise
-constexpr double kMostOfQuiet = 4;       ///< times the squared noise of these that a leaf of fewer points has
-constexpr std::size_t kAbout = 1000;     ///< leaves before one and after it, along the curve
-constexpr double kFarOff = 4;            ///< of a point's noise: farther off, it goes less
+constexpr double kKnown =
+    300;  ///< points in a leaf's ball: its disc is so small a part that no edge fills it
+constexpr double kQuiet = 0.2;  ///< of the leaves about one: those of the least noise
+constexpr double kMostOfQuiet =
+    4;  ///< times the squared noise of these that a leaf of fewer points has
+constexpr std::size_t kAbout = 1000;  ///< leaves before one and after it, along the curve
+constexpr double kFarOff = 4;         ///< of a point's noise: farther off, it goes less
 
-Vec3d middle_of(const Surfel& s) { return s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius); }
+Vec3d middle_of(const Surfel& s) {
+    return s.center + s.frame.normal * (s.polynomial.a[0] * s.support_radius);
+}
 
-/// Squared noise about a leaf by itself; infinite where no disc can be fitted.
-double own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide, const PointPyramid& points,
-                 WideWork& work) {
+/// Squared noise about a leaf by itself, no less than that of rounded coordinates; infinite where
+/// no disc can be fitted.
+DiscNoise own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wide,
+                    const PointPyramid& points, const Vec3d& steps, WideWork& work) {
     const double n = std::max(1.0, points.share(0) * leaf.n_points);
-    const double sq = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n, leaf.fit_error, n < kKnown, work)
-                          .value_or(INFINITY);
-    if (wide.radius > 0 && wide.sq_noise <= kAgrees * sq) return wide.sq_noise;
-    return sq;
+    DiscNoise out = disc_noise(points.all(), middle_of(s), s.frame, s.support_radius, n,
+                               leaf.fit_error, n < kKnown, work)
+                        .value_or(DiscNoise{INFINITY});
+    out.sq = std::max(out.sq, rounding_noise(steps, s.frame.normal));
+    if (wide.radius > 0 && wide.sq_noise <= kAgrees * out.sq) out.sq = wide.sq_noise;
+    return out;
 }
 
 /// How far a ball's point goes; nothing where the surface has no place for it.
-std::optional<double> displacement(const Surfel& s, std::size_t i, PointProjector& projector, const WideWork& work) {
+std::optional<double> displacement(const Surfel& s, std::size_t i, PointProjector& projector,
+                                   const WideWork& work) {
     if (!(work.ball.sq[i] < 1)) return std::nullopt;
     const Vec3d x{work.ball.x[i], work.ball.y[i], work.ball.z[i]};
     const auto put = projector.project(s.center + x * work.ball.radius, Vec3d{});
@@ -45,8 +56,8 @@ std::optional<double> displacement(const Surfel& s, std::size_t i, PointProjecto
 }
 
 /// Mean square of how far a leaf's points go to the surface; nothing of too few.
-std::optional<double> sq_displacement(const Surfel& s, const PointTree& points, PointProjector& projector,
-                                      WideWork& work) {
+std::optional<double> sq_displacement(const Surfel& s, const PointTree& points,
+                                      PointProjector& projector, WideWork& work) {
     gather_ball(points, s.center, s.support_radius, work.ball);
     set_contrary_aside(work.ball, s.frame.normal, work.aside);
     const std::size_t stride = work.ball.n / kMostPoints + 1;
@@ -58,8 +69,8 @@ std::optional<double> sq_displacement(const Surfel& s, const PointTree& points, 
     return sum / static_cast<double>(n);
 }
 
-/// Of each leaf, the noise that the quietest fifth of the leaves about it has: of those next along the curve, the same
-/// for kTogether in a row. Cost: about 40 values a leaf.
+/// Of each leaf, the noise that the quietest fifth of the leaves about it has: of those next along
+/// the curve, the same for kTogether in a row. Cost: about 40 values a leaf.
 std::vector<double> quiet_noise(std::span<const double> sq_noise) {
     constexpr std::size_t kTogether = 64;
     const std::size_t n = sq_noise.size();
@@ -69,12 +80,15 @@ std::vector<double> quiet_noise(std::span<const double> sq_noise) {
         for (std::size_t group = begin; group < end; ++group) {
             const std::size_t first = group * kTogether, last = std::min(n, first + kTogether);
             values.clear();
-            for (std::size_t k = first > kAbout ? first - kAbout : 0; k < std::min(n, last + kAbout); ++k)
+            for (std::size_t k = first > kAbout ? first - kAbout : 0;
+                 k < std::min(n, last + kAbout); ++k)
                 if (std::isfinite(sq_noise[k])) values.push_back(sq_noise[k]);
             if (values.empty()) continue;
-            const auto quiet = values.begin() + static_cast<std::ptrdiff_t>(kQuiet * static_cast<double>(values.size()));
+            const auto quiet = values.begin() + static_cast<std::ptrdiff_t>(
+                                                    kQuiet * static_cast<double>(values.size()));
             std::nth_element(values.begin(), quiet, values.end());
-            std::fill(out.begin() + static_cast<std::ptrdiff_t>(first), out.begin() + static_cast<std::ptrdiff_t>(last), *quiet);
+            std::fill(out.begin() + static_cast<std::ptrdiff_t>(first),
+                      out.begin() + static_cast<std::ptrdiff_t>(last), *quiet);
         }
     });
     return out;
@@ -87,14 +101,23 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
     const std::size_t n = model.n_leaves();
     SLIM_CHECK(radii.size(), ==, n);
     std::vector<double> own(n, INFINITY), out(n, INFINITY);
+    std::vector<std::uint8_t> plain(n);
+    const Vec3d steps = coordinate_steps(points.all());
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         for (std::size_t i = begin; i < end; ++i)
-            if (radii[i].in_cloud) own[i] = own_noise(model.leaf(i), noise[i], radii[i], points, work);
+            if (radii[i].in_cloud) {
+                const DiscNoise d =
+                    own_noise(model.leaf(i), noise[i], radii[i], points, steps, work);
+                own[i] = d.sq, plain[i] = d.plain;
+            }
     });
     const std::vector<double> quiet = quiet_noise(own);
-    for (std::size_t i = 0; i < n; ++i)
-        if (points.share(0) * noise[i].n_points < kKnown) own[i] = std::min(own[i], kMostOfQuiet * quiet[i]);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (points.share(0) * noise[i].n_points < kKnown && !plain[i])
+            own[i] = std::min(own[i], kMostOfQuiet * quiet[i]);
+        own[i] = std::max(own[i], rounding_noise(steps, model.leaf(i).frame.normal));
+    }
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<const Surfel*> around;
         std::vector<double> values;
@@ -103,9 +126,11 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
             model.supporters(middle_of(model.leaf(i)), around);
             values.clear();
             for (const Surfel* s : around)
-                if (const double sq = own[model.number_of(s)]; std::isfinite(sq)) values.push_back(sq);
+                if (const double sq = own[model.number_of(s)]; std::isfinite(sq))
+                    values.push_back(sq);
             if (values.empty()) continue;
-            const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+            const auto middle =
+                values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
             std::nth_element(values.begin(), middle, values.end());
             out[i] = *middle;
         }
@@ -113,7 +138,9 @@ std::vector<double> local_noise(const BallIndex& model, std::span<const LeafNois
     return out;
 }
 
-double trusted_share(double sq_bias, double sq_noise) { return sq_bias > sq_noise ? sq_noise / sq_bias : 1; }
+double trusted_share(double sq_bias, double sq_noise) {
+    return sq_bias > sq_noise ? sq_noise / sq_bias : 1;
+}
 
 std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRadius> radii,
                                   std::span<const double> sq_noise, const BallIndex& surface,
@@ -133,7 +160,8 @@ std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRa
                 continue;
             }
             const double share = trusted_share(*sq - sq_noise[i], sq_noise[i]);
-            if (share < 1 || !(radii[i].radius > 0)) out[i] = {static_cast<float>(share), static_cast<float>(sq_noise[i])};
+            if (share < 1 || !(radii[i].radius > 0))
+                out[i] = {static_cast<float>(share), static_cast<float>(sq_noise[i])};
         }
     });
     return out;
@@ -142,7 +170,8 @@ std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRa
 void PointTrust::add(const LeafTrust& leaf, double weight) {
     if (!(weight > 0)) return;
     const double sq_most = kFarOff * kFarOff * leaf.sq_noise;
-    const double within = sq_distance_ > sq_most ? (sq_most / sq_distance_) * (sq_most / sq_distance_) : 1;
+    const double within =
+        sq_distance_ > sq_most ? (sq_most / sq_distance_) * (sq_most / sq_distance_) : 1;
     sum_ += weight * within * leaf.share, weight_ += weight;
 }
 

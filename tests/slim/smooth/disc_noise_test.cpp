@@ -15,7 +15,9 @@ namespace {
 
 double uniform(std::uint64_t i, std::uint64_t key) { return unit_interval(keyed_hash(7, i, key)); }
 
-double gaussian(std::uint64_t i) { return std::sqrt(-2 * std::log(1 - uniform(i, 3))) * std::cos(2 * M_PI * uniform(i, 4)); }
+double gaussian(std::uint64_t i) {
+    return std::sqrt(-2 * std::log(1 - uniform(i, 3))) * std::cos(2 * M_PI * uniform(i, 4));
+}
 
 /// Noise that is found over [-1, 1]^2, of the mean over some clouds of n points.
 double found(const std::function<double(double, double)>& height, double noise, std::size_t n) {
@@ -44,6 +46,24 @@ TEST(PseudoResidualNoise, DoesNotTakeARoofForNoise) {
     // The residual of a plane through the roof would be 0.3.
     EXPECT_LT(found([](double u, double) { return std::abs(u); }, 0.01, 150), 0.016);
     EXPECT_LT(found([](double u, double) { return std::abs(u); }, 0, 150), 1e-12);
+}
+
+TEST(PseudoResidualNoise, OfScanLinesFarApartDoesNotFollowNoiseThatLeans) {
+    // Heights and feet are off together, as along rays that are not quite upright in the frame: the
+    // points of a line lie in a steep plane that holds their noise.
+    double mean = 0;
+    constexpr int kClouds = 20;
+    for (std::uint64_t c = 0; c < kClouds; ++c) {
+        std::vector<double> u, v, h;
+        for (std::uint64_t i = 0; i < 150; ++i) {
+            const double noise = 0.01 * gaussian(c * 1000 + i);
+            u.push_back(2 * uniform(c * 1000 + i, 1) - 1),
+                v.push_back(static_cast<double>(i % 3) - 1 + 0.1 * noise);
+            h.push_back(0.2 * u.back() + noise);
+        }
+        mean += std::sqrt(pseudo_residual_noise(u, v, h).value_or(0)) / kClouds;
+    }
+    EXPECT_NEAR(mean, 0.01, 0.001);
 }
 
 TEST(PseudoResidualNoise, NeedsTwelvePoints) {
