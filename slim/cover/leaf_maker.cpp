@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/scatter.h"
+#include "slim/cover/wider_balls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,8 @@ constexpr double kResolved = 8;             // over the finest radius: a sample 
 constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
 constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
+constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf that a fold ended: no more are asked for
+constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -106,6 +109,8 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
+    const bool may_widen = c.choice.limited && !rules_.sharp && !rules_.windows;
+    if (may_widen && is_resolved) widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
 }
@@ -122,11 +127,31 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
-    if (lends && (choice.forced || choice.limited))
-        return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
-                                 choice.forced, rules_.noise_variance, work.exact);
-    return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced, rules_.noise_variance, work.exact.ball, edges());
+    const bool ended_early = choice.forced || choice.limited;
+    CoveringSurfel leaf =
+        lends && ended_early
+            ? fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree, choice.forced,
+                                rules_.noise_variance, work.exact)
+            : fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree, choice.forced,
+                         rules_.noise_variance, work.exact.ball, edges());
+    if (ended_early && work.exact.ball.n <= kManyPoints)
+        leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
+    return leaf;
+}
+
+/// Gives a leaf whose ladder a fold or another sheet ended the largest of a few larger balls that is well fitted and
+/// stands nowhere in the air (notes/0012).
+void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
+    const int degree = rules_.ladder.choose_degree ? rules_.usual_degree() : c.choice.degree;
+    const auto n_wanted = static_cast<std::size_t>(kWantedOfWide * n_coefficients(degree));
+    RadiusChoice wide = c.choice;
+    for (const float radius : wider_radii(pyramid_.all(), center, c.choice.radius,
+                                          ladder_.rung_radius(rules_.top_rung()), n_wanted, work.ladder.ball)) {
+        wide.radius = static_cast<double>(radius);
+        if (!may_be_wide(fit(center, normal, wide, work))) continue;
+        c.choice.radius = wide.radius;
+        return;
+    }
 }
 
 /// Whether the cloud has neither contrary normals nor much noise.

@@ -64,6 +64,7 @@ private:
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work) const;
+    void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;

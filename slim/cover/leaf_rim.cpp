@@ -154,19 +154,47 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     return out;
 }
 
+/// The rim before the most of those places, which it takes out; 0 where none has any beyond it. Covered points stay
+/// inside.
+PackedRim rim_before(std::vector<AirPlace>& air, const PerDirection& covered) {
+    const auto reach = [](const AirPlace& p, int k) {
+        const auto [u, v] = rim_direction(k);
+        return u * static_cast<double>(p.u) + v * static_cast<double>(p.v);
+    };
+    std::ptrdiff_t most = 0;
+    int best = 0, best_step = 0;
+    for (int k = 0; k < kRimDirections; ++k)
+        for (int step = kRimReaches; step > 0 && kRimStep * step >= static_cast<double>(covered[direction(k)]); --step) {
+            const auto n = std::count_if(air.begin(), air.end(),
+                                         [&](const AirPlace& p) { return reach(p, k) >= kRimStep * step; });
+            if (n > most) most = n, best = k, best_step = step;
+        }
+    if (most == 0) return 0;
+    std::erase_if(air, [&](const AirPlace& p) { return reach(p, best) >= kRimStep * best_step; });
+    return pack_rim(best, kRimStep * (best_step - 0.5));
+}
+
+PackedRim rim_at(const Bounds& bounds) {
+    const int k = bounds.nearest();
+    return pack_rim(k, bounds.reach[direction(k)]);
+}
+
 }  // namespace
 
 PackedRims rims_of(const CoveringSurfel& leaf) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};
     const auto reaches = reaches_of(leaf);
     if (!reaches) return {};
+    std::vector<AirPlace> air = leaf.air;
+    PackedRims rims{rim_before(air, *reaches), 0};
+    if (rims.first != 0) rims.second = rim_before(air, *reaches);
+    if (rims.second != 0) return rims;
     Bounds bounds = bounds_of(leaf, *reaches);
-    const int first = bounds.nearest();
-    const PackedRim rim = pack_rim(first, bounds.reach[direction(first)]);
-    if (rim == 0) return {};
-    bounds.leave_out(first, kApart);
-    const int second = bounds.nearest();
-    return {rim, pack_rim(second, bounds.reach[direction(second)])};
+    if (rims.first == 0) rims.first = rim_at(bounds);
+    if (rims.first == 0) return rims;
+    bounds.leave_out(rims.first >> 3, kApart);
+    rims.second = rim_at(bounds);
+    return rims;
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/cover/air_places.h"
 #include "slim/fit/local_fit.h"
 #include "slim/fit/radius_ladder.h"
 #include "slim/fit/sharp_search.h"
@@ -50,6 +51,7 @@ struct CoveringSurfel {
     std::vector<EdgeSign> edges;  ///< of points that it does not explain (notes/0008)
     bool edges_are_real = false;
     std::vector<EdgePoint> edge_points;  ///< where they are
+    std::vector<AirPlace> air;  ///< where it stands in the air; of leaves that end early (notes/0012)
     bool explains_center = false;
     Vec3d lean;  ///< weighted mean of the points in the tangent plane, over rho: long at a border
     double breadth = 1;  ///< least RMS width of the points in the tangent plane, over rho: 0.5 on a surface, 0 on a line

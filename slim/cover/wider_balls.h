@@ -1,0 +1,23 @@
+#pragma once
+
+#include "slim/cover/surfel_fit.h"
+#include "slim/fit/ball_points.h"
+#include "slim/model/rim.h"
+#include "slim/neighbors/point_tree.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace slim {
+
+/// Radii above `least`, falling, up to `most`: those whose balls hold n_wanted points and, in four steps of the same
+/// ratio, fewer, down towards what the least one holds. None where that holds as many.
+/// Cost: gathers of up to 2.6 n_wanted points.
+std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, double least,
+                               double most, std::size_t n_wanted, BallPoints<float>& work);
+
+/// Whether a leaf of such a ball may be made: it explains its centre, is fitted well (eps < 0.06 rho), and ends at rims
+/// before all places where it would stand far in the air (notes/0012).
+bool may_be_wide(const CoveringSurfel& leaf);
+
+}  // namespace slim

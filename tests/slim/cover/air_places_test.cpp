@@ -1,0 +1,124 @@
+#include "slim/cover/air_places.h"
+
+#include "slim/cover/leaf_rim.h"
+#include "slim/cover/wider_balls.h"
+#include "tests/slim/fit/fit_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+/// Points of the faces z = 0 and x = 0 of a solid that meet in the y axis, outside at 90 degrees; or at 270, where the
+/// second face rises.
+PointBlock edge_points(bool rises, std::size_t n = 6000) {
+    std::vector<Vec3d> positions;
+    std::vector<Vec3f> normals;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double s = random_at(6, 2 * i), y = random_at(6, 2 * i + 1);
+        const double side = rises ? 1 : -1;
+        positions.push_back(s < 0 ? Vec3d{0, y, -side * s} : Vec3d{-s, y, 0});
+        normals.push_back(s < 0 ? Vec3f{rises ? -1.0f : 1.0f, 0, 0} : Vec3f{0, 0, 1});
+    }
+    return block_of(std::move(positions), std::move(normals));
+}
+
+/// The plane z = 0 about a place, its ball's points in `ball`.
+Surfel level_disc(const PointBlock& block, const Vec3d& center, double radius, BallPoints<double>& ball) {
+    gather_ball(tree_of(block), center, radius, ball);
+    return {center, radius, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
+}
+
+/// World x of a place.
+double x_of(const Surfel& s, const AirPlace& p) {
+    return s.center.x +
+           s.support_radius * s.frame.world_from_local({static_cast<double>(p.u), static_cast<double>(p.v), 0}).x;
+}
+
+TEST(AirPlaces, ThereAreNoneOnASurface) {
+    const PointBlock block = edge_points(false);
+    BallPoints<double> ball;
+    const Surfel s = level_disc(block, {-0.5, 0, 0}, 0.15, ball);
+    EXPECT_TRUE(air_places(s, ball).empty());
+}
+
+TEST(AirPlaces, TheyLieBeyondAnEdgeThatFallsAway) {
+    const PointBlock block = edge_points(false);
+    BallPoints<double> ball;
+    const Surfel s = level_disc(block, {-0.03, 0, 0}, 0.15, ball);
+    const auto air = air_places(s, ball);
+    ASSERT_GT(air.size(), 20u);
+    for (const AirPlace& p : air) EXPECT_GT(x_of(s, p), 0);
+    const double farthest = std::transform_reduce(
+        air.begin(), air.end(), 0.0, [](double a, double b) { return std::max(a, b); },
+        [&](const AirPlace& p) { return x_of(s, p); });
+    EXPECT_GT(farthest, 0.06);  // the core ends at 0.07
+    EXPECT_TRUE(std::all_of(air.begin(), air.end(), [&](const AirPlace& p) { return p.far || x_of(s, p) < 0.03; }));
+}
+
+TEST(AirPlaces, AWallThatRisesIsNoEdge) {
+    // What lies within the wall nobody sees, as far as the wall's points are near.
+    const PointBlock block = edge_points(true);
+    BallPoints<double> ball;
+    const Surfel s = level_disc(block, {-0.08, 0, 0}, 0.15, ball);
+    for (const AirPlace& p : air_places(s, ball)) EXPECT_TRUE(p.far);
+}
+
+TEST(AirPlaces, ARimEndsTheLeafBeforeThem) {
+    const PointBlock block = edge_points(false);
+    const PointTree tree = tree_of(block);
+    BallPoints<double> ball;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+        const Vec3d c = tree.position(i);
+        if (c.z != 0 || c.x > -0.02 || c.x < -0.06 || std::abs(c.y) > 0.7) continue;
+        CoveringSurfel leaf = fit_surfel(tree, c, {0, 0, 1}, 0.15, 1, false, 1e-10, ball);
+        leaf.air = air_places(leaf.fitted.surfel, ball);
+        ASSERT_FALSE(leaf.air.empty());
+        const PackedRims rims = rims_of(leaf);
+        for (const AirPlace& p : leaf.air) {
+            if (!p.far) continue;
+            EXPECT_EQ(rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)), 0);
+        }
+        for (const Covered& p : leaf.covered)
+            for (const PackedRim packed : {rims.first, rims.second}) {
+                const Rim rim = unpack_rim(packed);
+                EXPECT_LE(rim.u * static_cast<double>(p.u) + rim.v * static_cast<double>(p.v), rim.reach + 1e-6);
+            }
+        EXPECT_TRUE(may_be_wide(leaf));
+        ++seen;
+    }
+    EXPECT_GT(seen, 20u);
+}
+
+TEST(WiderBalls, RadiiFallFromTheWantedPointsToThoseThere) {
+    const PointBlock block = edge_points(false);
+    const PointTree tree = tree_of(block);
+    BallPoints<float> work;
+    const Vec3d c = tree.position(7);
+    const auto radii = wider_radii(tree, c, 0.07, 2, 144, work);
+    ASSERT_EQ(radii.size(), 4u);
+    EXPECT_TRUE(std::is_sorted(radii.rbegin(), radii.rend()));
+    EXPECT_GT(radii.back(), 0.07f);
+    EXPECT_EQ(count_in_ball(tree, c, static_cast<double>(radii.front()) * (1 + 1e-6), 1000), 145u);
+    EXPECT_TRUE(wider_radii(tree, c, 0.5, 2, 144, work).empty()) << "there are as many already";
+    for (const float r : wider_radii(tree, c, 0.07, 0.08, 144, work)) EXPECT_LE(r, 0.08f);
+}
+
+TEST(WiderBalls, APoorFitIsNotWide) {
+    const PointBlock block = graph_points(4000, 1, 3, [](double x, double y) { return 0.3 * std::sin(9 * x) + 0 * y; });
+    BallPoints<double> ball;
+    CoveringSurfel leaf = fit_surfel(tree_of(block), block.position[3], {0, 0, 1}, 0.4, 1, false, 1e-10, ball);
+    leaf.air.clear();
+    EXPECT_GT(leaf.fitted.fit_error, 0.06 * 0.4);
+    EXPECT_FALSE(may_be_wide(leaf));
+}
+
+}  // namespace
+}  // namespace slim::test
