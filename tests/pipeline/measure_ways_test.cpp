@@ -327,7 +327,7 @@ TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {
 TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
     Cloud few;
     few.positions = {{0, 0, 0}, {3, 4, 0}, {1e35, 0, 0}};
-    const json m = measured("shape:sphere", write(few, "few.ply"), [](MeasureConfig&) {});
+    const json m = measured("shape:sphere", write(few, "few.ply", false), [](MeasureConfig&) {});
     EXPECT_EQ(m["points"], 3);
     EXPECT_EQ(m["missed"], 1);
     EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 4, 1e-6);
@@ -335,7 +335,7 @@ TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
     ASSERT_EQ(listener_.warnings.size(), 1u);
     EXPECT_NE(listener_.warnings[0].find("1 of its 3 points not measured"), std::string::npos) << listener_.warnings[0];
     few.positions = {{1e35, 0, 0}};
-    const std::string path = write(few, "far.ply");
+    const std::string path = write(few, "far.ply", false);
     EXPECT_EQ(code_of([&] { measured("shape:sphere", path, [](MeasureConfig&) {}); }), ExitCode::numerical);
 }
 

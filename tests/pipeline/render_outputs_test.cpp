@@ -183,7 +183,7 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"tile: expected", [](RenderConfig& c) { c.tile = "3/2"; }},
         {"give one", [](RenderConfig& c) { c.tile = "1/2", c.crop = "0,0,1,1"; }},
         {"frames", [](RenderConfig& c) { c.path = "front; back"; }},
-        {"frames is for a `path`", [](RenderConfig& c) { c.frames = 3; }},
+        {"frames is for a ", [](RenderConfig& c) { c.frames = 3; }},
         {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},
         {"expected 1 to 3", [](RenderConfig& c) { c.turntable = 3, c.frame = 4; }},
         {"camera: expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
