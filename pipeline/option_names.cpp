@@ -22,11 +22,11 @@ std::string without_marks(const FieldList& fields, const std::string& what) {
     return out + what.substr(at);
 }
 
-bool begins_with_a_value(const FieldList& fields, const std::string& what) {
+bool begins_with_a_path(const FieldList& fields, const std::string& what) {
     for (const Field& field : fields.fields())
-        if (field.kind() == Field::Kind::text)
+        if (field.is_path())
             for (const std::string& item : field.items())
-                if (!item.empty() && what.starts_with(item)) return true;
+                if (!item.empty() && (what.starts_with(item + ":") || what.starts_with(item + " "))) return true;
     return false;
 }
 
@@ -37,7 +37,7 @@ std::string quoted_key(std::string_view key) { return kMark + std::string(key) +
 std::string with_option_names(const FieldList& fields, std::string what) {
     what = without_marks(fields, what);
     const std::size_t end = what.find_first_of(": ");
-    if (end == std::string::npos || begins_with_a_value(fields, what)) return what;
+    if (end == std::string::npos || begins_with_a_path(fields, what)) return what;
     const Field* field = fields.find(what.substr(0, end));
     return field && !field->is_word() ? field->option() + what.substr(end) : what;
 }

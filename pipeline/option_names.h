@@ -12,7 +12,7 @@ namespace slim {
 std::string quoted_key(std::string_view key);
 
 /// A message with keys as a command line has them: --key for what quoted_key marked, and for a key that begins the
-/// message unless a value that was given begins it, too (a file that is called as an option is).
+/// message unless a path that was given begins it, too (a file that is called as an option is).
 std::string with_option_names(const FieldList& fields, std::string what);
 
 }  // namespace slim

@@ -325,17 +325,15 @@ TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {
 }
 
 TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
-    Cloud few;
-    few.positions = {{0, 0, 0}, {3, 4, 0}, {1e35, 0, 0}};
-    const json m = measured("shape:sphere", write(few, "few.ply", false), [](MeasureConfig&) {});
+    const std::string few = folder_.write("few.xyz", "0 0 0\n3 4 0\n1e35 0 0\n");
+    const json m = measured("shape:sphere", few, [](MeasureConfig&) {});
     EXPECT_EQ(m["points"], 3);
     EXPECT_EQ(m["missed"], 1);
     EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 4, 1e-6);
     EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), std::sqrt(17.0 / 2), 1e-6);
     ASSERT_EQ(listener_.warnings.size(), 1u);
     EXPECT_NE(listener_.warnings[0].find("1 of its 3 points not measured"), std::string::npos) << listener_.warnings[0];
-    few.positions = {{1e35, 0, 0}};
-    const std::string path = write(few, "far.ply", false);
+    const std::string path = folder_.write("far.xyz", "1e35 0 0\n");
     EXPECT_EQ(code_of([&] { measured("shape:sphere", path, [](MeasureConfig&) {}); }), ExitCode::numerical);
 }
 

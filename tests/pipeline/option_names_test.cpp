@@ -33,6 +33,7 @@ TEST(OptionNames, AFileThatIsCalledAsAnOptionBeginsAMessage) {
     EXPECT_EQ(said({"degree"}, "degree: is a cloud"), "degree: is a cloud");
     EXPECT_EQ(said({"degree 2.slim"}, "degree 2.slim: is a cloud"), "degree 2.slim: is a cloud");
     EXPECT_EQ(said({"other.slim"}, "degree: is too high"), "--degree: is too high");
+    EXPECT_EQ(said({"deg"}, "degree: is too high"), "--degree: is too high");
 }
 
 }  // namespace
