@@ -19,6 +19,9 @@ namespace {
 void check_extension(const std::string& in, CloudKind kind, const std::string& out) {
     constexpr std::array kText{".xyz", ".txt", ".asc", ".pts", ".csv"};
     const std::string extension = lower_extension(out);
+    if (extension == ".gz")
+        throw ConfigError(message(out, ": the output is written unpacked, that of a gzip file too: leave out .gz, "
+                                       "and pack it afterwards with gzip"));
     const bool is_text = std::find(kText.begin(), kText.end(), extension) != kText.end();
     if (kind == CloudKind::ply ? extension == ".ply" : is_text) return;
     throw ConfigError(message(out, ": the output has the format of the input, and ", in, " is ",

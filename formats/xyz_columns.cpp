@@ -92,7 +92,8 @@ bool columns_from_names(std::string_view line, XyzColumns& out) {
     if (std::min({columns.normal[0], columns.normal[1], columns.normal[2]}) < 0)
         std::fill_n(columns.normal, 3, -1);
     columns.scan = find("scan");
-    out = columns;
+    columns.names = std::move(names);
+    out = std::move(columns);
     return true;
 }
 

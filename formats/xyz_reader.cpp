@@ -102,8 +102,13 @@ void XyzReader::describe() {
     info_.carried = {"x", "y", "z"};
     if (info_.has_normals) info_.carried.insert(info_.carried.end(), {"nx", "ny", "nz"});
     if (info_.has_scan) info_.carried.emplace_back("scan");
-    for (std::size_t i = info_.carried.size(); i < columns_.n_columns; ++i)
-        info_.skipped.push_back(message("unnamed ", i - info_.carried.size() + 1));
+    if (columns_.names.empty()) {
+        for (std::size_t i = info_.carried.size(); i < columns_.n_columns; ++i)
+            info_.skipped.push_back(message("unnamed ", i - info_.carried.size() + 1));
+        return;
+    }
+    for (int i = 0; i < static_cast<int>(columns_.n_columns); ++i)
+        if (!columns_.carries(i)) info_.skipped.push_back(columns_.names[static_cast<std::size_t>(i)]);
 }
 
 void XyzReader::store(const std::vector<double>& row, PointChunk& out) const {

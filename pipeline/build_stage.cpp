@@ -165,7 +165,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;
-    return stamp.commit({config.output}, result);
+    return stamp.commit(std::move(result));
 }
 
 /// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called
@@ -187,6 +187,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
     check_fit_config(fit_config(config, ""));
+    check_normals_config(normals_config(config, ""));
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : config.output + ".work";
     Stamp stamp(context, manifest_path(config.output));
@@ -195,6 +196,8 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
         stamp.optional_input(scans_json_path(input));
     }
     if (!config.sensors.empty()) stamp.input(config.sensors);
+    stamp.outputs({config.output});
+    if (keep_work) stamp.outputs({plan_path(work)});  // of the folder, which is to be there afterwards
     nlohmann::json result;
     if (auto done = stamp.up_to_date()) {
         result = *done;

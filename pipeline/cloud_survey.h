@@ -43,16 +43,38 @@ private:
 };
 
 /// First and second moments of points about the first of them.
-class Spread {
+class Moments {
 public:
     void add(const Vec3d& p);
     /// Whether all lie within a millionth of their extent of one line: such points have no surface.
-    bool is_line() const;
+    bool are_of_a_line() const;
 
 private:
     bool has_first_ = false;
     Vec3d first_;
     double n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, yy_ = 0, zz_ = 0, xy_ = 0, xz_ = 0, yz_ = 0;
+};
+
+/// How the points of a cloud lie: moments of all, and some thousand of them, taken evenly.
+class Spread {
+public:
+    void add(const Vec3d& p) {
+        all_.add(p);
+        if (n_++ % step_ == 0) keep(p);
+    }
+    /// Whether the points lie on one line, as Moments has it, and not only because a few strays are so far away that
+    /// the others are a speck.
+    bool is_line() const { return all_.are_of_a_line() && middle_is_line(); }
+    /// Whether they seem to for such strays alone.
+    bool has_far_strays() const { return all_.are_of_a_line() && !middle_is_line(); }
+
+private:
+    void keep(const Vec3d& p);
+    bool middle_is_line() const;
+
+    Moments all_;
+    std::uint64_t n_ = 0, step_ = 1;
+    std::vector<Vec3d> sample_;  ///< every step_-th point
 };
 
 /// What one pass over all clouds of a job finds out.

@@ -2,6 +2,7 @@
 
 #include "pipeline/toml_file.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
     app.add_flag("-q,--quiet", common.quiet);
     app.add_flag("-v,--verbose", common.verbose);
     app.add_flag("--force", common.force);
-    app.add_option("--threads", common.threads)->check(CLI::Range(0, 4096));
+    app.add_option("--threads", common.threads)->check(CLI::Range(0, kMostThreads));
     app.add_option("--config", common.config);
     app.add_option("--set", common.set)->expected(1)->take_all()->allow_extra_args(false);
 }
@@ -192,6 +193,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
         throw ConfigError(in_our_words(error.what()));
     }
     if (common.help || common.version) return common;
+    if (common.quiet && common.verbose) throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
     if (!common.config.empty()) apply_config_file(common.config, fields);
     for (const std::string& text : common.set) apply_set(text, fields);

@@ -133,6 +133,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
         stamp.input(oriented_points_path(config.work, i));
     stamp.input(plan_path(config.work));
     stamp.depends(shared_values(rules));
+    stamp.outputs({output});
     if (auto done = stamp.up_to_date()) return *done;
     PointBlock sample = read_coarse_sample(config.work, plan, division.share, config.seed);
     keep_distinct(sample, [](const Vec3d&) { return false; });
@@ -143,7 +144,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     coarse.share = division.share;
     nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
     result["sample"] = sample.size();
-    return stamp.commit({output}, result, Outlasts::process);
+    return stamp.commit(std::move(result), Outlasts::process);
 }
 
 /// What the fine levels of a slice take over from the coarse ones: leaves whose balls meet it and
@@ -172,6 +173,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
             stamp.input(oriented_points_path(config.work, i));
     if (sliced) stamp.input(coarse_fit_path(config.work));
     stamp.depends(shared_values(rules));
+    stamp.outputs({output});
     if (!in_memory)
         if (auto done = stamp.up_to_date()) return *done;
     FitFile coarse;
@@ -191,7 +193,7 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
         keep_distinct(block, [&](const Vec3d& p) { return !rules.owns || rules.owns(p); });
     nlohmann::json result = counts_json(write_cover(output, block, rules, context));
     result["copies"] = copies;
-    return stamp.commit({output}, result, Outlasts::process);
+    return stamp.commit(std::move(result), Outlasts::process);
 }
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
@@ -294,6 +296,8 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
 }
 
 void check_fit_config(const FitConfig& config) {
+    if (config.coarse && (config.slice >= 0 || config.slices_per_task > 1))
+        throw ConfigError("--coarse: the coarse levels are of all slices: leave out --slice and --slices-per-task");
     if (config.radius_rule != "windows") return;
     if (config.degree == "auto" || config.sharp == "on")
         throw ConfigError(fmt::format(
@@ -324,7 +328,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         add_counts(coarse, sum);
         up_to_date &= coarse.contains("up_to_date");
     }
-    const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config.slice, plan);
+    const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config, plan);
     for (const std::size_t slice : todo) {
         if (plan.slices.size() > 1) return_freed_memory();
         const auto one = fit_slice(config, plan, rules, slice, division, context);

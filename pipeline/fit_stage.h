@@ -2,6 +2,7 @@
 
 #include "pipeline/fit_options.h"
 #include "pipeline/plan_file.h"
+#include "pipeline/slice_choice.h"
 #include "pipeline/stage.h"
 
 #include <nlohmann/json.hpp>
@@ -13,9 +14,8 @@
 namespace slim {
 
 /// Stage 3: surfels for every slice.
-struct FitConfig : FitOptions {
+struct FitConfig : FitOptions, SliceChoice {
     std::string work;
-    int slice = -1;
     bool coarse = false;
     std::string memory = "1GiB";
     std::uint64_t seed = 0;
@@ -23,8 +23,7 @@ struct FitConfig : FitOptions {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice` and `slim normals`");
-        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1,
-                   100000);
+        SliceChoice::visit(field);
         field.part("coarse", coarse,
                    "only the coarse levels that all slices share: once before an array job over slices");
         FitOptions::visit(field);
@@ -52,7 +51,7 @@ struct GlobalNoise {
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 
-/// throws ConfigError if options do not go together: the windows know neither prices nor edges
+/// throws ConfigError if options do not go together: the windows know neither prices nor edges, coarse levels no slices
 void check_fit_config(const FitConfig& config);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once,

@@ -114,7 +114,7 @@ private:
         for (std::string& option : step.arguments)
             if (option.starts_with("--shape=")) option = option.substr(8);
         step.output = job_.folder / "cloud.ply";
-        add_step_output(step);
+        add_step_output(step, job_);
         clouds_.push_back(step.output);
         job_.steps.push_back(std::move(step));
     }
@@ -129,7 +129,7 @@ private:
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
         append_arguments(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
-        add_step_output(step);
+        add_step_output(step, job_);
         job_.steps.push_back(std::move(step));
         read_build_stages(table);
     }
@@ -175,18 +175,29 @@ private:
         std::set<std::string> owned = {"model", "cloud", "output"};
         if (clouds_.size() > 1) owned.insert("per_point");  // one file for one cloud
         const std::vector<std::string> options = read_options<MeasureConfig>(*table, file_, none, owned);
+        std::set<std::string> names;
         for (const fs::path& cloud : clouds_) {
             JobStep step{
                 "measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {},
                 {},        {}};
-            if (clouds_.size() > 1) step.name += " " + cloud.filename().string();
+            if (clouds_.size() > 1) step.name = numbered("measure " + cloud.filename().string(), names);
             append_arguments(step, options);
-            std::string name = step.name + ".json";
-            std::replace(name.begin(), name.end(), ' ', '_');
-            step.output = job_.folder / name;
-            add_step_output(step);
+            step.output = job_.folder / (file_name(step.name) + ".json");
+            add_step_output(step, job_);
             job_.steps.push_back(std::move(step));
         }
+    }
+
+    static std::string file_name(std::string name) {
+        std::replace(name.begin(), name.end(), ' ', '_');
+        return name;
+    }
+
+    /// The name, with a number if its file is taken: clouds of several folders may be named alike.
+    static std::string numbered(const std::string& name, std::set<std::string>& taken) {
+        std::string out = name;
+        for (int k = 2; !taken.insert(file_name(out)).second; ++k) out = fmt::format("{} {}", name, k);
+        return out;
     }
 
     void note_left_out() {

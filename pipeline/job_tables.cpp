@@ -49,7 +49,11 @@ void append_arguments(JobStep& step, const std::vector<std::string>& arguments) 
     step.arguments.insert(step.arguments.end(), arguments.begin(), arguments.end());
 }
 
-void add_step_output(JobStep& step) {
+void add_step_output(JobStep& step, const Job& job) {
+    for (const JobStep& earlier : job.steps)
+        if (earlier.output == step.output)
+            throw ConfigError(fmt::format("{}: {} would write {}, which {} writes: expected different names",
+                                          job.file.string(), step.name, step.output.string(), earlier.name));
     step.arguments.push_back("-o");
     step.arguments.push_back(step.output.string());
     step.target = manifest_path(step.output);

@@ -27,8 +27,9 @@ void append_option(const Field& field, std::vector<std::string>& out);
 
 void append_arguments(JobStep& step, const std::vector<std::string>& arguments);
 
-/// -o, the manifest and the product of a step whose output is known.
-void add_step_output(JobStep& step);
+/// -o, the manifest and the product of a step whose output is known. ConfigError if an earlier step of the job writes
+/// that.
+void add_step_output(JobStep& step, const Job& job);
 
 /// Checks a table against the fields of a verb and of the job's own part of it, and returns the
 /// verb's as command-line options. `owned` are the verb's keys that the job fills in itself.

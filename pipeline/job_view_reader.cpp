@@ -155,7 +155,7 @@ private:
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
         step.output = job_.folder / (view.name + aov + ".png");
-        add_step_output(step);
+        add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
         divide(step, render, view, table);

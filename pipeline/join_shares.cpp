@@ -28,8 +28,8 @@ fs::path named_of(const RenderConfig& config) {
 }
 
 /// The recorded results of all shares. IncompleteError names those that are missing.
-std::vector<Json> results_of_shares(const RenderConfig& config, const ModelFile& model,
-                                    const StageContext& context) {
+std::vector<Json> results_of_shares(const RenderConfig& config, const std::vector<std::string>& aovs,
+                                    const ModelFile& model, const StageContext& context) {
     Reporter quiet;  // each would say that it is up to date
     const StageContext checking{quiet,         context.threads, false,
                                 context.stage, context.config,  context.config_toml};
@@ -40,7 +40,8 @@ std::vector<Json> results_of_shares(const RenderConfig& config, const ModelFile&
         const RenderShare share{i, config.join};
         const RenderConfig own = config_of_share(config, share);
         Stamp stamp(checking, share_target(named, share));
-        add_inputs(own, model, named_of(own), stamp);
+        add_inputs(own, model, stamp);
+        add_outputs(own, aovs, share, stamp);
         if (auto result = stamp.up_to_date())
             results.push_back(std::move(*result));
         else
@@ -139,11 +140,12 @@ Json join_shares(const RenderConfig& config, StageContext& context) {
     const int n = check_request(config, aovs);
     const fs::path named = named_of(config);
     const ModelFile model = ModelFile::open_by_pages(config.model);
+    keep_possible_aovs(config, model.header().degree, !model.colors().empty(), aovs);
     Stamp stamp(context, manifest_path(named));
-    add_inputs(config, model, named, stamp);
+    add_inputs(config, model, stamp);
+    add_outputs(config, aovs, {}, stamp);
     if (auto result = stamp.up_to_date()) return *result;
-    const std::vector<Json> shares = results_of_shares(config, model, context);
-    keep_possible_aovs(config, model.tree().header().degree, !model.colors().empty(), aovs);
+    const std::vector<Json> shares = results_of_shares(config, aovs, model, context);
     const std::vector<fs::path> files =
         is_film(config) ? files_of_film(plan_outputs(config, aovs), n, names_written(shares))
                         : stitch_shares(config, aovs, names_written(shares),
@@ -152,7 +154,7 @@ Json join_shares(const RenderConfig& config, StageContext& context) {
     if (result.at("covered_pixels") == 0)
         throw NumericalError(named.string() +
                              ": not one pixel of all shares meets the surface: see --camera");
-    return stamp.commit(files, std::move(result));
+    return stamp.commit(std::move(result), Outlasts::power_cut, files);
 }
 
 }  // namespace slim

@@ -3,17 +3,20 @@
 #include "formats/atomic_file.h"
 #include "pipeline/json_text.h"
 #include "pipeline/version.h"
+#include "slim/base/check.h"
 #include "slim/base/error.h"
 
 #define XXH_STATIC_LINKING_ONLY  // XXH3_state_t on the stack
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
 #include <fstream>
 #include <memory>
+#include <set>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -56,8 +59,9 @@ json file_json(const fs::path& file, const fs::path& shown, const std::string& h
 
 /// The manifest's folder may be moved as a whole: outputs in it are named relative to it.
 fs::path relative_to(const fs::path& folder, const fs::path& file) {
-    const fs::path relative = fs::absolute(file).lexically_relative(fs::absolute(folder));
-    return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
+    const fs::path whole = fs::absolute(file).lexically_normal();
+    const fs::path relative = whole.lexically_relative(fs::absolute(folder).lexically_normal());
+    return relative.empty() || *relative.begin() == ".." ? whole : relative;
 }
 
 fs::path folder_of(const fs::path& manifest) {
@@ -127,6 +131,9 @@ void Stamp::input(const fs::path& file, const std::string& identity) {
 }
 void Stamp::optional_input(const fs::path& file) { inputs_.push_back({file, true}); }
 void Stamp::depends(const std::string& text) { depends_ += text + "\n"; }
+void Stamp::outputs(const std::vector<fs::path>& files) {
+    outputs_.insert(outputs_.end(), files.begin(), files.end());
+}
 
 std::string Stamp::hash_of_input(const fs::path& file) const {
     if (context_.written) {
@@ -152,7 +159,20 @@ json Stamp::inputs_json() const {
     return hashed_;
 }
 
+bool Stamp::outputs_intact(const json& recorded) const {
+    const fs::path folder = folder_of(manifest_);
+    std::set<std::string> wanted;
+    for (const fs::path& output : outputs_) wanted.insert(relative_to(folder, output).string());
+    for (const json& output : recorded) {
+        const bool is_wanted = wanted.erase(output.at("path").get<std::string>()) > 0;
+        if (!is_wanted && output.value("asked", false)) continue;
+        if (!output_intact(output, folder)) return false;
+    }
+    return wanted.empty();
+}
+
 std::optional<json> Stamp::up_to_date() const {
+    SLIM_CHECK(outputs_.size(), >, 0u);
     if (context_.force) return std::nullopt;
     std::ifstream in(manifest_);
     if (!in) return std::nullopt;
@@ -162,8 +182,7 @@ std::optional<json> Stamp::up_to_date() const {
             manifest.at("config_hash") != hash_text(context_.config + depends_) ||
             contents_of(manifest.at("inputs")) != contents_of(inputs_json()))
             return std::nullopt;
-        for (const json& output : manifest.at("outputs"))
-            if (!output_intact(output, folder_of(manifest_))) return std::nullopt;
+        if (!outputs_intact(manifest.at("outputs"))) return std::nullopt;
         json result = manifest.at("result");
         result["up_to_date"] = true;
         result["recorded"] = {{"seconds", manifest.at("seconds")},
@@ -175,7 +194,15 @@ std::optional<json> Stamp::up_to_date() const {
     }
 }
 
-json Stamp::commit(const std::vector<fs::path>& outputs, json result, Outlasts outlasts) {
+json Stamp::output_json(const fs::path& file, bool asked) const {
+    const std::string hash = hash_file(file);
+    if (context_.written) (*context_.written)[file.string()] = hash;
+    json out = file_json(file, relative_to(folder_of(manifest_), file), hash);
+    if (asked) out["asked"] = true;
+    return out;
+}
+
+json Stamp::commit(json result, Outlasts outlasts, const std::vector<fs::path>& found) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start_;
     json manifest = {{"stage", context_.stage},
                      {"program", program_version()},
@@ -190,12 +217,10 @@ json Stamp::commit(const std::vector<fs::path>& outputs, json result, Outlasts o
                      {"threads", context_.threads},
                      {"host", host_name()},
                      {"finished", utc_now()}};
-    for (const fs::path& output : outputs) {
-        const std::string hash = hash_file(output);
-        manifest["outputs"].push_back(
-            file_json(output, relative_to(folder_of(manifest_), output), hash));
-        if (context_.written) (*context_.written)[output.string()] = hash;
-    }
+    for (const fs::path& output : outputs_) manifest["outputs"].push_back(output_json(output, true));
+    for (const fs::path& file : found)
+        if (std::find(outputs_.begin(), outputs_.end(), file) == outputs_.end())
+            manifest["outputs"].push_back(output_json(file, false));
     const std::string text = text_of(manifest, 2) + "\n";
     write_file_atomically(manifest_.string(), text, outlasts);
     return result;

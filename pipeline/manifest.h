@@ -25,9 +25,10 @@ std::filesystem::path manifest_path(const std::filesystem::path& folder, const s
 ///
 ///     Stamp stamp(context, manifest_path(config.output));
 ///     stamp.input(config.cloud);
+///     stamp.outputs({config.output});
 ///     if (auto result = stamp.up_to_date()) return *result;
 ///     ... work ...
-///     return stamp.commit({config.output}, result);
+///     return stamp.commit(result);
 ///
 /// Times, host, threads and paths stand here and never in a data file.
 class Stamp {
@@ -44,16 +45,22 @@ public:
     void optional_input(const std::filesystem::path& file);
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
+    /// Adds files that this command is asked to write. Stated once: up_to_date() asks the manifest for
+    /// them and commit() records them, so that no name that an option gives is forgotten by either.
+    void outputs(const std::vector<std::filesystem::path>& files);
 
     /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run
-    /// under "recorded", if the manifest fits program, stage, config and inputs, and every output
-    /// is there with its recorded bytes. Empty with --force.
+    /// under "recorded", if the manifest fits program, stage, config and inputs, names every one of
+    /// outputs(), and these and what else the work has written are there with their recorded bytes. Files
+    /// that another command asked for besides are of no concern. Empty with --force. Without any
+    /// outputs() it is a SLIM_CHECK failure.
     std::optional<nlohmann::json> up_to_date() const;
 
-    /// Hashes the outputs and writes the manifest (temporary name, then rename). Returns `result`.
-    /// What stands in a work folder need not outlast a power cut: the hashes show what was lost.
-    nlohmann::json commit(const std::vector<std::filesystem::path>& outputs, nlohmann::json result,
-                          Outlasts outlasts = Outlasts::power_cut);
+    /// Hashes the outputs, and files that only the work could know of (`found`), and writes the
+    /// manifest (temporary name, then rename). Returns `result`. What stands in a work folder need not
+    /// outlast a power cut: the hashes show what was lost.
+    nlohmann::json commit(nlohmann::json result, Outlasts outlasts = Outlasts::power_cut,
+                          const std::vector<std::filesystem::path>& found = {});
 
 private:
     struct Input {
@@ -62,11 +69,14 @@ private:
         std::string identity = {};
     };
     nlohmann::json inputs_json() const;
+    bool outputs_intact(const nlohmann::json& recorded) const;
+    nlohmann::json output_json(const std::filesystem::path& file, bool asked) const;
     std::string hash_of_input(const std::filesystem::path& file) const;
 
     const StageContext& context_;
     std::filesystem::path manifest_;
     std::vector<Input> inputs_;
+    std::vector<std::filesystem::path> outputs_;
     std::string depends_;
     std::chrono::steady_clock::time_point start_;
     PeakMeter peak_;

@@ -117,15 +117,12 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     config.model.starts_with(kShape) ? stamp.depends(config.model) : stamp.input(config.model);
     stamp.input(config.cloud);
     if (!files.truth.empty()) stamp.input(files.truth);
-    std::vector<std::filesystem::path> outputs = {config.output};
-    if (!config.per_point.empty()) {
-        outputs.emplace_back(config.per_point);
-        stamp.depends("per_point");
-    }
+    stamp.outputs({config.output});
+    if (!config.per_point.empty()) stamp.outputs({config.per_point});
     if (auto done = stamp.up_to_date()) return *done;
     json result = measured(config, files, context);
     write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return stamp.commit(outputs, std::move(result));
+    return stamp.commit(std::move(result));
 }
 
 /// Options that are of the other kind of measure and were given all the same.
@@ -166,12 +163,13 @@ json measure_pictures(const MeasureConfig& config, StageContext& context) {
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);
+    stamp.outputs({config.output});
     if (auto done = stamp.up_to_date()) return said_if_equal(config, *done, context);
     const bool draws = is_picture(config.output);
     json result = compare_pictures(config.model, config.cloud, draws ? config.output : "",
                                    config.threshold);
     if (!draws) write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return said_if_equal(config, stamp.commit({config.output}, std::move(result)), context);
+    return said_if_equal(config, stamp.commit(std::move(result)), context);
 }
 
 }  // namespace

@@ -19,10 +19,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
-#include <cstdlib>
-#include <cstring>
-#include <numeric>
 #include <optional>
 
 namespace slim {
@@ -216,8 +212,10 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         stamp.input(rim_of(config, plan, i, slice));
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
-    if (!in_memory)
+    if (!in_memory) {
+        stamp.outputs({output});
         if (auto done = stamp.up_to_date()) return *done;
+    }
     PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
@@ -235,7 +233,6 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const auto measure_noise = [&] {
         if (noise.empty()) noise = noise_of(points, search, own, plan);
     };
-    std::vector<std::filesystem::path> outputs;
     if (in_memory) measure_noise();
     else {
         SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
@@ -244,10 +241,9 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         run_both([&] { writer.append(points); }, measure_noise);
         context.check_stop();
         writer.commit();
-        outputs = {output};
     }
     nlohmann::json result =
-        stamp.commit(outputs, report_json(report, noise, points.size()), Outlasts::process);
+        stamp.commit(report_json(report, noise, points.size()), Outlasts::process);
     if (context.handed && plan.slices.size() == 1)
         context.handed->put(output.string(), std::move(points));
     return result;
@@ -263,42 +259,27 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
 
 }  // namespace
 
+void check_normals_config(const NormalsConfig& config) {
+    if (config.normals != "keep") return;
+    if (!config.sensors.empty())
+        throw ConfigError("sensors: turn estimated normals; --normals keep estimates none");
+    if (config.neighbors != NormalsConfig{}.neighbors)
+        throw ConfigError("neighbors: are what normals are estimated from; --normals keep estimates none");
+}
+
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {
     return slice_folder(work, slice) / "oriented.slice";
 }
 
-std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan) {
-    const auto check = [&](long long i) {
-        if (i < 0 || i >= static_cast<long long>(plan.slices.size()))
-            throw ConfigError(fmt::format("slice {}: the plan has slices 0 to {}", i,
-                                          plan.slices.size() - 1));
-        return std::vector<std::size_t>{static_cast<std::size_t>(i)};
-    };
-    if (slice >= 0) return check(slice);
-    std::vector<std::size_t> all(plan.slices.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    if (slice == kAllSlices) return all;
-    // CONVENTIONS 2.1; SGE counts from 1.
-    for (const auto& [variable, first] : {std::pair{"SLURM_ARRAY_TASK_ID", 0},
-                                          std::pair{"SGE_TASK_ID", 1},
-                                          std::pair{"PBS_ARRAY_INDEX", 0}}) {
-        const char* text = std::getenv(variable);
-        long long index = 0;
-        if (!text || std::from_chars(text, text + std::strlen(text), index).ec != std::errc())
-            continue;
-        return check(index - first);
-    }
-    return all;
-}
-
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
+    check_normals_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     keep_freed_memory(plan.slices.size() == 1);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
-    const auto todo = slices_to_do(config.slice, plan);
+    const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (plan.slices.size() > 1) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);

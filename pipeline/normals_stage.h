@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/plan_file.h"
+#include "pipeline/slice_choice.h"
 #include "pipeline/stage.h"
 
 #include <nlohmann/json.hpp>
@@ -11,9 +12,8 @@
 namespace slim {
 
 /// Stage 2: every point of a slice gets an oriented normal, and the noise of the cloud is measured.
-struct NormalsConfig {
+struct NormalsConfig : SliceChoice {
     std::string work;
-    int slice = -1;
     std::string normals = "auto";
     int neighbors = 16;
     std::string sensors;
@@ -21,8 +21,7 @@ struct NormalsConfig {
     template <class Visitor>
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice`");
-        field.part("slice", slice, "number of the slice; -1: the array job's index, else all", -1,
-                   100000);
+        SliceChoice::visit(field);
         field.choice("normals", normals,
                      "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
                      "those that oppose their neighbours, estimate missing ones",
@@ -35,15 +34,11 @@ struct NormalsConfig {
     }
 };
 
+/// throws ConfigError if normals are kept and an option says how to estimate them
+void check_normals_config(const NormalsConfig& config);
+
 /// WORK/slice_0007/oriented.slice: the points with a normal each.
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice);
-
-/// --slice of a stage called inside another: all, whatever array job the whole build is part of.
-inline constexpr int kAllSlices = -2;
-
-/// Slices to work on: `slice` if >= 0; -1: the index an array job was given (SLURM_ARRAY_TASK_ID,
-/// ...), else all. ConfigError if there is no such slice.
-std::vector<std::size_t> slices_to_do(int slice, const SlicePlan& plan);
 
 /// Writes oriented.slice of each slice, its points along the Morton curve of the whole job's box.
 /// Where all normals are estimated, a slice takes their signs from the one before (IncompleteError

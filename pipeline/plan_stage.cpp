@@ -45,6 +45,18 @@ void check_memory(const PlanConfig& config) {
             "memory: make asks for none; expected --format slurm or snakemake with it");
 }
 
+/// Options that were given and play no part.
+void refuse_without_effect(const PlanConfig& config, int threads_given) {
+    if (config.explain && config.format != PlanConfig{}.format)
+        throw ConfigError(fmt::format("format: --explain prints none; leave out --format {}", config.format));
+    if (threads_given == 0) return;
+    if (config.explain) throw ConfigError("--threads: --explain asks for none; expected --format slurm or snakemake with it");
+    if (config.format == "make" || config.format == "slices")
+        throw ConfigError(fmt::format(
+            "--threads: make asks for none; expected --format slurm or snakemake with it, or SLIM_THREADS={} make",
+            threads_given));
+}
+
 std::string text_of(const PlanConfig& config, int threads_given) {
     if (config.explain)
         return explanation_of(read_job(job_file(config.source), job_settings(config.source)));
@@ -64,6 +76,7 @@ std::string text_of(const PlanConfig& config, int threads_given) {
 
 nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
     check_memory(config);
+    refuse_without_effect(config, context.threads_given);
     const Job job = read_job(job_file(config.source), job_settings(config.source));
     context.text = text_of(config, context.threads_given);
     nlohmann::json steps = nlohmann::json::array();

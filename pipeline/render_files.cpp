@@ -2,6 +2,7 @@
 
 #include "formats/extension.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/manifest.h"
 #include "pipeline/render_directions.h"
 #include "pipeline/shell_word.h"
 #include "pipeline/version.h"
@@ -10,10 +11,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <iterator>
 #include <map>
 #include <system_error>
 
@@ -131,10 +134,6 @@ std::array<float, 16> rows(const double (&m)[4][4]) {
 
 }  // namespace
 
-bool is_folder_output(const fs::path& output) {
-    return fs::is_directory(output) || !output.has_filename() || !output.has_extension();
-}
-
 fs::path OutputPlan::legend(const std::string& aov) const {
     const bool has_aov = stem.extension() == "." + aov;  // x.mean of x.mean.png
     return fs::path(stem.string() + (has_aov ? "" : "." + aov) + ".legend.svg");
@@ -225,6 +224,7 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
     ImageMetadata metadata{
         {"Software", "slim " + program_version()},
         {"slim:config", canonical_config},
+        {"slim:configHash", hash_text(canonical_config)},
         {"slim:tree", model_hash},
         {"slim:camera", describe(camera, o)},
         {"slim:origin", fmt::format("{:.17g} {:.17g} {:.17g}", o.x, o.y, o.z)},
@@ -234,6 +234,7 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:directions",
          "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
+    // No renderTimeSeconds (CONVENTIONS 1.2): a clock would make every run's bytes its own. The time is in the manifest.
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
     return metadata;
 }
@@ -260,7 +261,14 @@ ImageMatrices make_matrices(const Camera& camera, const PictureSize& size) {
         for (int column = 0; column < 4; ++column)
             for (int k = 0; k < 4; ++k)
                 to_ndc[row][column] += to_camera[row][k] * projection[k][column];
-    return {{"worldToCamera", rows(to_camera)}, {"worldToNDC", rows(to_ndc)}};
+    // Screen = 2 NDC - 1 along x, 1 - 2 NDC along y, with w as it is.
+    double to_screen[4][4];
+    for (int row = 0; row < 4; ++row) {
+        const double(&ndc)[4] = to_ndc[row];
+        const double screen[4] = {2 * ndc[0] - ndc[3], ndc[3] - 2 * ndc[1], ndc[2], ndc[3]};
+        std::copy(std::begin(screen), std::end(screen), to_screen[row]);
+    }
+    return {{"worldToCamera", rows(to_camera)}, {"worldToNDC", rows(to_ndc)}, {"worldToScreen", rows(to_screen)}};
 }
 
 }  // namespace slim

@@ -40,9 +40,6 @@ struct OutputPlan {
 /// Command lines that make films of numbered pictures, one for each drawn AOV.
 std::vector<std::string> film_commands(const OutputPlan& plan);
 
-/// Whether an output is a folder, that is or is meant.
-bool is_folder_output(const std::filesystem::path& output);
-
 /// Throws ConfigError for an extension that is neither, or that contradicts --format.
 OutputPlan plan_outputs(const RenderConfig& config, const std::vector<std::string>& aovs);
 
@@ -69,8 +66,9 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
                             const std::string& model_hash, const ModelHeader& model,
                             const Camera& camera);
 
-/// worldToCamera (right-handed, looking along -Z) and worldToNDC ([0, 1]^2, origin top left, depth
-/// unscaled) in row-vector form, for the local frame that P lies in.
+/// worldToCamera (right-handed, looking along -Z), worldToNDC ([0, 1]^2, origin top left, depth
+/// unscaled) and worldToScreen (the same in [-1, 1]^2, y upwards) in row-vector form, for the local frame
+/// that P lies in.
 ImageMatrices make_matrices(const Camera& camera, const PictureSize& size);
 
 }  // namespace slim

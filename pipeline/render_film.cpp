@@ -1,6 +1,7 @@
 #include "pipeline/render_film.h"
 
 #include "pipeline/render_frames.h"
+#include "pipeline/render_inputs.h"
 #include "pipeline/render_write.h"
 #include "raytrace/lines/stroke.h"
 #include "slim/base/error.h"
@@ -87,23 +88,13 @@ void find_lines_before(RenderJob& job, StageContext& context, RenderOutcome& out
 /// The files of lines, of those that the wanted part shows; the first share of a picture writes those of all of it.
 void add_found_lines(const RenderJob& job, PictureFiles& files, RenderOutcome& outcome) {
     const bool is_share = job.share.of > 0 && job.n_frames == 1;
-    if (is_share && job.share.number > 1) return;
+    if (!writes_lines(job.share, job.n_frames > 1)) return;
     const PixelWindow window = is_share ? PixelWindow{0, 0, job.size.width, job.size.height} : job.window;
     const auto shown = lines_within(*job.found_lines, job.size.width, job.size.height, window);
     const DrawnLines drawn{shown, job.lines, job.size, window};
     for (const NamedText& file : line_files(job.config, job.plan.lines_svg(), job.tree.header().origin, drawn))
         files.add_text(file);
     outcome.lines = lines_json(shown, job.lines);
-}
-
-/// Pictures of a film, counted from 1, both included; 1 to 1 of a single one.
-struct FrameRange {
-    int first, last;
-};
-FrameRange wanted_frames(const RenderJob& job) {
-    if (job.config.frame > 0) return {job.config.frame, job.config.frame};
-    if (job.share.of == 0 || job.n_frames == 1) return {1, job.n_frames};
-    return {share_begin(job.n_frames, job.share) + 1, share_end(job.n_frames, job.share)};
 }
 
 /// One picture of each AOV, of a film or the only one; its files are not yet under their names.
@@ -150,7 +141,7 @@ void commit(std::vector<PictureFiles>& pictures, RenderOutcome& outcome) {
 RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
                         StageContext& context) {
     const OutputPlan plan = job.plan;
-    const FrameRange range = wanted_frames(job);
+    const FrameRange range = wanted_frames(job.config, job.share);
     RenderOutcome outcome;
     std::vector<PictureFiles> held;  // of a film, until a picture of it shows something
     for (int k = range.first; k <= range.last; ++k) {

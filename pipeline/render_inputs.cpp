@@ -51,17 +51,30 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
     return frames;
 }
 
-void add_inputs(const RenderConfig& config, const ModelFile& model, const fs::path& named,
-                Stamp& stamp) {
+void add_inputs(const RenderConfig& config, const ModelFile& model, Stamp& stamp) {
     stamp.input(config.model, model.identity());
     for (const std::string& file : {config.environment, config.matcap})
         if (!file.empty()) stamp.input(file);
     for (const std::string& added : config.add) stamp.input(added);
-    stamp.depends("drawn as " + named.stem().string());
-    for (const std::string& file : {config.lines_ply, config.lines_obj})
-        stamp.depends("lines to " + file);
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
 }
+
+void add_outputs(const RenderConfig& config, const std::vector<std::string>& aovs, const RenderShare& share,
+                 Stamp& stamp) {
+    const OutputPlan plan = plan_outputs(config, aovs);
+    const FrameRange range = wanted_frames(config, share);
+    const bool film = n_frames(config) > 1;
+    for (int k = range.first; k <= range.last; ++k) {
+        const OutputPlan picture = film ? plan.numbered(k) : plan;
+        stamp.outputs(picture.pngs);
+        if (!picture.exr.empty()) stamp.outputs({picture.exr});
+    }
+    if (!writes_lines(share, film)) return;
+    for (const std::string& file : {config.lines_ply, config.lines_obj})
+        if (!file.empty()) stamp.outputs({file});
+}
+
+bool writes_lines(const RenderShare& share, bool film) { return film || share.number <= 1; }
 
 void check_outputs(const RenderConfig& config, const OutputPlan& plan) {
     std::vector<fs::path> outputs = plan.pngs;

@@ -4,6 +4,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/render_config.h"
 #include "pipeline/render_files.h"
+#include "pipeline/render_share.h"
 
 #include <filesystem>
 #include <string>
@@ -20,7 +21,14 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
 void check_outputs(const RenderConfig& config, const OutputPlan& plan);
 
 /// Adds all that the pictures depend on.
-void add_inputs(const RenderConfig& config, const ModelFile& model,
-                const std::filesystem::path& named, Stamp& stamp);
+void add_inputs(const RenderConfig& config, const ModelFile& model, Stamp& stamp);
+
+/// Adds the pictures and line files of a run or share that its options name; legends and line drawings
+/// beside them are found while drawing. aovs: those that the model can give.
+void add_outputs(const RenderConfig& config, const std::vector<std::string>& aovs, const RenderShare& share,
+                 Stamp& stamp);
+
+/// Of the shares of a picture the first writes the lines of all of it.
+bool writes_lines(const RenderShare& share, bool film);
 
 }  // namespace slim

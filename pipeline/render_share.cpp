@@ -74,6 +74,13 @@ int share_end(int n, const RenderShare& share) {
     return static_cast<int>(static_cast<long long>(n) * share.number / share.of);
 }
 
+FrameRange wanted_frames(const RenderConfig& config, const RenderShare& share) {
+    const int n = n_frames(config);
+    if (config.frame > 0) return {config.frame, config.frame};
+    if (share.of == 0 || n == 1) return {1, n};
+    return {share_begin(n, share) + 1, share_end(n, share)};
+}
+
 std::filesystem::path share_folder(const std::filesystem::path& named, const RenderShare& share) {
     return std::filesystem::path(named.string() + ".shares") /
            fmt::format("{:04}_of_{:04}", share.number, share.of);

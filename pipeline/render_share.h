@@ -26,6 +26,13 @@ void check_join(const RenderConfig& config);
 int share_begin(int n, const RenderShare& share);
 int share_end(int n, const RenderShare& share);
 
+/// Pictures of a film, counted from 1, both included; 1 to 1 of a single one.
+struct FrameRange {
+    int first, last;
+};
+/// Those that a run, or its share of a film, draws.
+FrameRange wanted_frames(const RenderConfig& config, const RenderShare& share);
+
 /// x.png.shares/0003_of_0008: where a share of the picture or film x.png keeps what is not yet its
 /// own file.
 std::filesystem::path share_folder(const std::filesystem::path& named, const RenderShare& share);

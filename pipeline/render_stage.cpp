@@ -113,14 +113,15 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     const PictureSize size = parse_size(config.size);
     const int frames = check_request(config, aovs);
     const ModelFile model = ModelFile::open_by_pages(config.model);
+    keep_possible_aovs(config, model.header().degree, !model.colors().empty(), aovs);
     Stamp stamp(context, manifest);
-    add_inputs(config, model, plan_outputs(config, aovs).named, stamp);
+    add_inputs(config, model, stamp);
+    add_outputs(config, aovs, share, stamp);
     if (config.repeat == 1)
         if (auto result = stamp.up_to_date()) return *result;
 
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    keep_possible_aovs(config, tree.header().degree, !model.colors().empty(), aovs);
     ModelReads reads(model, takes_all_leaves(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
@@ -167,7 +168,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = reads.bytes();
     result["model_nodes_checked"] = reads.n_checked();
-    return stamp.commit(outcome.files, std::move(result));
+    return stamp.commit(std::move(result), Outlasts::power_cut, outcome.files);
 }
 
 Json drawn_or_joined(const RenderConfig& config, StageContext& context) {

@@ -2,6 +2,7 @@
 
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
+#include "pipeline/render_view.h"
 #include "raytrace/camera.h"
 #include "slim/base/error.h"
 
@@ -39,6 +40,33 @@ bool has_openness(const RenderConfig& config, const Aovs& aovs) { return config.
 bool is_orthographic(const RenderConfig& config, const Aovs&) {
     return config.ortho || config.ortho_width > 0;
 }
+bool has_named_camera(const RenderConfig& config) {
+    const std::vector<std::string> cameras = cameras_of(config);
+    return std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) { return is_camera_name(camera); });
+}
+bool takes_same_scale(const RenderConfig& config, const Aovs& aovs) {
+    return is_orthographic(config, aovs) && config.ortho_width <= 0 && has_named_camera(config);
+}
+/// All but cameras of nine numbers, and what stands upright in the scene.
+bool takes_up(const RenderConfig& config, const Aovs& aovs) {
+    const std::vector<std::string> cameras = cameras_of(config);
+    const bool turns_cameras = std::any_of(cameras.begin(), cameras.end(), [](const std::string& camera) {
+        return std::count(camera.begin(), camera.end(), ',') != 8;
+    });
+    const bool lights = shows(aovs, kShaded) && config.light != RenderConfig{}.light;
+    return turns_cameras || config.turntable > 0 || !config.same_range.empty() || config.ground || lights ||
+           shows(aovs, kHillshade) || shows(aovs, kEnvironment);
+}
+bool takes_camera(const RenderConfig& config, const Aovs&) { return config.path.empty(); }
+bool takes_zoom(const RenderConfig& config, const Aovs&) {
+    const std::vector<std::string> keys = keyframes_of(config);  // one, and empty, without a path
+    return std::any_of(keys.begin(), keys.end(),
+                       [](const std::string& key) { return key.find("zoom") == std::string::npos; });
+}
+bool takes_name(const RenderConfig& config, const Aovs&) { return is_folder_output(config.output); }
+bool takes_background(const RenderConfig& config, const Aovs& aovs) {
+    return !config.environment_behind || aovs != Aovs{kEnvironment};
+}
 /// Cameras of numbers see, orthographically, what the angle shows at their target.
 bool takes_angle(const RenderConfig& config, const Aovs& aovs) {
     if (!is_orthographic(config, aovs) || !config.path.empty()) return true;
@@ -61,12 +89,24 @@ bool shows_curvature(const Aovs& aovs) {
     return std::any_of(std::begin(kCurvatures), std::end(kCurvatures),
                        [&](auto aov) { return shows(aovs, aov); });
 }
-bool takes_percentile(const RenderConfig&, const Aovs& aovs) {
-    return shows_curvature(aovs) || std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps),
-                                                [&](auto aov) { return shows(aovs, aov); });
+bool has_map(const RenderConfig&, const Aovs& aovs) {
+    return shows_curvature(aovs) || shows(aovs, "depth") ||
+           std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps), [&](auto aov) { return shows(aovs, aov); });
 }
-bool has_map(const RenderConfig& config, const Aovs& aovs) {
-    return takes_percentile(config, aovs) || shows(aovs, "depth");
+/// A map that is shown and of which --range does not say the range.
+bool has_free_range(const RenderConfig& config, const Aovs& aovs, const char* aov) {
+    return shows(aovs, aov) && std::none_of(config.range.begin(), config.range.end(), [&](const std::string& entry) {
+               const std::size_t equals = entry.find('=');
+               return equals == std::string::npos || entry.substr(0, equals) == aov;
+           });
+}
+bool takes_percentile(const RenderConfig& config, const Aovs& aovs) {
+    const auto is_free = [&](auto aov) { return has_free_range(config, aovs, aov); };
+    return std::any_of(std::begin(kCurvatures), std::end(kCurvatures), is_free) ||
+           std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps), is_free);
+}
+bool takes_same_range(const RenderConfig& config, const Aovs& aovs) {
+    return takes_percentile(config, aovs) || has_free_range(config, aovs, "depth");
 }
 /// Some entry speaks of a map that is shown: A, AOV=A or AOV=LO:HI.
 bool takes_range(const RenderConfig& config, const Aovs& aovs) {
@@ -93,14 +133,19 @@ constexpr OptionUse kUses[] = {
     {"matcap", "the aov matcap", "", takes<kMatcap>},
     {"sun", "the aov hillshade", "", takes<kHillshade>},
     {"contours", "the aov hillshade", "", takes<kHillshade>},
-    {"same_scale", "an orthographic camera", ": --ortho", is_orthographic},
+    {"camera", "a view that stands or turns", ", but --path is, which says its cameras", takes_camera},
+    {"zoom", "a camera that says no zoom of its own", ", but --path says one with each", takes_zoom},
+    {"up", "a camera without an up axis of its own, or what stands upright,", "", takes_up},
+    {"name", "a folder as output", ": -o FOLDER", takes_name},
+    {"background", "a picture without --environment-behind", "", takes_background},
+    {"same_scale", "an orthographic named camera that frames the model", ": --ortho", takes_same_scale},
     {"fov", "a perspective camera", ", but parallel projection is", takes_angle},
-    {"bounces", "ray tracing", ": --mode raytrace", is_cast},
+    {"bounces", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
     {"range", "a map that it names", ": such as --aov mean", takes_range},
-    {"percentile", "a map with a range of its own", ": such as --aov mean", takes_percentile},
-    {"same_range", "a map", ": such as --aov mean", has_map},
+    {"percentile", "a map with a range of its own", ": such as --aov mean without --range", takes_percentile},
+    {"same_range", "a map with a range of its own", ": such as --aov mean without --range", takes_same_range},
     {"legend_room", "a named camera that frames the whole model", "", leaves_room},
     {"light_maps", "a curvature map or the aov color", "", takes_light_maps},
     {"light", "the aov shaded", "", takes<kShaded>},

@@ -134,6 +134,16 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     return camera;
 }
 
+std::vector<std::string> keyframes_of(const RenderConfig& config) {
+    std::vector<std::string> keys;
+    for (std::size_t begin = 0; begin <= config.path.size();) {
+        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
+        keys.push_back(config.path.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return keys;
+}
+
 namespace {
 
 /// "iso zoom 2" as a configuration of its own.
@@ -155,12 +165,8 @@ RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
 std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
                             const PictureSize& size, double free_right) {
     std::vector<Camera> keys;
-    for (std::size_t begin = 0; begin <= config.path.size();) {
-        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
-        keys.push_back(make_camera(keyframe_of(config, config.path.substr(begin, end - begin)),
-                                   model, size, free_right));
-        begin = end + 1;
-    }
+    for (const std::string& key : keyframes_of(config))
+        keys.push_back(make_camera(keyframe_of(config, key), model, size, free_right));
     return keys;
 }
 
@@ -206,6 +212,17 @@ UpAxis up_axis(const RenderConfig& config) {
 std::string view_name(const RenderConfig& config) {
     if (!config.name.empty()) return config.name;
     return is_camera_name(config.camera) ? config.camera : "view";
+}
+
+bool is_folder_output(const std::filesystem::path& output) {
+    return std::filesystem::is_directory(output) || !output.has_filename() || !output.has_extension();
+}
+
+std::vector<std::string> cameras_of(const RenderConfig& config) {
+    if (config.path.empty()) return {config.camera};
+    std::vector<std::string> cameras;
+    for (const std::string& key : keyframes_of(config)) cameras.push_back(keyframe_of(config, key).camera);
+    return cameras;
 }
 
 void check_view_name(const std::string& name) {

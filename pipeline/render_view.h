@@ -5,6 +5,7 @@
 #include "raytrace/shade.h"
 #include "slim/model/surfel_tree.h"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,6 +45,15 @@ Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const 
 
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);
+
+/// Whether an output is a folder, that is or is meant.
+bool is_folder_output(const std::filesystem::path& output);
+
+/// The keyframes of --path, "iso zoom 2" each; a single empty one without it.
+std::vector<std::string> keyframes_of(const RenderConfig& config);
+
+/// The cameras of the run, as named or in numbers: --camera, or those of --path's keyframes.
+std::vector<std::string> cameras_of(const RenderConfig& config);
 
 /// Throws ConfigError on a name that would lead out of the output's folder.
 void check_view_name(const std::string& name);

@@ -71,6 +71,11 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
     files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, lines, planes), metadata);
 }
 
+void add_range(const RenderJob& job, const std::string& aov, ImageMetadata& metadata) {
+    if (const auto& legend = job.looks.at(aov).legend)
+        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+}
+
 }  // namespace
 
 bool has_background(const RenderConfig& config, const std::string& aov) {
@@ -83,13 +88,14 @@ bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& p
     for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
         const std::string& aov = job.plan.drawn[k];
         ImageMetadata own = metadata;
-        if (const auto& legend = job.looks.at(aov).legend)
-            own["slim:range." + aov] =
-                fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+        add_range(job, aov, own);
         files.add_png(k, finished_picture(job, aov, frames, part, all_fits),
                       has_background(job.config, aov), own);
     }
-    if (!job.plan.exr.empty()) write_data(job, frames, part, metadata, files);
+    if (job.plan.exr.empty()) return all_fits;
+    ImageMetadata of_data = metadata;
+    for (const std::string& aov : job.plan.drawn) add_range(job, aov, of_data);  // the preview's
+    write_data(job, frames, part, of_data, files);
     return all_fits;
 }
 

@@ -124,7 +124,7 @@ json run_report(const ReportConfig& config, StageContext& context) {
                    {"failed", report.count(Verdict::failed)},
                    {"known_failures", report.count(Verdict::known_failure)},
                    {"not_run", report.count(Verdict::not_run)}};
-    result = stamp.commit(written, std::move(result));
+    result = stamp.commit(std::move(result), Outlasts::power_cut, written);
     fail_if_left(report, written[0].string());
     return result;
 }

@@ -139,15 +139,14 @@ json run_job(const RunConfig& config, StageContext& context) {
     for (const std::string& reason : job.left_out) context.reporter.info("left out: " + reason);
 
     json result = {{"folder", job.folder.string()}, {"steps", steps_json(outcomes)}};
-    std::vector<fs::path> outputs;
+    const fs::path index = job.folder / "index.html";
     if (job.html) {
-        const fs::path index = job.folder / "index.html";
         write_file_atomically(index.string(), index_page(job, outcomes));
         result["index"] = index.string();
-        outputs.push_back(index);
+        stamp.outputs({index});
     }
-    context.text = summary_of(outcomes, job.html ? outputs[0] : job.folder);
-    return stamp.commit(outputs, std::move(result));
+    context.text = summary_of(outcomes, job.html ? index : job.folder);
+    return stamp.commit(std::move(result));
 }
 
 }  // namespace slim

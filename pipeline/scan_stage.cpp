@@ -43,6 +43,16 @@ void check_output(const std::string& output) {
         throw ConfigError(output + ": the scanner writes PLY; expected a name ending in .ply");
 }
 
+/// Options that were given and play no part. (A noise model without noise does: series over the noise begin at 0.)
+void refuse_without_effect(const ScanConfig& config) {
+    const ScanConfig usual;
+    const bool uniform = config.pattern == "uniform";
+    if (uniform && config.stations != usual.stations)
+        throw ConfigError("stations: are of --pattern scan; uniform points have none");
+    if (uniform && config.dropout != usual.dropout)
+        throw ConfigError("dropout: is of --pattern scan; none of uniform points is lost");
+}
+
 /// Known before the scan: the header comes first.
 std::vector<Vec3d> sensors_of(const ScanConfig& config, const Shape& shape, const Vec3d& offset) {
     std::vector<Vec3d> sensors;
@@ -113,9 +123,11 @@ std::string scans_path(const std::string& cloud_path) {
 
 nlohmann::json run_scan(const ScanConfig& config, StageContext& context) {
     check_output(config.output);
+    refuse_without_effect(config);
     const Vec3d offset = offset_of(config);
     const Shape& shape = find_shape(config.shape);
     Stamp stamp(context, manifest_path(config.output));
+    stamp.outputs({config.output, truth_path(config.output), scans_path(config.output)});
     if (auto result = stamp.up_to_date()) return *result;
 
     const std::vector<Vec3d> sensors = sensors_of(config, shape, offset);
@@ -127,8 +139,7 @@ nlohmann::json run_scan(const ScanConfig& config, StageContext& context) {
     write_sensors(scans_path(config.output), sensors);
     sink.commit();
 
-    return stamp.commit({config.output, truth_path(config.output), scans_path(config.output)},
-                        {{"points", summary.points},
+    return stamp.commit({{"points", summary.points},
                          {"outliers", summary.outliers},
                          {"rays", summary.rays},
                          {"sigma", summary.sigma},

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -17,6 +19,38 @@ namespace {
 
 constexpr double kFar = 1e4;  // diagonals: where a direction's scanner stands
 
+constexpr std::int64_t kMostScans = 65536;
+
+/// The number of a scan in the job, from its entry.
+std::size_t scan_of(const nlohmann::json& entry, std::uint32_t first_scan, const std::string& path) {
+    const nlohmann::json& id = entry.at("id");
+    // Larger ones would wrap around to another scan's.
+    const bool fits = id.is_number_integer() && id >= 0 && id < kMostScans;
+    if (!fits || first_scan + id.get<std::int64_t>() >= kMostScans)
+        throw FormatError(fmt::format("{}: scan {}: expected an id from 0 to {}", path, text_of(id),
+                                      kMostScans - 1 - first_scan));
+    return first_scan + id.get<std::size_t>();
+}
+
+/// Where the entry's sensor stands, frame of the job.
+Vec3d sensor_of(const nlohmann::json& entry, const SlicePlan& plan, const std::string& path) {
+    // A scanner that is far away, or known by its view only, is a direction: object to scanner.
+    const bool far = entry.contains("direction");
+    const char* key = far ? "direction" : "position";
+    const auto fail = [&](const char* expected) {
+        throw FormatError(fmt::format("{}: scan {}: {} {}: expected {}", path, text_of(entry.at("id")), key,
+                                      text_of(entry.at(key)), expected));
+    };
+    const auto p = entry.at(key).get<std::vector<double>>();
+    if (p.size() != 3) fail("3 numbers");
+    const Vec3d v{p[0], p[1], p[2]};
+    if (!is_finite(v)) fail("finite numbers");
+    if (!far) return v - plan.origin;
+    const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!(most > 0)) fail("one that is not zero");
+    return plan.bounds.center() + normalized(v / most) * (kFar * plan.diagonal);
+}
+
 /// Adds the positions of one file, whose scan numbers start at `first_scan` in the job.
 void add_sensors(const std::string& path, std::uint32_t first_scan, const SlicePlan& plan,
                  std::vector<Vec3d>& out) {
@@ -25,19 +59,10 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
     try {
         const auto scans = json_from(file);  // named: it must outlive the loop
         for (const auto& scan : scans.at("scans")) {
-            const std::size_t id = first_scan + scan.at("id").get<std::uint32_t>();
-            // A scanner that is far away, or known by its view only, is a direction: object to
-            // scanner.
-            const bool far = scan.contains("direction");
-            const auto p = scan.at(far ? "direction" : "position").get<std::vector<double>>();
-            if (p.size() != 3 || id > 65535)
-                throw FormatError(fmt::format(
-                    "{}: scan {}: expected an id below 65536 and a position of 3 numbers", path, id));
+            const std::size_t id = scan_of(scan, first_scan, path);
             constexpr double nan = std::numeric_limits<double>::quiet_NaN();
             if (out.size() <= id) out.resize(id + 1, Vec3d{nan, nan, nan});
-            const Vec3d v{p[0], p[1], p[2]};
-            out[id] = far ? plan.bounds.center() + normalized(v) * (kFar * plan.diagonal)
-                          : v - plan.origin;
+            out[id] = sensor_of(scan, plan, path);
         }
     } catch (const nlohmann::json::exception& e) {
         throw FormatError(fmt::format(

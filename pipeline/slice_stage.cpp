@@ -156,6 +156,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     make_folder(work);
     Stamp stamp(context, manifest_path(work, "slice"));
     for (const std::string& path : config.inputs) stamp.input(path);
+    stamp.outputs({plan_path(work)});
     if (auto result = stamp.up_to_date()) return *result;
 
     const FolderLock lock(config.work);
@@ -169,6 +170,11 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
         context.reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
                               "model may have nothing to draw");
+    if (survey.n_points > 2 && survey.spread.has_far_strays())
+        context.reporter.warn(fmt::format(
+            "{}: a few points lie so far from the others that these are a speck in the cloud's extent of {:.3g}, and the "
+            "model, made for that extent, may have nothing to draw of them: take the far points out",
+            names_of(config.inputs), survey.bounds.diagonal()));
     BlockPlan blocks;
     SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);
@@ -191,10 +197,9 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     // Without a record: points that are in memory alone are nothing to resume from.
     if (gathered && !context.writes_handed_points()) return summary(plan);
 
-    std::vector<fs::path> outputs{plan_path(work)};
-    for (std::size_t i = 0; i < plan.slices.size(); ++i)
-        outputs.push_back(slice_points_path(work, i));
-    return stamp.commit(outputs, summary(plan), Outlasts::process);
+    std::vector<fs::path> slices;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) slices.push_back(slice_points_path(work, i));
+    return stamp.commit(summary(plan), Outlasts::process, slices);
 }
 
 }  // namespace slim

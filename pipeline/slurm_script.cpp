@@ -80,7 +80,8 @@ std::string array_submission(const std::string& name, const std::string& options
     return submission(name, fmt::format("--array=0-{} {}", commands.size() - 1, options), script);
 }
 
-/// An array job over slices: each takes its number from the array.
+/// An array job over slices: each takes its number from the array. One slice a task: there are at most 500, within
+/// Slurm's usual MaxArraySize of 1001.
 std::string slices_submission(const std::string& name, const std::string& options,
                               const Words& command, std::size_t n) {
     return submission(name,

@@ -223,9 +223,10 @@ json run_smooth(const SmoothConfig& config, StageContext& context) {
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);
+    stamp.outputs({config.output});
     if (auto done = stamp.up_to_date()) return *done;
     json result = smoothed(config, context);
-    return stamp.commit({config.output}, std::move(result));
+    return stamp.commit(std::move(result));
 }
 
 }  // namespace slim

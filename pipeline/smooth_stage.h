@@ -18,7 +18,7 @@ struct SmoothConfig {
     void visit(Visitor&& field) {
         field.input("model", model, "model.slim");
         field.input("cloud", cloud, "cloud or mesh to smooth (PLY, text; also gzip)");
-        field.output("output", output, "what to write, in the format and precision of the input");
+        field.output("output", output, "what to write, in the format and precision of the input; unpacked, also of a gzip file");
         field.choice("mode", mode,
                      "points: each along its normal; mesh: vertices by the planes of their faces; auto: "
                      "mesh for a PLY with faces",

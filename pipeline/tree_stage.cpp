@@ -90,6 +90,32 @@ Fits open_fits(const std::vector<std::filesystem::path>& paths) {
     return out;
 }
 
+/// What became of the points of a cloud of which no surfel is left, and what to do.
+void require_leaves(const SlicePlan& plan, const Fits& fits) {
+    const auto sum = [&](const char* key) {
+        std::uint64_t n = 0;
+        for (const nlohmann::json& counts : fits.counts) n += counts.value(key, std::uint64_t{0});
+        return n;
+    };
+    if (sum("leaves") > 0) return;
+    std::vector<std::string> names;
+    for (const PlanInput& in : plan.inputs) names.push_back(in.path);
+    const std::uint64_t isolated = sum("dropped_isolated"), unexplained = sum("dropped_unexplained"),
+                        beside = sum("dropped_beside");
+    const std::string dropped =
+        isolated + unexplained + beside == 0
+            ? "none was dropped, but no ball of them holds a surface"
+            : fmt::format("dropped were {} with too few neighbours, {} that no surfel explains and {} beside a rim",
+                          isolated, unexplained, beside);
+    const char* remedy = unexplained > isolated
+                             ? "normals that agree with the points: try --normals estimate, or a larger --t-mdl"
+                             : "a dozen points and more near each other that neither coincide nor lie on one line: give "
+                               "more points, or take out strays, within whose extent the others are small";
+    throw DataError(fmt::format(
+        "{}: the fit left no surfel of {} points, so there is nothing to build a model of: {}. A surface needs {}",
+        fmt::join(names, ", "), plan.n_points, dropped, remedy));
+}
+
 /// The tree is of all slices at once, so its memory grows with the model, not with a slice.
 void warn_of_memory(const TreeConfig& config, std::size_t n_surfels, Reporter& reporter) {
     const std::uint64_t needed = kProgramBytes + n_surfels * kTreeBytesPerSurfel;
@@ -143,10 +169,12 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(plan_path(config.work));  // the model's origin, bounds and inputs stand in no fit
     for (const auto& path : paths) stamp.input(path);
+    stamp.outputs({config.output});
     if (auto done = stamp.up_to_date()) return *done;
 
     if (plan.slices.size() > 1) return_freed_memory();
     const Fits fits = open_fits(paths);
+    require_leaves(plan, fits);
     warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;
     const auto surfels = [&](const SurfelVisit& visit) { fits.for_each(visit); };
@@ -159,8 +187,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     const std::uint64_t n_stand_ins = mark_stand_ins(data);
     context.check_stop();
     write_model(config.output, data, text_of(provenance_of(plan, fits, counts)));
-    return stamp.commit({config.output},
-                        {{"leaves", data.header.n_leaves},
+    return stamp.commit({{"leaves", data.header.n_leaves},
                          {"nodes", data.nodes.size()},
                          {"orphans", counts.orphans},
                          {"childless", counts.childless},

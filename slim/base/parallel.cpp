@@ -24,9 +24,9 @@ int threads_from(const char* variable) {
     int n = 0;
     const char* end = text + std::strlen(text);
     const auto result = std::from_chars(text, end, n);
-    if (result.ec != std::errc() || result.ptr != end || n < 1)
-        throw ConfigError(std::string(variable) + "=" + text +
-                          ": expected a count of threads >= 1");
+    if (result.ec != std::errc() || result.ptr != end || n < 1 || n > kMostThreads)
+        throw ConfigError(std::string(variable) + "=" + text + ": expected a count of threads from 1 to " +
+                          std::to_string(kMostThreads));
     return n;
 }
 

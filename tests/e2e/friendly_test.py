@@ -11,7 +11,8 @@ import time
 
 from harness import Harness
 
-harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-info", "slim-run")
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-info", "slim-run",
+                  "slim-plan", "slim-fit", "slim-smooth")
 run, check = harness.run, harness.check
 
 
@@ -217,6 +218,11 @@ def words():
         (harness.folder / "line.xyz").write_text("".join(f"{i} {eval(y)} {2 * i}\n" for i in range(200)))
         line = run("slim", "build", "line.xyz", "-o", "line.slim")
         check(("on one line" in line.err) == told, f"points on a line, {y}: {line.err}")
+    check(run("slim", "scan", "sphere", "-o", "ball.ply", "--points", "2000", "--ascii").code == 0, "no ball")
+    rows = (harness.folder / "ball.ply").read_text().split("end_header\n")[1].splitlines()
+    (harness.folder / "speck.xyz").write_text("".join(" ".join(row.split()[:3]) + "\n" for row in rows) + "1e9 0 0\n")
+    speck = run("slim", "build", "speck.xyz", "-o", "speck.slim")
+    check("on one line" not in speck.err and "far points out" in speck.err, f"a stray 1e9 away: {speck.err}")
     (harness.folder / "small.xyz").write_text("".join(f"{i % 10}e-300 {i // 10}e-300 0\n" for i in range(100)))
     refused(3, ["change its unit"], "slim", "build", "small.xyz", "-o", "small.slim")
 
@@ -263,15 +269,52 @@ def options_without_effect():
     for options in (["--same-scale"], ["--bounces", "3"], ["--no-shadows"], ["--light-maps"], ["--percentile", "90"],
                     ["--range", "mean=3"], ["--range", "3"], ["--lod", "2", "--mode", "raytrace"],
                     ["--fov", "20", "--ortho"], ["--same-range", "front,back"],
-                    ["--aov", "gauss", "--range", "mean=3"]):
+                    ["--aov", "gauss", "--range", "mean=3"], ["--same-scale", "--ortho-width", "5"],
+                    ["--same-scale", "--ortho", "--camera", "0,0,9,0,0,0"],
+                    ["--up", "z", "--camera", "0,0,9,0,0,0,0,1,0"],
+                    ["--percentile", "50", "--aov", "mean", "--range", "mean=5"],
+                    ["--same-range", "front,top", "--aov", "mean", "--range", "3"], ["--name", "n"],
+                    ["--camera", "iso", "--path", "front;back", "--frames", "2"],
+                    ["--zoom", "2", "--path", "front zoom 1;back zoom 3", "--frames", "2"],
+                    ["--bounces", "3", "--mode", "raytrace", "--aov", "mean"],
+                    ["--background", "white", "--aov", "environment", "--environment-behind"]):
         refused(2, [options[0].replace("--no-", "--") if options[0] != "--aov" else "--range", "which is not asked for"],
                 "slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
     for options in (["--same-scale", "--ortho"], ["--bounces", "3", "--mode", "raytrace"], ["--lod", "2"],
                     ["--no-shadows", "--mode", "raytrace"], ["--light-maps", "--aov", "mean"],
                     ["--percentile", "90", "--aov", "error"], ["--range", "mean=3", "--aov", "mean,gauss"],
-                    ["--fov", "20", "--ortho", "--camera", "0,0,9,0,0,0"]):
+                    ["--fov", "20", "--ortho", "--camera", "0,0,9,0,0,0"], ["--up", "z", "--camera", "0,0,9,0,0,0"],
+                    ["--up", "z", "--camera", "0,0,9,0,0,0,0,1,0", "--aov", "hillshade"],
+                    ["--percentile", "50", "--aov", "mean,gauss", "--range", "mean=5"],
+                    ["--same-range", "front,top", "--aov", "mean,depth", "--range", "mean=3"],
+                    ["--zoom", "2", "--path", "front;back zoom 3", "--frames", "2"]):
         drawn = run("slim", "render", "t.slim", "-o", "x.png", "--size", "60x50", *options)
         check(drawn.code == 0, f"{options}: {drawn.err}")
+
+
+def other_options_without_effect():
+    for told, words in ((["--coarse", "--slice"], ["fit", "w", "--coarse", "--slice", "99"]),
+                        (["--explain", "--format slurm"], ["plan", "job.toml", "--explain", "--format", "slurm"]),
+                        (["--threads", "make"], ["plan", "job.toml", "--format", "make", "--threads", "8"]),
+                        (["--threads", "--explain"], ["plan", "job.toml", "--explain", "--threads", "8"]),
+                        (["--quiet", "--verbose"], ["info", "t.slim", "-q", "-v"]),
+                        (["--stations", "uniform"], ["scan", "sphere", "-o", "u.ply", "--pattern", "uniform", "--stations", "3"]),
+                        (["--sensors"], ["build", "t.ply", "-o", "k.slim", "--normals", "keep", "--sensors", "s.json"]),
+                        (["gzip"], ["smooth", "t.slim", "t.ply", "-o", "o.ply.gz"])):
+        refused(2, told, "slim", *words)
+    # A picture without a legend that leaves its room overlays one with it.
+    plain, room, legend = [
+        run("slim", "render", "t.slim", "-o", "x.png", "--size", "300x200", "--aov", "mean", "--json", *options)
+        .json()["covered_pixels"] for options in (["--no-legend"], ["--no-legend", "--legend-room"], [])]
+    check(plain > room == legend, f"--legend-room without a legend: {plain} {room} {legend}")
+    for count in ("2000000000", "0", "x"):
+        many = run("slim", "build", "t.ply", "-o", "many.slim", env={"SLIM_THREADS": count})
+        check(many.code == 2 and f"SLIM_THREADS={count}: expected" in many.err, f"{count}: {many.err}")
+
+
+def points_that_make_no_surface():
+    (harness.folder / "two.xyz").write_text("0 0 0\n" * 100 + "1 1 1\n" * 100)
+    refused(3, ["two.xyz", "no surfel of 200 points", "none was dropped", "coincide"], "slim", "build", "two.xyz", "-o", "two.slim")
 
 
 def one_range_for_all_sides():
@@ -299,6 +342,8 @@ answers_first()
 words()
 a_stray_far_off()
 options_without_effect()
+other_options_without_effect()
+points_that_make_no_surface()
 options_by_their_names()
 said_of_nothing()
 one_range_for_all_sides()

@@ -76,6 +76,18 @@ TEST(XyzReader, FollowsALineOfNames) {
     }
 }
 
+TEST(XyzReader, NamesTheColumnsThatItPassesOver) {
+    TempFolder folder;
+    const auto skipped = [&](const std::string& text) {
+        folder.write("n.xyz", text);
+        return open_cloud(folder.file("n.xyz"))->info().skipped;
+    };
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(skipped("// Intensity x y z nx ny scan R\n7 1 2 3 0 1 5 9\n"), (Names{"intensity", "nx", "ny", "r"}));
+    EXPECT_EQ(skipped("x,y,z\n1,2,3\n"), Names{});
+    EXPECT_EQ(skipped("1 2 3 4 5\n"), (Names{"unnamed 1", "unnamed 2"}));
+}
+
 TEST(XyzReader, HoldsAPtsCountAgainstTheRows) {
     const TempFolder folder;
     EXPECT_EQ(read_all(folder.write("a.pts", "2\n1 2 3\n4 5 6\n")).size(), 2u);

@@ -61,6 +61,26 @@ TEST_F(BuildStage, SaysUpToDateAndRebuildsWhenAnOptionChanges) {
     EXPECT_NE(read_bytes(file("m.slim")), before);
 }
 
+TEST_F(BuildStage, AWorkFolderThatIsAskedForLaterIsThere) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    EXPECT_FALSE(build(c).contains("up_to_date"));
+    EXPECT_TRUE(build(c).contains("up_to_date"));
+    c.work = file("WK");
+    EXPECT_FALSE(build(c).contains("up_to_date"));
+    EXPECT_TRUE(std::filesystem::exists(plan_path(file("WK"))));
+    EXPECT_TRUE(build(c).contains("up_to_date"));
+    std::filesystem::remove_all(file("WK"));
+    c.work.clear();
+    EXPECT_TRUE(build(c).contains("up_to_date"));
+}
+
+TEST_F(BuildStage, KeptNormalsTakeNoSensors) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    c.normals = "keep", c.sensors = file("c.scans.json");
+    EXPECT_EQ(code_of([&] { build(c); }), ExitCode::usage);
+    EXPECT_NE(message_.find("sensors"), std::string::npos) << message_;
+}
+
 TEST_F(BuildStage, EveryOptionCounts) {
     const std::string cloud = scanned_sphere(5000);
     build(build_config(cloud, "plain.slim"));

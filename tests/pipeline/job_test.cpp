@@ -57,6 +57,17 @@ TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
 }
 
+TEST(Job, MeasuresOfCloudsThatAreNamedAlikeAreTheirOwn) {
+    const Job job = read_job(
+        write_job("[input]\nfiles = ['a/scan.ply', 'b/scan.ply', 'c.ply', 'd e.ply', 'd_e.ply']\n[measure]\n"));
+    std::vector<std::string> outputs;
+    for (const JobStep& step : job.steps)
+        if (step.verb == "measure") outputs.push_back(step.output.filename().string());
+    EXPECT_EQ(outputs, (std::vector<std::string>{"measure_scan.ply.json", "measure_scan.ply_2.json", "measure_c.ply.json",
+                                                 "measure_d_e.ply.json", "measure_d_e.ply_2.json"}));
+    EXPECT_EQ(job.steps[2].name, "measure scan.ply 2");
+}
+
 TEST(Job, LightTablesBecomeOneOption) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"

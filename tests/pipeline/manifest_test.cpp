@@ -33,11 +33,14 @@ public:
     StageContext context() { return {reporter_, 2, false, "fit", "degree = 2\n", "degree = 2\n"}; }
 
     /// One run of a stage: true if it was up to date, else it writes its output.
-    bool run(const StageContext& with, const std::string& depends = "") {
+    bool run(const StageContext& with, const std::string& depends = "",
+             const std::vector<std::string>& more = {}) {
         Stamp stamp(with, manifest_path(folder_ / "out.slim"));
         stamp.input(folder_ / "in.ply");
         stamp.optional_input(folder_ / "in.truth");
         stamp.depends(depends);
+        stamp.outputs({folder_ / "out.slim"});
+        for (const std::string& name : more) stamp.outputs({folder_ / name});
         if (const auto result = stamp.up_to_date()) {
             EXPECT_EQ(result->at("leaves"), 7);
             EXPECT_EQ(result->at("up_to_date"), true);
@@ -45,7 +48,9 @@ public:
             return true;
         }
         write("out.slim", "model");
-        EXPECT_EQ(stamp.commit({folder_ / "out.slim"}, {{"leaves", 7}}), (json{{"leaves", 7}}));
+        for (const std::string& name : more) write(name, "more");
+        write("found.svg", "legend");
+        EXPECT_EQ(stamp.commit({{"leaves", 7}}, Outlasts::power_cut, {folder_ / "found.svg"}), (json{{"leaves", 7}}));
         return false;
     }
 
@@ -72,6 +77,7 @@ TEST_F(StampTest, WhatChangesTheResultIsDoneAgain) {
         [](StampTest& t, StageContext&) { t.write("in.truth", "truth"); },
         [](StampTest& t, StageContext&) { t.write("out.slim", "MODEL"); },
         [](StampTest& t, StageContext&) { fs::remove(t.folder_ / "out.slim"); },
+        [](StampTest& t, StageContext&) { fs::remove(t.folder_ / "found.svg"); },
         [](StampTest& t, StageContext&) { t.write("out.slim.done.json", "{\"stage\": \"fit\"}"); },
         [](StampTest& t, StageContext&) { t.write("out.slim.done.json", "not json"); },
         [](StampTest&, StageContext& c) { c.config = "degree = 3\n"; },
@@ -90,6 +96,42 @@ TEST_F(StampTest, WhatChangesTheResultIsDoneAgain) {
     SetUp();
     EXPECT_FALSE(run(context(), "slice 0"));
     EXPECT_FALSE(run(context(), "slice 1"));
+}
+
+TEST_F(StampTest, AFileThatIsAskedForAnewIsWritten) {
+    EXPECT_FALSE(run(context(), "", {"a.ply"}));
+    EXPECT_TRUE(run(context(), "", {"a.ply"}));
+    EXPECT_FALSE(run(context(), "", {"b.ply"}));  // under another name
+    EXPECT_TRUE(fs::exists(folder_ / "b.ply"));
+    EXPECT_FALSE(run(context(), "", {"b.ply", "c.ply"}));
+    EXPECT_TRUE(run(context(), "", {"c.ply"}));
+}
+
+TEST_F(StampTest, AFileThatIsNotAskedForAnyMoreIsOfNoConcern) {
+    EXPECT_FALSE(run(context(), "", {"a.ply"}));
+    fs::remove(folder_ / "a.ply");
+    EXPECT_TRUE(run(context()));
+    EXPECT_FALSE(run(context(), "", {"a.ply"}));
+}
+
+TEST_F(StampTest, ManifestsThatDoNotSayWhatWasAskedForAreRead) {
+    EXPECT_FALSE(run(context()));
+    const fs::path file = folder_ / "out.slim.done.json";
+    json manifest = json::parse(std::ifstream(file));
+    for (json& output : manifest.at("outputs")) output.erase("asked");
+    std::ofstream(file) << manifest;
+    EXPECT_TRUE(run(context()));
+    manifest.at("outputs") = {{{"path", 3}}};
+    std::ofstream(file) << manifest;
+    EXPECT_FALSE(run(context()));
+    manifest.erase("outputs");
+    std::ofstream(file) << manifest;
+    EXPECT_FALSE(run(context()));
+}
+
+TEST_F(StampTest, OnePathIsTheSameHoweverItIsWritten) {
+    EXPECT_FALSE(run(context(), "", {"a.ply"}));
+    EXPECT_TRUE(run(context(), "", {"./x/../a.ply"}));
 }
 
 TEST_F(StampTest, TheFolderMayMove) {
@@ -120,7 +162,7 @@ TEST_F(StampTest, AMissingInputIsNamed) {
     Stamp stamp(with, manifest_path(folder_ / "out.slim"));
     stamp.input(folder_ / "nowhere.ply");
     try {
-        stamp.commit({}, {});
+        stamp.commit({});
         FAIL() << "no error";
     } catch (const IoError& error) {
         EXPECT_NE(std::string(error.what()).find("nowhere.ply"), std::string::npos);

@@ -140,6 +140,20 @@ TEST_F(MeasureStage, NoFinitePointIsRefused) {
     EXPECT_EQ(code_of([&] { measure(file("m.slim"), bad); }), ExitCode::bad_data);
 }
 
+TEST_F(MeasureStage, AFileOfPointsUnderAnotherNameIsWrittenToo) {
+    MeasureConfig c;
+    c.model = file("m.slim"), c.cloud = path_, c.output = file("r.json");
+    const auto measured = [&] { return run_as("measure", c, run_measure, listener_); };
+    for (const char* name : {"a.ply", "b.ply"}) {
+        c.per_point = file(name);
+        EXPECT_FALSE(measured().contains("up_to_date")) << name;
+        EXPECT_TRUE(std::filesystem::exists(file(name)));
+    }
+    EXPECT_TRUE(measured().contains("up_to_date"));
+    c.per_point.clear();
+    EXPECT_TRUE(measured().contains("up_to_date"));
+}
+
 TEST_F(MeasureStage, KeepsItsResultAndMeasuresAgainOnlyWhatChanged) {
     const std::string cloud = write(sampled("sphere", 3000), "c.ply");
     build(build_config(cloud, "m.slim"));

@@ -217,6 +217,8 @@ TEST_F(RenderFiles, MetadataSayHowThePictureWasMade) {
     EXPECT_FALSE(image.metadata.contains("capDate"));
     const PngImage preview = read_png(file("x.png"));
     EXPECT_EQ(preview.metadata.at("slim:range.mean"), "-2.5 2.5");
+    EXPECT_EQ(image.metadata.at("slim:range.mean"), "-2.5 2.5");
+    EXPECT_EQ(image.metadata.at("slim:configHash"), hash_text(image.metadata.at("slim:config")));
 }
 
 TEST_F(RenderFiles, MatricesMapPToItsPixel) {
@@ -240,6 +242,9 @@ TEST_F(RenderFiles, MatricesMapPToItsPixel) {
         const double w = mapped("worldToNDC", 3);
         EXPECT_NEAR(mapped("worldToNDC", 0) / w * 80, 44.5, 1e-3);
         EXPECT_NEAR(mapped("worldToNDC", 1) / w * 60, 25.5, 1e-3);
+        // The same in [-1, 1], y upwards.
+        EXPECT_NEAR(mapped("worldToScreen", 0) / mapped("worldToScreen", 3), 2 * 44.5 / 80 - 1, 1e-4);
+        EXPECT_NEAR(mapped("worldToScreen", 1) / mapped("worldToScreen", 3), 1 - 2 * 25.5 / 60, 1e-4);
         EXPECT_NEAR(-mapped("worldToCamera", 2), channels.at("Z").floats[i], 1e-4);
     }
 }

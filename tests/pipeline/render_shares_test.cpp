@@ -71,7 +71,7 @@ TEST_F(RenderShares, OfAFilmMakeItsPicturesAndLegends) {
     for (const int n : {1, 2, 3, 7}) expect_same(c, "film.png", n);
     c.same_range = {"front", "top"};
     expect_same(c, "film.png", 3);
-    c.lines = {}, c.turntable = 0, c.path = "front; iso zoom 2", c.frames = 5;
+    c.lines = {}, c.turntable = 0, c.camera = "front", c.path = "front; iso zoom 2", c.frames = 5;
     expect_same(c, "film.exr", 2);
 }
 

@@ -102,6 +102,20 @@ TEST_F(ScanStage, TheUniformPatternHasNoSensors) {
     EXPECT_EQ(header().find("property ushort scan"), std::string::npos);
 }
 
+TEST_F(ScanStage, RefusesOptionsWithoutEffect) {
+    const auto refused = [&](const auto& set) {
+        const ScanConfig usual = config_;
+        set(config_);
+        EXPECT_THROW(run(), ConfigError);
+        config_ = usual;
+    };
+    refused([](ScanConfig& c) { c.pattern = "uniform", c.stations = 3; });
+    refused([](ScanConfig& c) { c.pattern = "uniform", c.dropout = 0.1; });
+    EXPECT_FALSE(fs::exists(config_.output));
+    config_.noise_model = "isotropic", config_.pattern = "uniform";
+    EXPECT_NO_THROW(run());
+}
+
 TEST_F(ScanStage, RefusesAnotherFormatAndAHalfOffset) {
     config_.offset = {1, 2};
     EXPECT_THROW(run(), ConfigError);

@@ -44,6 +44,29 @@ std::string write_cloud(const TempFolder& folder, const std::string& name,
     return folder.file(name);
 }
 
+TEST(Spread, TellsALineFromASpeckBesideStrays) {
+    for (const std::size_t n : {std::size_t{12}, std::size_t{2000}, std::size_t{50000}}) {
+        SCOPED_TRACE(n);
+        Spread line, speck, flat, bent;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double t = unit_interval(keyed_hash(1, i, 0)), u = unit_interval(keyed_hash(1, i, 1));
+            line.add({t, 2 * t, 5 - t});
+            speck.add({t, u, t * u});
+            flat.add({t, u, 0});
+            bent.add({t, 1e-3 * t * t, 0});
+        }
+        speck.add({1e9, 0, 0});
+        EXPECT_TRUE(line.is_line());
+        EXPECT_FALSE(line.has_far_strays());
+        EXPECT_FALSE(speck.is_line());
+        EXPECT_TRUE(speck.has_far_strays());
+        for (const Spread& surface : {flat, bent}) {
+            EXPECT_FALSE(surface.is_line());
+            EXPECT_FALSE(surface.has_far_strays());
+        }
+    }
+}
+
 SlicePlan slice(SliceConfig config) {
     Reporter silent;
     const StageContext parent{silent, 1, false, "", "", "", ""};
