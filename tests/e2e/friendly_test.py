@@ -312,11 +312,6 @@ def other_options_without_effect():
         check(many.code == 2 and f"SLIM_THREADS={count}: expected" in many.err, f"{count}: {many.err}")
 
 
-def points_that_make_no_surface():
-    (harness.folder / "two.xyz").write_text("0 0 0\n" * 100 + "1 1 1\n" * 100)
-    refused(3, ["two.xyz", "no surfel of 200 points", "none was dropped", "coincide"], "slim", "build", "two.xyz", "-o", "two.slim")
-
-
 def one_range_for_all_sides():
     """The range of a map is the largest of the cameras', whichever of them draws."""
     def ranges(camera, *options):
@@ -343,7 +338,6 @@ words()
 a_stray_far_off()
 options_without_effect()
 other_options_without_effect()
-points_that_make_no_surface()
 options_by_their_names()
 said_of_nothing()
 one_range_for_all_sides()

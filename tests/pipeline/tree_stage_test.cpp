@@ -4,6 +4,7 @@
 #include "formats/model_file.h"
 #include "tests/pipeline/fit_stages_support.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,6 +74,26 @@ TEST_F(TreeStage, RefusesFitsThatDoNotSayWhatTheyAre) {
         EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::bad_data) << header;
         EXPECT_NE(message_.find(path), std::string::npos) << message_;
     }
+}
+
+TEST_F(TreeStage, FitsWithoutASurfelSayWhatBecameOfTheCloud) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 1);
+    normals();
+    fit();
+    const std::string path = fit_path(file("work"), 0).string();
+    const auto told = [&](const char* counts) {
+        FitWriter fit(path);
+        fit.commit(fmt::format(R"({{"rules": {{"degree": 2}}, "counts": {}}})", counts), {});
+        EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::bad_data);
+        EXPECT_NE(message_.find("c.ply: the fit left no surfel of 3000 points"), std::string::npos) << message_;
+        return message_;
+    };
+    const std::string isolated = told(R"({"leaves": 0, "dropped_isolated": 2900, "dropped_unexplained": 70})");
+    EXPECT_NE(isolated.find("2900 with too few neighbours, 70 that no surfel explains"), std::string::npos) << isolated;
+    EXPECT_NE(isolated.find("take out strays"), std::string::npos) << isolated;
+    const std::string unexplained = told(R"({"leaves": 0, "dropped_isolated": 5, "dropped_unexplained": 2995})");
+    EXPECT_NE(unexplained.find("--normals estimate"), std::string::npos) << unexplained;
+    EXPECT_NE(told(R"({"leaves": 0})").find("none was dropped"), std::string::npos);
 }
 
 TEST_F(TreeStage, TheModelSaysWhatItWasMadeOf) {
