@@ -82,8 +82,7 @@ TEST_F(TreeStage, FitsWithoutASurfelSayWhatBecameOfTheCloud) {
     fit();
     const std::string path = fit_path(file("work"), 0).string();
     const auto told = [&](const char* counts) {
-        FitWriter fit(path);
-        fit.commit(fmt::format(R"({{"rules": {{"degree": 2}}, "counts": {}}})", counts), {});
+        write_fit(path, {}, fmt::format(R"({{"rules": {{"degree": 2}}, "counts": {}}})", counts));
         EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::bad_data);
         EXPECT_NE(message_.find("c.ply: the fit left no surfel of 3000 points"), std::string::npos) << message_;
         return message_;
