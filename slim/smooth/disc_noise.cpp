@@ -43,17 +43,19 @@ public:
         const double u = u_ / n_, v = v_ / n_, h = h_ / n_;
         const double uu = uu_ / n_ - u * u, uv = uv_ / n_ - u * v, vv = vv_ / n_ - v * v;
         const double uh = uh_ / n_ - u * h, vh = vh_ / n_ - v * h;
-        const double half = (uu + vv) / 2, apart = std::hypot((uu - vv) / 2, uv);
-        const double across = half - apart, along = half + apart;  // variances about the mean
-        if (!(along > 0)) return {};
-        // Unit direction along the points.
-        const double turn = std::atan2(2 * uv, uu - vv) / 2, c = std::cos(turn), s = std::sin(turn);
-        const double to = -(c * u + s * v), slope = (c * uh + s * vh) / along;
-        const MiddleOfPlane out{h + slope * to, (1 + to * to / along) / n_,
-                                across < kNearlyOnLine * along};
-        if (out.on_line) return out;
-        const double to_side = s * u - c * v, side = (c * vh - s * uh) / across;
-        return {out.height + side * to_side, out.variance + to_side * to_side / across / n_};
+        const double determinant = uu * vv - uv * uv, trace = uu + vv;
+        if (!(trace > 0)) return {};
+        constexpr double kOnLine = kNearlyOnLine / ((1 + kNearlyOnLine) * (1 + kNearlyOnLine));
+        if (determinant < kOnLine * trace * trace) {
+            // Along the eigenvector of the larger variance.
+            const double along = trace / 2 + std::hypot((uu - vv) / 2, uv);
+            const double x = uu > vv ? along - vv : uv, y = uu > vv ? uv : along - uu;
+            const double sq = x * x + y * y, to = -(x * u + y * v),
+                         slope = (x * uh + y * vh) / along;
+            return {h + slope * to / sq, (1 + to * to / (along * sq)) / n_, true};
+        }
+        const double to_u = (vv * u - uv * v) / determinant, to_v = (uu * v - uv * u) / determinant;
+        return {h - to_u * uh - to_v * vh, (1 + to_u * u + to_v * v) / n_};
     }
 
 private:
