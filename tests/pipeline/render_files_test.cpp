@@ -1,5 +1,6 @@
 #include "pipeline/render_files.h"
 
+#include "pipeline/manifest.h"
 #include "slim/base/error.h"
 #include "tests/pipeline/render_test_support.h"
 
