@@ -24,6 +24,7 @@ constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usua
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf that a fold ended: no more are asked for
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
+constexpr double kBlurred = 0.5;            // sqrt(lambda) over the spacing: from it on a single point's plane says nothing
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -109,8 +110,8 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
-    const bool may_widen = c.choice.limited && !rules_.sharp && !rules_.windows;
-    if (may_widen && is_resolved) widen(c, center, normal, work);
+    if (c.choice.limited && is_resolved && !rules_.sharp && !rules_.windows && !is_blurred())
+        widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
 }
@@ -127,14 +128,22 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
-    const bool ended_early = choice.forced || choice.limited;
-    CoveringSurfel leaf =
-        lends && ended_early
-            ? fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree, choice.forced,
-                                rules_.noise_variance, work.exact)
-            : fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree, choice.forced,
-                         rules_.noise_variance, work.exact.ball, edges());
-    if (ended_early && work.exact.ball.n <= kManyPoints)
+    if (lends && (choice.forced || choice.limited))
+        return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
+                                 choice.forced, rules_.noise_variance, work.exact);
+    return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
+                      choice.forced, rules_.noise_variance, work.exact.ball, edges());
+}
+
+/// Whether noise hides where single points lie.
+bool LeafMaker::is_blurred() const { return std::sqrt(rules_.noise_variance) > kBlurred * spacing_; }
+
+/// A leaf, and where it stands in the air if it ended early. Real edges have rims of their own (notes/0011).
+CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
+                                       LeafWork& work) const {
+    CoveringSurfel leaf = fit(center, normal, choice, work);
+    const bool ended_early = (choice.forced || choice.limited) && work.exact.ball.n <= kManyPoints;
+    if (ended_early && edges() != Edges::real && !is_blurred())
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
     return leaf;
 }
@@ -148,7 +157,10 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     for (const float radius : wider_radii(pyramid_.all(), center, c.choice.radius,
                                           ladder_.rung_radius(rules_.top_rung()), n_wanted, work.ladder.ball)) {
         wide.radius = static_cast<double>(radius);
-        if (!may_be_wide(fit(center, normal, wide, work))) continue;
+        CoveringSurfel leaf = fit(center, normal, wide, work);
+        if (!is_well_fitted(leaf)) continue;
+        leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
+        if (!ends_before_air(leaf)) continue;
         c.choice.radius = wide.radius;
         return;
     }
@@ -202,7 +214,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         return;
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        c.surfel = fit(center, normal, c.choice, work);
+        c.surfel = fit_with_air(center, normal, c.choice, work);
         if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
             if (rules_.is_sample()) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
@@ -255,7 +267,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
     RadiusChoice moved_choice = choice;
     moved_choice.radius = radius;
-    CoveringSurfel moved = fit(center, normal, moved_choice, work);
+    CoveringSurfel moved = fit_with_air(center, normal, moved_choice, work);
     if (rounds_off(moved)) return kGoldenRatio * radius;
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
     if (!moved.explains_center ||

@@ -58,12 +58,15 @@ private:
     double spacing_here() const;
     Edges edges() const;
     bool is_clean() const;
+    bool is_blurred() const;
     bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work) const;
+    CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
+                                LeafWork& work) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 

@@ -40,10 +40,11 @@ std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, dou
     return out;
 }
 
-bool may_be_wide(const CoveringSurfel& leaf) {
-    const FittedSurfel& f = leaf.fitted;
-    if (!(f.fit_error <= kWellFitted * f.surfel.support_radius) || !leaf.explains_center)
-        return false;
+bool is_well_fitted(const CoveringSurfel& leaf) {
+    return leaf.explains_center && leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
+}
+
+bool ends_before_air(const CoveringSurfel& leaf) {
     const PackedRims rims = rims_of(leaf);
     return std::none_of(leaf.air.begin(), leaf.air.end(), [&](const AirPlace& p) {
         return p.far && rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > 0;

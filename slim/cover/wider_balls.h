@@ -16,8 +16,10 @@ namespace slim {
 std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, double least,
                                double most, std::size_t n_wanted, BallPoints<float>& work);
 
-/// Whether a leaf of such a ball may be made: it explains its centre, is fitted well (eps < 0.06 rho), and ends at rims
-/// before all places where it would stand far in the air (notes/0012).
-bool may_be_wide(const CoveringSurfel& leaf);
+/// Whether the leaf of such a ball explains its centre and is fitted well, eps < 0.06 rho.
+bool is_well_fitted(const CoveringSurfel& leaf);
+
+/// Whether a leaf's rims lie before all places where it would stand far in the air, CoveringSurfel::air (notes/0012).
+bool ends_before_air(const CoveringSurfel& leaf);
 
 }  // namespace slim
