@@ -23,7 +23,8 @@ std::string file_lines(const json& files) {
 
 std::string render_summary(const RenderConfig& config, const json& result) {
     const std::string unit = config.unit.empty() ? "model units" : config.unit;
-    std::string text = file_lines(result.value("files", json::array()));
+    const json files = result.value("files", json::array()), ranges = result.value("ranges", json::object());
+    std::string text = file_lines(files);
     const double covered = result.value("covered_pixels", 0.0);
     const double all = result.value("rendered_pixels", 0.0) * result.value("frames", 1.0);
     text += fmt::format("{} x {} pixels{}", result.value("width", 0), result.value("height", 0),
@@ -32,7 +33,7 @@ std::string render_summary(const RenderConfig& config, const json& result) {
     if (result.contains("pixel_size"))
         text += fmt::format("; 1 pixel = {:.4g} {}", result.at("pixel_size").get<double>(), unit);
     text += "\n";
-    for (const auto& [aov, range] : result.value("ranges", json::object()).items())
+    for (const auto& [aov, range] : ranges.items())
         text += fmt::format("{}: {:.4g} to {:.4g}\n", aov, range.at(0).get<double>(), range.at(1).get<double>());
     if (result.contains("frame_ms_median"))
         text += fmt::format("drawn in {:.3g} ms{}\n", result.at("frame_ms_median").get<double>(),

@@ -39,7 +39,7 @@ ALLOWED = {
 HEAVY = {
     "CLI/": ["pipeline/command_line.cpp"],
     "toml++/": ["pipeline/toml_file.cpp"],
-    "OpenImageIO/": ["formats/image_io.cpp"],
+    "OpenImageIO/": ["formats/openimageio/light_image_module.cpp"],
     "CGAL/": ["slim/normals/", "tests/peers/"],
     "flann/": ["slim/neighbors/"],
 }
