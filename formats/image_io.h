@@ -112,6 +112,7 @@ struct PngImage {
     int width = 0, height = 0, n_file_channels = 0;
     std::vector<std::uint8_t> rgba;
     ImageMetadata metadata;
+    bool is_srgb = false;  ///< marked so
 };
 /// throws IoError if there is no such file, FormatError if it is no PNG or is damaged
 PngImage read_png(const std::string& path);

@@ -277,7 +277,7 @@ void PngReader::State::read_texts() {
     for (int i = 0; i < n; ++i)
         header.metadata[name_from_png(texts[i].key)] = texts[i].text ? texts[i].text : "";
     int intent = 0;
-    if (png_get_sRGB(png, info, &intent)) header.metadata["oiio:ColorSpace"] = "sRGB";
+    if (png_get_sRGB(png, info, &intent)) header.is_srgb = true;
     png_timep time = nullptr;
     if (!png_get_tIME(png, info, &time)) return;
     std::array<char, 40> words{};

@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kTries = 4;
 constexpr double kWellFitted = 0.06;  // eps / rho
+/// Of its weight: rims have 32 directions, and an edge between two of them must not count as air along its ends.
+constexpr double kHardlyThere = 0.4;
 
 }  // namespace
 
@@ -47,7 +49,7 @@ bool is_well_fitted(const CoveringSurfel& leaf) {
 bool ends_before_air(const CoveringSurfel& leaf) {
     const PackedRims rims = rims_of(leaf);
     return std::none_of(leaf.air.begin(), leaf.air.end(), [&](const AirPlace& p) {
-        return p.far && rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > 0;
+        return p.far && rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > kHardlyThere;
     });
 }
 

@@ -283,7 +283,7 @@ def options_without_effect():
     for options in (["--same-scale", "--ortho"], ["--bounces", "3", "--mode", "raytrace"], ["--lod", "2"],
                     ["--no-shadows", "--mode", "raytrace"], ["--light-maps", "--aov", "mean"],
                     ["--percentile", "90", "--aov", "error"], ["--range", "mean=3", "--aov", "mean,gauss"],
-                    ["--fov", "20", "--ortho", "--camera", "0,0,9,0,0,0"], ["--up", "z", "--camera", "0,0,9,0,0,0"],
+                    ["--fov", "20", "--ortho", "--camera", "0,0,9,0,0,0"], ["--up", "z", "--camera", "9,0,0,0,0,0"],
                     ["--up", "z", "--camera", "0,0,9,0,0,0,0,1,0", "--aov", "hillshade"],
                     ["--percentile", "50", "--aov", "mean,gauss", "--range", "mean=5"],
                     ["--same-range", "front,top", "--aov", "mean,depth", "--range", "mean=3"],
