@@ -24,7 +24,8 @@ constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usua
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf that a fold ended: no more are asked for
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
-constexpr double kBlurred = 0.5;            // sqrt(lambda) over the spacing: from it on a single point's plane says nothing
+constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
+constexpr double kLittleNoise = 0.15;       // the same: up to it planes say enough for larger balls to be worth their time
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -110,7 +111,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
-    if (c.choice.limited && is_resolved && !rules_.sharp && !rules_.windows && !is_blurred())
+    if (c.choice.limited && is_resolved && !rules_.sharp && !rules_.windows && relative_noise() < kLittleNoise)
         widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
@@ -135,15 +136,15 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                       choice.forced, rules_.noise_variance, work.exact.ball, edges());
 }
 
-/// Whether noise hides where single points lie.
-bool LeafMaker::is_blurred() const { return std::sqrt(rules_.noise_variance) > kBlurred * spacing_; }
+/// sqrt(lambda) over the spacing.
+double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_variance) / spacing_; }
 
 /// A leaf, and where it stands in the air if it ended early. Real edges have rims of their own (notes/0011).
 CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                        LeafWork& work) const {
     CoveringSurfel leaf = fit(center, normal, choice, work);
     const bool ended_early = (choice.forced || choice.limited) && work.exact.ball.n <= kManyPoints;
-    if (ended_early && edges() != Edges::real && !is_blurred())
+    if (ended_early && edges() != Edges::real && relative_noise() < kBlurred)
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
     return leaf;
 }

@@ -58,7 +58,7 @@ private:
     double spacing_here() const;
     Edges edges() const;
     bool is_clean() const;
-    bool is_blurred() const;
+    double relative_noise() const;
     bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;
