@@ -25,7 +25,7 @@ struct Feet {
     std::array<float, kMostGroups * kLanes> u{}, v{}, x, y, z, sq, index;
     std::size_t n = 0;
 
-    FloatV lanes(const auto& a, std::size_t group) const { return {&a[group * kLanes], stdx::element_aligned}; }
+    FloatV lanes(const auto& a, std::size_t group) const { return {&a[group * static_cast<std::size_t>(kLanes)], stdx::element_aligned}; }
     std::size_t n_groups() const { return (n + kLanes - 1) / kLanes; }
     Vec3d foot(std::size_t i) const {
         return {static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i])};
@@ -47,26 +47,38 @@ Feet feet_on(const Surfel& surfel) {
     return out;
 }
 
-/// Finds the nearest point of each foot: a few points at a time over all feet, which stay in the cache.
-[[gnu::flatten]] void find_nearest(const BallPoints<double>& ball, Feet& feet) {
-    feet.sq.fill(4), feet.index.fill(0);  // (2 rho)^2: nothing in a ball is farther
-    std::array<float, kPointsAtOnce> x, y, z;
-    for (std::size_t first = 0; first < ball.n; first += kPointsAtOnce) {
-        const std::size_t n = std::min(kPointsAtOnce, ball.n - first);
+/// A few points p of a ball: -2 p, |p|^2 and the index.
+struct Points {
+    std::array<float, kPointsAtOnce> x, y, z, sq, index;
+    std::size_t n = 0;
+
+    Points(const BallPoints<double>& ball, std::size_t first) : n(std::min(kPointsAtOnce, ball.n - first)) {
         for (std::size_t i = 0; i < n; ++i) {
-            x[i] = static_cast<float>(ball.x[first + i]), y[i] = static_cast<float>(ball.y[first + i]);
-            z[i] = static_cast<float>(ball.z[first + i]);
+            const std::size_t j = first + i;
+            const Vec3d p{ball.x[j], ball.y[j], ball.z[j]};
+            x[i] = static_cast<float>(-2 * p.x), y[i] = static_cast<float>(-2 * p.y), z[i] = static_cast<float>(-2 * p.z);
+            sq[i] = static_cast<float>(sq_length(p)), index[i] = static_cast<float>(j);
         }
+    }
+};
+
+/// Finds the nearest point p of each foot x by |p|^2 - 2 x . p: a few points at a time over all feet, which stay in the
+/// cache.
+[[gnu::flatten]] void find_nearest(const BallPoints<double>& ball, Feet& feet) {
+    feet.sq.fill(4), feet.index.fill(0);  // no point of a ball is so far
+    for (std::size_t first = 0; first < ball.n; first += kPointsAtOnce) {
+        const Points points(ball, first);
         for (std::size_t g = 0; g < feet.n_groups(); ++g) {
-            const FloatV at_x = feet.lanes(feet.x, g), at_y = feet.lanes(feet.y, g), at_z = feet.lanes(feet.z, g);
-            FloatV sq = feet.lanes(feet.sq, g), index = feet.lanes(feet.index, g);
-            for (std::size_t i = 0; i < n; ++i) {
-                const FloatV dx = at_x - x[i], dy = at_y - y[i], dz = at_z - z[i];
-                const FloatV away = lanes_fma(dx, dx, lanes_fma(dy, dy, dz * dz));
-                index = select(away < sq, FloatV(static_cast<float>(first + i)), index);
-                sq = stdx::min(away, sq);
+            const FloatV x = feet.lanes(feet.x, g), y = feet.lanes(feet.y, g), z = feet.lanes(feet.z, g);
+            FloatV least = feet.lanes(feet.sq, g), index = feet.lanes(feet.index, g);
+            for (std::size_t i = 0; i < points.n; ++i) {
+                const FloatV sq =
+                    lanes_fma(x, FloatV(points.x[i]),
+                              lanes_fma(y, FloatV(points.y[i]), lanes_fma(z, FloatV(points.z[i]), FloatV(points.sq[i]))));
+                index = select(sq < least, FloatV(points.index[i]), index);
+                least = stdx::min(sq, least);
             }
-            sq.copy_to(&feet.sq[g * kLanes], stdx::element_aligned);
+            least.copy_to(&feet.sq[g * kLanes], stdx::element_aligned);
             index.copy_to(&feet.index[g * kLanes], stdx::element_aligned);
         }
     }
@@ -84,8 +96,9 @@ std::vector<AirPlace> air_places(const Surfel& surfel, const BallPoints<double>&
     for (std::size_t i = 0; i < feet.n; ++i) {
         const auto p = static_cast<std::size_t>(feet.index[i]);
         const Vec3d normal{ball.nx[p], ball.ny[p], ball.nz[p]};
-        const double height = dot(normal, feet.foot(i) - Vec3d{ball.x[p], ball.y[p], ball.z[p]});
-        const bool far = static_cast<double>(feet.sq[i]) > gap_sq || std::abs(height) > kFar * spacing;
+        const Vec3d away = feet.foot(i) - Vec3d{ball.x[p], ball.y[p], ball.z[p]};
+        const double height = dot(normal, away);
+        const bool far = sq_length(away) > gap_sq || std::abs(height) > kFar * spacing;
         if (far || height > kStandsOut * spacing) out.push_back({feet.u[i], feet.v[i], far});
     }
     return out;
