@@ -158,7 +158,8 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     for (const float radius : wider_radii(pyramid_.all(), center, c.choice.radius,
                                           ladder_.rung_radius(rules_.top_rung()), n_wanted, work.ladder.ball)) {
         wide.radius = static_cast<double>(radius);
-        CoveringSurfel leaf = fit(center, normal, wide, work);
+        CoveringSurfel leaf = fit_surfel(pyramid_.all(), center, normal, wide.radius, wide.degree, false,
+                                         rules_.noise_variance, work.exact.ball);
         if (!is_well_fitted(leaf)) continue;
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
         if (!ends_before_air(leaf)) continue;
