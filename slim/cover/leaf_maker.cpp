@@ -154,16 +154,17 @@ CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal,
 void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
     const int degree = rules_.ladder.choose_degree ? rules_.usual_degree() : c.choice.degree;
     const auto n_wanted = static_cast<std::size_t>(kWantedOfWide * n_coefficients(degree));
-    RadiusChoice wide = c.choice;
-    for (const float radius : wider_radii(pyramid_.all(), center, c.choice.radius,
-                                          ladder_.rung_radius(rules_.top_rung()), n_wanted, work.ladder.ball)) {
-        wide.radius = static_cast<double>(radius);
-        CoveringSurfel leaf = fit_surfel(pyramid_.all(), center, normal, wide.radius, wide.degree, false,
-                                         rules_.noise_variance, work.exact.ball);
+    const auto radii = wider_radii(pyramid_.all(), center, c.choice.radius, ladder_.rung_radius(rules_.top_rung()),
+                                   n_wanted, work.wide);
+    for (const float radius : radii) {
+        BallPoints<double>& ball = work.exact.ball;
+        shrink_ball(work.wide, static_cast<double>(radius), ball);
+        CoveringSurfel leaf =
+            fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, rules_.noise_variance, ball);
         if (!is_well_fitted(leaf)) continue;
-        leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
+        leaf.air = air_places(leaf.fitted.surfel, ball);
         if (!ends_before_air(leaf)) continue;
-        c.choice.radius = wide.radius;
+        c.choice.radius = static_cast<double>(radius);
         return;
     }
 }

@@ -31,6 +31,7 @@ struct LeafCandidate {
 struct LeafWork {
     LadderWork ladder;
     SteadyWork exact;
+    BallPoints<double> wide;  ///< the largest ball that a leaf might take
     SharpWork<double> sharp;
     std::size_t searches = 0;
 };

@@ -217,10 +217,8 @@ bool holds_edge(const BallPoints<double>& ball, const BallFit& fit) {
     return false;
 }
 
-BallFit fit_all_points(const PointTree& points, const Vec3d& center, const Vec3d& normal,
-                       double radius, int degree, bool forced, double noise_variance, Enough enough,
-                       Edges edges, BallPoints<double>& ball) {
-    gather_ball(points, center, radius, ball);
+BallFit fit_gathered(const Vec3d& normal, int degree, bool forced, double noise_variance, Enough enough, Edges edges,
+                     BallPoints<double>& ball) {
     const BallNormal average = average_normal(ball, 1, normal);
     BallFit out{frame_from_normal(round_normal(average.normal)), {}, {}, average.disagree};
     set_contrary_aside(ball, out.frame.normal, out.aside);
@@ -260,16 +258,23 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball, Edges edges) {
     const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
-    const BallFit fit =
-        fit_all_points(points, center, normal, radius, degree, forced, noise_variance, enough, edges, ball);
+    gather_ball(points, center, radius, ball);
+    const BallFit fit = fit_gathered(normal, degree, forced, noise_variance, enough, edges, ball);
     return cover_by(points, center, fit, noise_variance, edges, ball);
+}
+
+CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
+                                   double noise_variance, BallPoints<double>& ball) {
+    const BallFit fit =
+        fit_gathered(normal, degree, false, noise_variance, Enough::points, Edges::ignored, ball);
+    return cover_by(points, center, fit, noise_variance, Edges::ignored, ball);
 }
 
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work) {
-    BallFit fit = fit_all_points(points.all(), center, normal, radius, degree, forced,
-                                 noise_variance, Enough::freedom, Edges::ignored, work.ball);
+    gather_ball(points.all(), center, radius, work.ball);
+    BallFit fit = fit_gathered(normal, degree, forced, noise_variance, Enough::freedom, Edges::ignored, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
     if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;

@@ -70,6 +70,10 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& work, Edges edges = Edges::ignored);
 
+/// The same of the points in a ball about the centre that was gathered already; never forced.
+CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
+                                   double noise_variance, BallPoints<double>& ball);
+
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {
     BallPoints<double> ball;

@@ -10,6 +10,7 @@ namespace slim {
 namespace {
 
 constexpr int kTries = 4;
+constexpr double kMoreThanWanted = 1.3;  // times as many points are gathered at first, if they are spread evenly
 constexpr double kWellFitted = 0.06;  // eps / rho
 /// Of its weight: rims have 32 directions, and an edge between two of them must not count as air along its ends.
 constexpr double kHardlyThere = 0.4;
@@ -17,24 +18,27 @@ constexpr double kHardlyThere = 0.4;
 }  // namespace
 
 std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, double least,
-                               double most, std::size_t n_wanted, BallPoints<float>& work) {
+                               double most, std::size_t n_wanted, BallPoints<double>& ball) {
     std::vector<float> out;
-    gather_ball(points, center, least, work);
-    const auto n_least = static_cast<double>(work.n);
-    if (work.n == 0 || work.n >= n_wanted) return out;
-    double radius = least;
-    while (work.n <= n_wanted && radius < most) {
+    const std::size_t n_least = count_in_ball(points, center, least, n_wanted);
+    if (n_least == 0 || n_least >= n_wanted) return out;
+    const auto times = static_cast<double>(n_wanted) / static_cast<double>(n_least);
+    double radius = std::min(least * std::sqrt(kMoreThanWanted * times), most);
+    gather_ball(points, center, radius, ball);
+    while (ball.n <= n_wanted && radius < most) {
         radius = std::min(radius / kGoldenRatio, most);
-        gather_ball(points, center, radius, work);
+        gather_ball(points, center, radius, ball);
     }
-    std::vector<float> sq(work.sq.begin(), work.sq.begin() + static_cast<std::ptrdiff_t>(work.n));
-    std::sort(sq.begin(), sq.end());
+    std::vector<double> sq(ball.sq.begin(), ball.sq.begin() + static_cast<std::ptrdiff_t>(ball.n));
+    auto end = sq.end();  // before it: the nearest ones
     const auto n_most = static_cast<double>(std::min(n_wanted, sq.size()));
     for (int i = 0; i < kTries; ++i) {
         const double share = static_cast<double>(i) / kTries;
-        const auto n =
-            static_cast<std::size_t>(std::pow(n_most, 1 - share) * std::pow(n_least, share));
-        const double reach = n < sq.size() ? std::sqrt(static_cast<double>(sq[n])) : 1;
+        const auto n = static_cast<std::ptrdiff_t>(std::pow(n_most, 1 - share) *
+                                                   std::pow(static_cast<double>(n_least), share));
+        const auto nth = sq.begin() + n;
+        if (nth < end) std::nth_element(sq.begin(), nth, end), end = nth;
+        const double reach = nth < sq.end() ? std::sqrt(*nth) : 1;
         const auto wider = static_cast<float>(reach * radius);
         if (static_cast<double>(wider) > least && (out.empty() || wider < out.back()))
             out.push_back(wider);

@@ -11,10 +11,11 @@
 namespace slim {
 
 /// Radii above `least`, falling, up to `most`: those whose balls hold n_wanted points and, in four steps of the same
-/// ratio, fewer, down towards what the least one holds. None where that holds as many.
-/// Cost: gathers of up to 2.6 n_wanted points.
+/// ratio, fewer, down towards what the least one holds. None where that holds as many. `ball` is left one about the centre
+/// that holds those of all of them.
+/// Cost: gathers of some 1.5 n_wanted points on a surface.
 std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, double least,
-                               double most, std::size_t n_wanted, BallPoints<float>& work);
+                               double most, std::size_t n_wanted, BallPoints<double>& ball);
 
 /// Whether the leaf of such a ball explains its centre and is fitted well, eps < 0.06 rho.
 bool is_well_fitted(const CoveringSurfel& leaf);

@@ -121,24 +121,36 @@ void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoint
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<double>&);
 
-void shrink_ball(BallPoints<float>& ball, double radius) {
-    const auto factor = static_cast<float>(ball.radius / radius);
+template <class T>
+void shrink_ball(const BallPoints<T>& ball, double radius, BallPoints<T>& out) {
+    using V = stdx::native_simd<T>;
+    using Floats = stdx::rebind_simd_t<float, V>;
+    const auto factor = static_cast<T>(ball.radius / radius);
     const std::size_t end = ball.padded();
-    ball.n = 0;
-    ball.radius = radius;
-    for (std::size_t i = 0; i < end; i += FloatV::size()) {
-        const auto at = [&](const std::vector<float>& a) { return FloatV(&a[i], stdx::element_aligned); };
-        const FloatV x = at(ball.x), y = at(ball.y), z = at(ball.z), sq = at(ball.sq) * (factor * factor);
-        const FloatV nx = at(ball.nx), ny = at(ball.ny), nz = at(ball.nz);
-        const std::uint64_t inside = lane_bits(sq < 1.0f);
-        compress_to(x * factor, inside, &ball.x[ball.n]), compress_to(y * factor, inside, &ball.y[ball.n]);
-        compress_to(z * factor, inside, &ball.z[ball.n]), compress_to(sq, inside, &ball.sq[ball.n]);
-        compress_to(nx, inside, &ball.nx[ball.n]), compress_to(ny, inside, &ball.ny[ball.n]);
-        compress_to(nz, inside, &ball.nz[ball.n]);
-        ball.n += static_cast<std::size_t>(std::popcount(inside));
+    reserve_points(out, end + V::size());
+    out.radius = radius;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < end; i += V::size()) {
+        const auto at = [&](const std::vector<T>& a) { return V(&a[i], stdx::element_aligned); };
+        const V sq = at(ball.sq) * (factor * factor);
+        const std::uint64_t inside = lane_bits(sq < T(1));
+        const auto put = [&]<class W, class U>(const W& from, std::vector<U>& to) { compress_to(from, inside, &to[n]); };
+        const auto put_normal = [&](const std::vector<float>& from, std::vector<float>& to) {
+            put(Floats(&from[i], stdx::element_aligned), to);
+        };
+        put(at(ball.x) * factor, out.x), put(at(ball.y) * factor, out.y), put(at(ball.z) * factor, out.z);
+        put(sq, out.sq);
+        put_normal(ball.nx, out.nx), put_normal(ball.ny, out.ny), put_normal(ball.nz, out.nz);
+        if constexpr (kHasIndex<T>)
+            put(LanesOfDouble<std::uint32_t>(&ball.index[i], stdx::element_aligned), out.index);
+        n += static_cast<std::size_t>(std::popcount(inside));
     }
-    pad(ball);
+    out.n = n;
+    pad(out);
 }
+
+template void shrink_ball(const BallPoints<float>&, double, BallPoints<float>&);
+template void shrink_ball(const BallPoints<double>&, double, BallPoints<double>&);
 
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
                           std::size_t enough) {

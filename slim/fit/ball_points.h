@@ -34,8 +34,9 @@ struct BallPoints {
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
 
-/// Leaves of a ball the points within a smaller radius. Cost: a pass by lanes, no memory but the ball's.
-void shrink_ball(BallPoints<float>& ball, double radius);
+/// The points of a ball within a smaller radius about the same centre; `out` may be the ball itself. Cost: a pass by lanes.
+template <class T>
+void shrink_ball(const BallPoints<T>& ball, double radius, BallPoints<T>& out);
 
 /// Number of the tree's points in the ball, by their floats, at most `enough` counted.
 std::size_t count_in_ball(const PointTree& tree, const Vec3d& center, double radius,

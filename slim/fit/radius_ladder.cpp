@@ -72,7 +72,7 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
                })) >= enough;
     };
     while (rung < last_rung_ && holds_enough(rung + 1)) ++rung;
-    if (rung_radius(rung) < work.ball.radius) shrink_ball(work.ball, rung_radius(rung));
+    if (rung_radius(rung) < work.ball.radius) shrink_ball(work.ball, rung_radius(rung), work.ball);
     return rung;
 }
 

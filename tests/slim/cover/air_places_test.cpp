@@ -113,7 +113,7 @@ TEST(AirPlaces, ARimEndsTheLeafBeforeThem) {
 TEST(WiderBalls, RadiiFallFromTheWantedPointsToThoseThere) {
     const PointBlock block = edge_points(false);
     const PointTree tree = tree_of(block);
-    BallPoints<float> work;
+    BallPoints<double> work;
     const Vec3d c = tree.position(7);
     const auto radii = wider_radii(tree, c, 0.07, 2, 144, work);
     ASSERT_EQ(radii.size(), 4u);
@@ -122,6 +122,25 @@ TEST(WiderBalls, RadiiFallFromTheWantedPointsToThoseThere) {
     EXPECT_EQ(count_in_ball(tree, c, static_cast<double>(radii.front()) * (1 + 1e-6), 1000), 145u);
     EXPECT_TRUE(wider_radii(tree, c, 0.5, 2, 144, work).empty()) << "there are as many already";
     for (const float r : wider_radii(tree, c, 0.07, 0.08, 144, work)) EXPECT_LE(r, 0.08f);
+}
+
+TEST(WiderBalls, ABallGatheredForAllHoldsThoseOfEachRadius) {
+    const PointBlock block = edge_points(false);
+    const PointTree tree = tree_of(block);
+    BallPoints<double> all, shrunk, fresh;
+    const Vec3d c = tree.position(7);
+    for (const float r : wider_radii(tree, c, 0.07, 2, 144, all)) {
+        const auto radius = static_cast<double>(r);
+        shrink_ball(all, radius, shrunk);
+        gather_ball(tree, c, radius, fresh);
+        ASSERT_EQ(shrunk.n, fresh.n);
+        EXPECT_EQ(shrunk.radius, radius);
+        for (std::size_t i = 0; i < fresh.n; ++i) {
+            ASSERT_EQ(shrunk.index[i], fresh.index[i]);
+            ASSERT_NEAR(shrunk.x[i], fresh.x[i], 1e-12);
+            ASSERT_EQ(shrunk.nz[i], fresh.nz[i]);
+        }
+    }
 }
 
 TEST(WiderBalls, APoorFitIsNotWide) {

@@ -115,7 +115,7 @@ TEST(ShrinkBall, LeavesWhatAGatheredBallHolds) {
         for (std::uint64_t q = 0; q < 20; ++q) {
             const Vec3d c = random_in_cube(98, q);
             gather_ball(tree, c, 1, shrunk);
-            shrink_ball(shrunk, 0.618);
+            shrink_ball(shrunk, 0.618, shrunk);
             gather_ball(tree, c, 0.618, gathered);
             ASSERT_EQ(shrunk.n, gathered.n);
             EXPECT_EQ(shrunk.radius, 0.618);
