@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 namespace slim {
@@ -20,31 +22,55 @@ constexpr std::size_t kSide = 2 * kGrid + 1;
 constexpr std::size_t kMostGroups = (kSide * kSide + kLanes - 1) / kLanes;
 constexpr std::size_t kPointsAtOnce = 64;
 
-/// Places of the grid within the core, their feet on a surfel, and the nearest point to each, by groups of lanes.
+/// Places of the grid, coordinates over rho in the tangent plane: the disc of radius kTrim, padded by places without.
+struct Grid {
+    std::array<float, kMostGroups * kLanes> u, v;
+    std::size_t n_groups = 0;
+
+    Grid() {
+        u.fill(2), v.fill(2);
+        std::size_t n = 0;
+        for (int i = -kGrid; i <= kGrid; ++i)
+            for (int j = -kGrid; j <= kGrid; ++j)
+                if (i * i + j * j < kGrid * kGrid)
+                    u[n] = static_cast<float>(kTrim * i / kGrid), v[n++] = static_cast<float>(kTrim * j / kGrid);
+        n_groups = (n + kLanes - 1) / kLanes;
+    }
+};
+
+FloatV lanes_of(const auto& a, std::size_t group) {
+    return {&a[group * static_cast<std::size_t>(kLanes)], stdx::element_aligned};
+}
+
+/// Places whose feet on a surfel are within its core, and the nearest point to each, by groups of lanes.
 struct Feet {
-    std::array<float, kMostGroups * kLanes> u{}, v{}, x, y, z, sq, index;
+    std::array<float, (kMostGroups + 1) * kLanes> u, v, x, y, z, sq, index;
     std::size_t n = 0;
 
-    FloatV lanes(const auto& a, std::size_t group) const { return {&a[group * static_cast<std::size_t>(kLanes)], stdx::element_aligned}; }
     std::size_t n_groups() const { return (n + kLanes - 1) / kLanes; }
     Vec3d foot(std::size_t i) const {
         return {static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i])};
     }
 };
 
-Feet feet_on(const Surfel& surfel) {
-    Feet out;
-    for (int i = -kGrid; i <= kGrid; ++i)
-        for (int j = -kGrid; j <= kGrid; ++j) {
-            const double u = kTrim * i / kGrid, v = kTrim * j / kGrid;
-            const Vec3d p = surfel.frame.world_from_local({u, v, surfel.polynomial.value(u, v)});
-            if (sq_length(p) >= kTrim * kTrim) continue;
-            out.u[out.n] = static_cast<float>(u), out.v[out.n] = static_cast<float>(v);
-            out.x[out.n] = static_cast<float>(p.x), out.y[out.n] = static_cast<float>(p.y);
-            out.z[out.n++] = static_cast<float>(p.z);
-        }
+[[gnu::flatten]] void find_feet(const Surfel& surfel, Feet& out) {
+    static const Grid grid;
+    const auto spread = [](const Vec3d& a) {
+        const Vec3f f = to_float(a);
+        return Vec3<FloatV>{FloatV(f.x), FloatV(f.y), FloatV(f.z)};
+    };
+    const Frame<FloatV> frame{spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
+    Polynomial<FloatV> polynomial;
+    for (std::size_t k = 0; k < polynomial.a.size(); ++k) polynomial.a[k] = static_cast<float>(surfel.polynomial.a[k]);
+    for (std::size_t g = 0; g < grid.n_groups; ++g) {
+        const FloatV u = lanes_of(grid.u, g), v = lanes_of(grid.v, g);
+        const Vec3<FloatV> p = frame.world_from_local({u, v, polynomial.value(u, v)});
+        const std::uint64_t inside = lane_bits(dot(p, p) < static_cast<float>(kTrim * kTrim));
+        const auto put = [&](const FloatV& from, auto& to) { compress_to(from, inside, &to[out.n]); };
+        put(u, out.u), put(v, out.v), put(p.x, out.x), put(p.y, out.y), put(p.z, out.z);
+        out.n += static_cast<std::size_t>(std::popcount(inside));
+    }
     for (std::size_t i = out.n; i < out.n_groups() * kLanes; ++i) out.x[i] = out.y[i] = out.z[i] = 0;
-    return out;
 }
 
 /// A few points p of a ball: -2 p, |p|^2 and the index.
@@ -69,8 +95,8 @@ struct Points {
     for (std::size_t first = 0; first < ball.n; first += kPointsAtOnce) {
         const Points points(ball, first);
         for (std::size_t g = 0; g < feet.n_groups(); ++g) {
-            const FloatV x = feet.lanes(feet.x, g), y = feet.lanes(feet.y, g), z = feet.lanes(feet.z, g);
-            FloatV least = feet.lanes(feet.sq, g), index = feet.lanes(feet.index, g);
+            const FloatV x = lanes_of(feet.x, g), y = lanes_of(feet.y, g), z = lanes_of(feet.z, g);
+            FloatV least = lanes_of(feet.sq, g), index = lanes_of(feet.index, g);
             for (std::size_t i = 0; i < points.n; ++i) {
                 const FloatV sq =
                     lanes_fma(x, FloatV(points.x[i]),
@@ -91,7 +117,8 @@ std::vector<AirPlace> air_places(const Surfel& surfel, const BallPoints<double>&
     if (ball.n == 0) return out;
     const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(ball.n));
     const double gap_sq = kGap * spacing * kGap * spacing;
-    Feet feet = feet_on(surfel);
+    Feet feet;
+    find_feet(surfel, feet);
     find_nearest(ball, feet);
     for (std::size_t i = 0; i < feet.n; ++i) {
         const auto p = static_cast<std::size_t>(feet.index[i]);
