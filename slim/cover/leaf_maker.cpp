@@ -129,7 +129,7 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
-    if (lends && (choice.forced || choice.limited))
+    if (lends && (choice.forced || (choice.limited && !choice.widened)))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
@@ -165,6 +165,7 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
         leaf.air = air_places(leaf.fitted.surfel, ball);
         if (!ends_before_air(leaf)) continue;
         c.choice.radius = static_cast<double>(radius);
+        c.choice.widened = true;
         return;
     }
 }

@@ -41,6 +41,7 @@ struct RadiusChoice {
                              ///< sheet ended the ladder, not E
     double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
     double finest = 0;       ///< radius of the finest admissible rung
+    bool widened = false;    ///< past what limited it: the plain fit of the larger ball allows it (slim/cover/notes/0012)
 };
 
 /// Whether so many of n points may disagree: what noise explains, mean + 3 sigma of a Poisson count.
