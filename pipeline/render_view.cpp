@@ -115,8 +115,8 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
         if (numbers.size() != 9 && numbers.size() != 6)
             throw ConfigError(fmt::format(
                 "camera: expected front, back, left, right, top, bottom, iso or nine numbers "
-                "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"",
-                config.camera));
+                "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"{}",
+                config.camera, config.camera.find("zoom") == std::string::npos ? "" : "; --zoom 2 enlarges"));
         camera = camera_of_numbers(numbers, config, model.origin);
         camera.orthographic = orthographic;
         camera.width *= aspect;
