@@ -113,7 +113,8 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
-    if (c.choice.limited && is_resolved && !rules_.sharp && !rules_.windows && relative_noise() < kLittleNoise)
+    const bool may_widen = c.choice.limited && is_resolved && c.n_sheets == 1 && !rules_.windows;
+    if (may_widen && relative_noise() < kLittleNoise)
         widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
@@ -163,7 +164,7 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
                                           ladder_.rung_radius(rules_.top_rung()), n_wanted, work.ladder.ball)) {
         wide.radius = static_cast<double>(radius);
         CoveringSurfel leaf = fit(center, normal, wide, work);
-        if (!is_well_fitted(leaf)) continue;
+        if (!is_well_fitted(leaf) || (rules_.sharp && shows_edge(leaf))) continue;
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
         if (!ends_before_air(leaf)) continue;
         c.choice.radius = wide.radius;
