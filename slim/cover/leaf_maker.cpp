@@ -26,6 +26,8 @@ constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf th
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
 constexpr double kLittleNoise = 0.15;       // the same: up to it planes say enough for larger balls to be worth their time
+constexpr std::size_t kFewForAir = 8;       // points of a ball: of fewer there is no saying where a surface ends
+constexpr double kThickForAir = 0.1;        // eps / rho: thicker leaves have no surface to stand off from
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -111,7 +113,8 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
-    if (c.choice.limited && is_resolved && !rules_.sharp && !rules_.windows && relative_noise() < kLittleNoise)
+    const bool may_widen = c.choice.limited && is_resolved && c.n_sheets == 1 && !rules_.windows;
+    if (may_widen && relative_noise() < kLittleNoise)
         widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
@@ -143,8 +146,10 @@ double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_varianc
 CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                        LeafWork& work) const {
     CoveringSurfel leaf = fit(center, normal, choice, work);
-    const bool ended_early = (choice.forced || choice.limited) && work.exact.ball.n <= kManyPoints;
-    if (ended_early && edges() != Edges::real && relative_noise() < kBlurred)
+    const std::size_t n = work.exact.ball.n;
+    const bool is_thin = leaf.fitted.fit_error <= kThickForAir * leaf.fitted.surfel.support_radius;
+    const bool ended_early = (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
+    if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
     return leaf;
 }
@@ -160,14 +165,22 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
         BallPoints<double>& ball = work.exact.ball;
         shrink_ball(work.wide, static_cast<double>(radius), ball);
         CoveringSurfel leaf =
-            fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, rules_.noise_variance, ball);
-        if (!is_well_fitted(leaf)) continue;
+            fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false, rules_.noise_variance, ball, edges());
+        if (!is_well_fitted(leaf) || (rules_.sharp && shows_edge(leaf))) continue;
         leaf.air = air_places(leaf.fitted.surfel, ball);
         if (!ends_before_air(leaf)) continue;
         c.choice.radius = static_cast<double>(radius);
         c.choice.widened = true;
         return;
     }
+}
+
+/// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013).
+void LeafMaker::shrink_to_few(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
+    const double share = share_of_few(c.surfel);
+    if (!(share < 1)) return;
+    c.choice.radius = static_cast<float>(share * c.choice.radius);
+    c.surfel = fit_with_air(center, normal, c.choice, work);
 }
 
 /// Whether the cloud has neither contrary normals nor much noise.
@@ -219,6 +232,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_with_air(center, normal, c.choice, work);
+        if (c.choice.forced && c.sparse) shrink_to_few(c, center, normal, work);
         if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
             if (rules_.is_sample()) c.choice.radius = kWaits;
             c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);

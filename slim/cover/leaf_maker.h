@@ -69,6 +69,7 @@ private:
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                 LeafWork& work) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    void shrink_to_few(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;

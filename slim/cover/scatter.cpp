@@ -2,7 +2,9 @@
 
 #include "slim/model/surfel_tree.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace slim {
 namespace {
@@ -23,6 +25,9 @@ constexpr double kNoisyTwoSheets = 0.04;
 // sqrt(lambda) / rho, below it a few points are a detail; of the usual finest ball it is 0.10 and
 // 0.27 on bunny_raw and happy_stand_raw, 0.02 to 0.03 on clean meshes, 0.06 on autzen_stadium.
 constexpr double kNoisy = 0.07;
+constexpr std::size_t kFewOfGap = 8;  // points that a leaf in a gap covers: fewer do not fill its ball
+constexpr double kBeyondLast = 1.15;  // times the farthest of them: so far their leaf reaches
+constexpr double kLeastOfGap = 0.1;
 
 }  // namespace
 
@@ -41,6 +46,14 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean
     // In the air a clump has no more points in a larger ball, and the larger is the cheaper.
     const bool is_clump = f.n_points > kMany && leaf.middle > kClump;
     return is_line || is_thick || is_torn || is_clump;
+}
+
+double share_of_few(const CoveringSurfel& leaf) {
+    if (leaf.covered.size() < 2 || leaf.covered.size() >= kFewOfGap) return 1;
+    double farthest = 0;
+    for (const Covered& p : leaf.covered)
+        farthest = std::max(farthest, std::hypot(static_cast<double>(p.u), static_cast<double>(p.v)));
+    return std::clamp(kBeyondLast * farthest, kLeastOfGap, 1.0);
 }
 
 bool is_doubtful(const FittedSurfel& leaf, double noise_variance) {

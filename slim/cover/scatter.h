@@ -16,6 +16,10 @@ inline constexpr std::uint32_t kFewest = 3;  ///< points that any leaf may have
 /// contrary normals nor much noise, whose leaves may be as thick as points at random (notes/0011).
 bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean);
 
+/// Share of its radius, from 0.1 to 1, that a leaf of 2 to 7 covered points asks for: 1.15 times the farthest of them in
+/// its tangent plane. 1 of all others.
+double share_of_few(const CoveringSurfel& leaf);
+
 /// Whether a small leaf of a noisy cloud says less of its points than a surface beside them does:
 /// forced with up to 25 points, or up to 60 that fill a volume (eps above 0.12 rho), where
 /// sqrt(lambda) is above 0.07 rho; or up to 200 points that are two sheets (eps above 0.2 rho), where it is

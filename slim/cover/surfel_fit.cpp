@@ -257,17 +257,15 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball, Edges edges) {
-    const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
     gather_ball(points, center, radius, ball);
-    const BallFit fit = fit_gathered(normal, degree, forced, noise_variance, enough, edges, ball);
-    return cover_by(points, center, fit, noise_variance, edges, ball);
+    return fit_gathered_surfel(points, center, normal, degree, forced, noise_variance, ball, edges);
 }
 
 CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   double noise_variance, BallPoints<double>& ball) {
-    const BallFit fit =
-        fit_gathered(normal, degree, false, noise_variance, Enough::points, Edges::ignored, ball);
-    return cover_by(points, center, fit, noise_variance, Edges::ignored, ball);
+                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges) {
+    const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
+    const BallFit fit = fit_gathered(normal, degree, forced, noise_variance, enough, edges, ball);
+    return cover_by(points, center, fit, noise_variance, edges, ball);
 }
 
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,

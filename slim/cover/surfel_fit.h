@@ -70,9 +70,9 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& work, Edges edges = Edges::ignored);
 
-/// The same of the points in a ball about the centre that was gathered already; never forced.
+/// The same of the points in a ball about the centre that was gathered already.
 CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   double noise_variance, BallPoints<double>& ball);
+                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges);
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {

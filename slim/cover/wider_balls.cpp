@@ -12,6 +12,7 @@ namespace {
 constexpr int kTries = 4;
 constexpr double kMoreThanWanted = 1.3;  // times as many points are gathered at first, if they are spread evenly
 constexpr double kWellFitted = 0.06;  // eps / rho
+constexpr std::size_t kFewSigns = 4;  // of an edge: single normals that noise turned
 /// Of its weight: rims have 32 directions, and an edge between two of them must not count as air along its ends.
 constexpr double kHardlyThere = 0.4;
 
@@ -49,6 +50,8 @@ std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, dou
 bool is_well_fitted(const CoveringSurfel& leaf) {
     return leaf.explains_center && leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
 }
+
+bool shows_edge(const CoveringSurfel& leaf) { return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty(); }
 
 bool ends_before_air(const CoveringSurfel& leaf) {
     const PackedRims rims = rims_of(leaf);

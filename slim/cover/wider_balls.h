@@ -20,6 +20,10 @@ std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, dou
 /// Whether the leaf of such a ball explains its centre and is fitted well, eps < 0.06 rho.
 bool is_well_fitted(const CoveringSurfel& leaf);
 
+/// Whether the ball of a leaf holds an edge, which sheets would show better: more than four signs of one, or a point of
+/// its own.
+bool shows_edge(const CoveringSurfel& leaf);
+
 /// Whether a leaf's rims lie before all places where it would stand far in the air, CoveringSurfel::air (notes/0012).
 bool ends_before_air(const CoveringSurfel& leaf);
 
