@@ -126,6 +126,7 @@ SmoothRefit refit_cloud(const SmoothInput& input, StageContext& context) {
     const bool too_many = out.kept > budget.leaves;
     if (too_many) out.kept_for_memory = out.kept;
     if (budget.points == 0) out.share = 0;
+    out.batch = budget.batch;
     if (budget.points > 0)
         if (CloudSample sample = read_sample(input, budget.points, context); !sample.points.empty())
             fit_anew(input, std::move(sample), too_many ? 0 : budget.fits, context, out);

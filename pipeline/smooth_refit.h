@@ -31,6 +31,7 @@ struct SmoothRefit {
     std::vector<LeafTrust> trust;                             ///< empty: no point could be read
     std::size_t refitted = 0, kept = 0, kept_for_memory = 0;  ///< leaves
     double share = 1;  ///< of the cloud's points that the others were fitted to
+    std::size_t batch = 0;  ///< points that memory holds once the others are no longer needed
     double noise = 0;  ///< the median of the leaves whose noise is known, model units
     /// Leaves whose points the cloud holds, by whether their noise is known.
     std::size_t known = 0, unknown = 0;

@@ -83,26 +83,37 @@ struct Smoother {
     }
 };
 
-/// Some points of a cloud and where they end.
-struct SmoothedChunk {
-    std::vector<Vec3d> from;  // frame of the job
-    std::vector<SmoothedPoint> points;
-    std::vector<RewrittenPoint> rewritten;
-
-    void smooth(const SmoothSurface& surface, const Smoother& smoother, const PointChunk& chunk) {
-        from = chunk.position;
-        for (Vec3d& p : from) p -= smoother.origin;
-        points.resize(from.size());
-        smooth_points(surface, smoother.settings(), from, chunk.normal, points);
+/// Points of a cloud that are smoothed together, and where they end.
+class SmoothedBatch {
+public:
+    explicit SmoothedBatch(std::size_t most) { from_.reserve(most), normals_.reserve(most); }
+    std::size_t size() const { return from_.size(); }
+    void add(const Smoother& smoother, const PointChunk& chunk) {
+        for (const Vec3d& p : chunk.position) from_.push_back(p - smoother.origin);
+        normals_.insert(normals_.end(), chunk.normal.begin(), chunk.normal.end());
     }
-    void write(const Smoother& smoother, Counts& counts, CloudRewriter& out) {
-        rewritten.clear();
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            counts.add(from[i], points[i]);
-            rewritten.push_back(smoother.rewritten(points[i]));
+    void smooth(const SmoothSurface& surface, const Smoother& smoother) {
+        points_.resize(from_.size());
+        smooth_points(surface, smoother.settings(), from_, normals_, points_);
+    }
+    void write(const Smoother& smoother, Counts& counts, CloudRewriter& out) const {
+        constexpr std::size_t kPiece = 4096;
+        std::vector<RewrittenPoint> piece;
+        for (std::size_t i = 0; i < from_.size();) {
+            piece.clear();
+            for (const std::size_t end = std::min(i + kPiece, from_.size()); i < end; ++i) {
+                counts.add(from_[i], points_[i]);
+                piece.push_back(smoother.rewritten(points_[i]));
+            }
+            out.write(piece);
         }
-        out.write(rewritten);
     }
+    void clear() { from_.clear(), normals_.clear(), points_.clear(); }
+
+private:
+    std::vector<Vec3d> from_;     // frame of the job
+    std::vector<Vec3f> normals_;  // of each, or none
+    std::vector<SmoothedPoint> points_;
 };
 
 /// Nothing is written where the model says nothing of any point.
@@ -123,16 +134,21 @@ json smooth_cloud(const Smoother& smoother) {
     const SmoothSurface surface{smoother.index, refit.surface.get(), refit.trust};
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     Counts counts;
-    SmoothedChunk done, next;
-    const auto write = [&] { done.write(smoother, counts, *out); };
-    // One thread alone counts and writes a chunk: while the next one is smoothed, and the one after it is read.
+    SmoothedBatch done(refit.batch), next(refit.batch);
+    // One thread alone counts and writes a batch: while the next one is smoothed.
+    const auto take_turn = [&] {
+        run_both([&] { done.write(smoother, counts, *out); }, [&] { next.smooth(surface, smoother); });
+        std::swap(done, next);
+        next.clear();
+    };
     for_each_chunk({config.cloud}, smoother.context.reporter, "smooth",
                    [&](const PointChunk& chunk, std::uint64_t, std::size_t, const CloudInfo&) {
-                       run_both(write, [&] { next.smooth(surface, smoother, chunk); });
-                       std::swap(done, next);
+                       next.add(smoother, chunk);
+                       if (next.size() >= refit.batch) take_turn();
                        smoother.context.check_stop();
                    });
-    write();
+    take_turn();
+    done.write(smoother, counts, *out);
     require_moved(smoother, counts);
     out->commit();
     json result = counts.to_json("points");

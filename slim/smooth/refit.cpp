@@ -119,7 +119,7 @@ double RefittedSurface::most_off(const std::vector<const Surfel*>& leaves) const
 
 double RefittedSurface::least_off(const std::vector<const Surfel*>& fits) const {
     double least = INFINITY;
-    for (const Surfel* s : fits) least = std::min(least, off_[leaf_of(s)]);
+    for (const Surfel* s : fits) least = std::min(least, off(fits_.number_of(s)));
     return least;
 }
 

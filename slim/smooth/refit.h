@@ -34,8 +34,11 @@ public:
     /// there is none.
     std::optional<Vec3d> foot(const Vec3d& p, const Vec3d& normal) const;
 
-    /// Number of the model's leaf that a fit is, or was fitted in.
-    std::uint32_t leaf_of(const Surfel* fit) const { return leaf_[fits_.node(fits_.number_of(fit))]; }
+    /// Number of the model's leaf that a fit is, or was fitted in; the fit by its number in fits().
+    std::uint32_t leaf_of(std::size_t fit) const { return leaf_[fits_.node(fit)]; }
+
+    /// most_off_model() of the leaf of a fit.
+    double off(std::size_t fit) const { return off_[leaf_of(fit)]; }
 
     /// The largest most_off_model() of leaves of the model, and the least of the leaves of fits.
     double most_off(const std::vector<const Surfel*>& leaves) const;

@@ -10,6 +10,8 @@ constexpr std::uint64_t kLeaf = 400;          ///< the model's index and mapped 
 constexpr std::uint64_t kPoint = 130;         ///< sorted, with its place in the pyramid
 constexpr std::uint64_t kLeafOfRadii = 1100;  ///< wide_radii
 constexpr std::uint64_t kFit = 1000;          ///< RefittedSurface while it is built
+constexpr std::uint64_t kInBatches = 240;     ///< where a point is and goes, twice, and its place in the order
+constexpr std::uint64_t kLeastBatch = 1 << 16, kMostBatch = 1 << 20;
 
 }  // namespace
 
@@ -18,8 +20,9 @@ RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves) {
     const std::uint64_t rest = memory > taken ? memory - taken : 0;
     const std::uint64_t points = std::min<std::uint64_t>(kMostSmoothPoints, rest / 2 / kPoint);
     const std::uint64_t others = rest - points * kPoint;
+    const std::uint64_t batch = std::clamp(points * kPoint / kInBatches, kLeastBatch, kMostBatch);
     return {static_cast<std::size_t>(points), static_cast<std::size_t>(others / kLeafOfRadii),
-            static_cast<std::size_t>(others / kFit)};
+            static_cast<std::size_t>(others / kFit), static_cast<std::size_t>(batch)};
 }
 
 }  // namespace slim

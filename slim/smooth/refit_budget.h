@@ -10,6 +10,7 @@ struct RefitBudget {
     std::size_t points = 0;  ///< most of the cloud that are held; of a larger one a random share
     std::size_t leaves = 0;  ///< most of the model; one of more is taken as it is
     std::size_t fits = 0;    ///< most made anew; leaves that take more than the others are kept
+    std::size_t batch = 0;   ///< of points that are smoothed together once those held are dropped
 };
 
 /// The most of a cloud's points that are held, however much memory there is.
@@ -20,7 +21,8 @@ inline constexpr std::uint64_t kLeastSmoothMemory = std::uint64_t{64} << 20;
 
 /// Divides `memory` bytes, of which the program, its buffers and the index of the model's leaves (400 bytes each) take
 /// theirs first: half of the rest for points (kMostSmoothPoints), the other half for leaves while radii are sought,
-/// then for fits.
+/// then for fits. Of what the points leave, two batches of 2^16 to 2^20 points: the more lie together the fewer surfels are
+/// asked of each (notes/0007).
 RefitBudget refit_budget(std::uint64_t memory, std::size_t n_leaves);
 
 }  // namespace slim

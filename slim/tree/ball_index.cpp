@@ -101,23 +101,24 @@ void BallIndex::add_level(const std::vector<Bbox>& boxes) {
     levels_.push_back(std::move(level));
 }
 
-/// Bit i: box i holds the point, whose coordinates were rounded both ways.
-std::uint64_t BallIndex::holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up) {
+/// Bit i: box i meets one whose corners were rounded outwards.
+std::uint64_t BallIndex::meeting(const Boxes& boxes, const Vec3f& lo_down, const Vec3f& hi_up) {
     using Lanes = stdx::simd<float, stdx::simd_abi::deduce_t<float, kFanout>>;
-    typename Lanes::mask_type holds(true);
+    typename Lanes::mask_type meets(true);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Lanes lo(boxes.lo[axis].data(), stdx::element_aligned);
         const Lanes hi(boxes.hi[axis].data(), stdx::element_aligned);
-        holds = holds && lo <= Lanes(p_up[axis]) && hi >= Lanes(p_down[axis]);
+        meets = meets && lo <= Lanes(hi_up[axis]) && hi >= Lanes(lo_down[axis]);
     }
-    return lane_bits(holds);
+    return lane_bits(meets);
 }
 
-[[gnu::flatten]] void BallIndex::supporters(const Vec3d& p, std::vector<const Surfel*>& out) const {
-    out.clear();
+/// Calls body(number) for the leaves whose boxes meet a box, in order.
+template <class Body>
+void BallIndex::for_boxes_meeting(const Bbox& box, const Body& body) const {
     if (leaves_.empty()) return;
-    const Vec3f down{rounded_down(p.x), rounded_down(p.y), rounded_down(p.z)};
-    const Vec3f up{rounded_up(p.x), rounded_up(p.y), rounded_up(p.z)};
+    const Vec3f down{rounded_down(box.lo.x), rounded_down(box.lo.y), rounded_down(box.lo.z)};
+    const Vec3f up{rounded_up(box.hi.x), rounded_up(box.hi.y), rounded_up(box.hi.z)};
     struct Entry {
         std::size_t level, index;
     };
@@ -126,13 +127,11 @@ std::uint64_t BallIndex::holding(const Boxes& boxes, const Vec3f& p_down, const 
     stack[depth++] = {levels_.size() - 1, 0};
     while (depth > 0) {
         const Entry e = stack[--depth];
-        std::uint64_t bits = holding(levels_[e.level][e.index], down, up);
+        std::uint64_t bits = meeting(levels_[e.level][e.index], down, up);
         const std::size_t first = e.index * kFanout;
         if (e.level == 0) {
-            for (; bits != 0; bits &= bits - 1) {
-                const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
-                if (sq_length(p - balls_[i].center) < balls_[i].sq_radius) out.push_back(&leaves_[i]);
-            }
+            for (; bits != 0; bits &= bits - 1)
+                body(first + static_cast<std::size_t>(std::countr_zero(bits)));
             continue;
         }
         // The last one first, so that the leaves come in order.
@@ -142,6 +141,23 @@ std::uint64_t BallIndex::holding(const Boxes& boxes, const Vec3f& p_down, const 
             bits ^= std::uint64_t{1} << last;
         }
     }
+}
+
+[[gnu::flatten]] void BallIndex::supporters(const Vec3d& p, std::vector<const Surfel*>& out) const {
+    out.clear();
+    for_boxes_meeting({p, p}, [&](std::size_t i) {
+        if (sq_length(p - balls_[i].center) < balls_[i].sq_radius) out.push_back(&leaves_[i]);
+    });
+}
+
+void BallIndex::near(const Bbox& box, std::vector<std::uint32_t>& out) const {
+    out.clear();
+    for_boxes_meeting(box, [&](std::size_t i) {
+        const Vec3d& c = balls_[i].center;
+        const Vec3d nearest{std::clamp(c.x, box.lo.x, box.hi.x), std::clamp(c.y, box.lo.y, box.hi.y),
+                            std::clamp(c.z, box.lo.z, box.hi.z)};
+        if (sq_length(nearest - c) < balls_[i].sq_radius) out.push_back(static_cast<std::uint32_t>(i));
+    });
 }
 
 }  // namespace slim

@@ -31,6 +31,9 @@ public:
     /// Writes the leaves with |p - c| < rho to `out`, in the index's order (deterministic).
     /// Cost: about 0.25 us where five of 10,000 leaves hold the point.
     void supporters(const Vec3d& p, std::vector<const Surfel*>& out) const;
+    /// Writes the numbers of the leaves whose balls meet a box to `out`, in order: for points that lie
+    /// together, of which each is asked of these few alone.
+    void near(const Bbox& box, std::vector<std::uint32_t>& out) const;
 
 private:
     static constexpr std::size_t kFanout = 8;
@@ -44,7 +47,9 @@ private:
         Vec3d center;
         double sq_radius;
     };
-    static std::uint64_t holding(const Boxes& boxes, const Vec3f& p_down, const Vec3f& p_up);
+    static std::uint64_t meeting(const Boxes& boxes, const Vec3f& lo_down, const Vec3f& hi_up);
+    template <class Body>
+    void for_boxes_meeting(const Bbox& box, const Body& body) const;
     BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes);
     void build(std::vector<Surfel>& leaves, const std::vector<std::uint32_t>& nodes);
     void add_level(const std::vector<Bbox>& boxes);
