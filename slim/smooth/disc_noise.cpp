@@ -1,9 +1,11 @@
 #include "slim/smooth/disc_noise.h"
 
 #include "slim/base/check.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -131,19 +133,57 @@ struct Seed {
     std::array<std::size_t, kNeighbors> near;
 };
 
+/// The nearest to a place of points that were shown, of equally near ones the first.
+class NearestFew {
+public:
+    double farthest() const { return sq_.back(); }
+    /// A point nearer than the farthest.
+    void add(double sq, std::size_t point) {
+        std::size_t at = kNeighbors - 1;
+        for (; at > 0 && sq < sq_[at - 1]; --at) sq_[at] = sq_[at - 1], point_[at] = point_[at - 1];
+        sq_[at] = sq, point_[at] = point;
+    }
+    const std::array<std::size_t, kNeighbors>& points() const { return point_; }
+
+private:
+    std::array<double, kNeighbors> sq_ = filled();
+    std::array<std::size_t, kNeighbors> point_{};
+
+    static std::array<double, kNeighbors> filled() {
+        std::array<double, kNeighbors> sq;
+        sq.fill(INFINITY);
+        return sq;
+    }
+};
+
+/// The nearest to the i-th point but itself. By lanes: few of them are nearer than what is found already.
+std::array<std::size_t, kNeighbors> nearest_to(std::span<const double> u, std::span<const double> v, std::size_t i) {
+    using V = stdx::native_simd<double>;
+    NearestFew found;
+    const V at_u(u[i]), at_v(v[i]);
+    const auto show = [&](std::size_t k, double sq) {
+        if (k != i && sq < found.farthest()) found.add(sq, k);
+    };
+    std::size_t k = 0;
+    for (; k + V::size() <= u.size(); k += V::size()) {
+        const V du = V(&u[k], stdx::element_aligned) - at_u, dv = V(&v[k], stdx::element_aligned) - at_v;
+        const V sq = du * du + dv * dv;
+        for (std::uint64_t bits = lane_bits(sq < found.farthest()); bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+            show(k + lane, sq[lane]);
+        }
+    }
+    for (; k < u.size(); ++k) show(k, sq_between(u, v, i, k));
+    return found.points();
+}
+
 /// Evenly many of the points, each with its neighbours. Cost: O(seeds points).
 std::vector<Seed> seeds_of(std::span<const double> u, std::span<const double> v) {
     std::vector<Seed> seeds;
     if (u.size() < kLeastSeeds) return seeds;
-    std::vector<std::pair<double, std::size_t>> near(u.size());
     const std::size_t stride = (u.size() - 1) / kMostSeeds + 1;
-    for (std::size_t i = 0; i < u.size(); i += stride) {
-        for (std::size_t k = 0; k < u.size(); ++k)
-            near[k] = {k == i ? INFINITY : sq_between(u, v, i, k), k};
-        std::nth_element(near.begin(), near.begin() + (kNeighbors - 1), near.end());
-        Seed& seed = seeds.emplace_back(Seed{i, {}});
-        for (std::size_t k = 0; k < kNeighbors; ++k) seed.near[k] = near[k].second;
-    }
+    seeds.reserve(u.size() / stride + 1);
+    for (std::size_t i = 0; i < u.size(); i += stride) seeds.push_back({i, nearest_to(u, v, i)});
     return seeds;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using V = stdx::native_simd<double>;
 
-bool is_plain(const Surfel& s) { return !s.sharp && !s.rims.any() && s.degree <= 2; }
+bool is_plain(const Surfel& s) { return !s.sharp && s.degree <= 2; }
 
 Vec3<V> in_lanes(const Vec3d& v) { return {V(v.x), V(v.y), V(v.z)}; }
 
@@ -46,6 +46,14 @@ const V kNone = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
+
+/// What rims leave of the weights at local (u, v).
+[[gnu::always_inline]] inline V LeafLanes::rim_share(const Group& s, const V& u, const V& v) {
+    const auto of = [&](const auto& rim) {
+        return stdx::clamp((rim.reach - (rim.u * u + rim.v * v)) / kRimRamp, V(0), V(1));
+    };
+    return stdx::min(of(s.rims[0]), of(s.rims[1]));
+}
 
 /// Sums of eqs (6) and (7) by lanes.
 struct LeafLanes::Sums {
@@ -94,6 +102,16 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
     out.inverse_radius = 1.0 / out.radius;
     for (std::size_t i = 0; i < out.a.size(); ++i)
         out.a[i] = lanes([i](const Surfel& s) { return s.polynomial.a[i]; }, 0);
+    out.any_rims = false;
+    for (std::size_t k = first; k < std::min(first + kGroup, numbers_.size()); ++k)
+        out.any_rims |= index.leaf(numbers_[k]).rims.any();
+    if (!out.any_rims) return out;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto rim = [i](const Surfel& s) { return unpack_rim(i == 0 ? s.rims.first : s.rims.second); };
+        out.rims[i] = {lanes([&](const Surfel& s) { return rim(s).u; }, 1),
+                       lanes([&](const Surfel& s) { return rim(s).v; }, 0),
+                       lanes([&](const Surfel& s) { return rim(s).reach; }, 0)};
+    }
     return out;
 }
 
@@ -124,12 +142,13 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
         const V t = nearest_root(k0, k1, k2, half, guess);
         const Vec3<V> root = b + d * t;
         const V u_slope = d_u(root.x, root.y), v_slope = d_v(root.x, root.y);
+        const V share = s.any_rims ? rim_share(s, root.x, root.y) : V(1);
         const auto counts = holds && stdx::abs(t - guess) <= kBelongs &&
-                            d.z - u_slope * d.x - v_slope * d.y > 0;
+                            d.z - u_slope * d.x - v_slope * d.y > 0 && share > 0;
         if (lane_bits(counts) == 0) continue;
         // A surfel that does not count may have no numbers.
         const auto counted = [&](const V& v) { return select<V>(counts, v, V(0)); };
-        sums.add(s, counted(weight_kernel(sq_length(root))), counted(t_base + s.radius * t),
+        sums.add(s, counted(share * weight_kernel(sq_length(root))), counted(t_base + s.radius * t),
                  counted(u_slope), counted(v_slope));
     }
     const double weight = stdx::reduce(sums.weight);

@@ -22,8 +22,8 @@ struct LanePut {
 };
 
 /// The surfels about a few points that lie together, side by side: one instruction serves as many as
-/// it has lanes of double (notes/0007). Quadratics without edges or rims alone; others are asked one
-/// by one (PointProjector). One a thread.
+/// it has lanes of double (notes/0007). Quadratics without edges alone; others are asked one by one
+/// (PointProjector). One a thread.
 class LeafLanes {
 public:
     /// Takes the surfels of an index whose balls meet the box.
@@ -34,7 +34,8 @@ public:
     bool are_plain() const { return plain_; }
 
     /// slim::project_along(p, n, supporters) and slim::normal_at(p, supporters) for a point of the
-    /// box and those that hold it, but for the last bits: sums are in another order.
+    /// box and those that hold it, but for the last bits: sums are in another order. Nothing also
+    /// where the point lies beyond the rims of all of them.
     std::optional<LanePut> project_along(const Vec3d& p, const Vec3d& n);
     std::optional<Vec3d> normal_at(const Vec3d& p);
 
@@ -58,8 +59,13 @@ private:
         Frame<V> frame;
         V radius, inverse_radius;
         std::array<V, 6> a;  // of the polynomial
+        struct {
+            V u, v, reach;
+        } rims[2];
+        bool any_rims;
     };
     struct Sums;
+    static V rim_share(const Group& s, const V& u, const V& v);
     Group group_of(const BallIndex& index, std::size_t first) const;
 
     std::vector<std::uint32_t> numbers_;

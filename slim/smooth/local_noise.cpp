@@ -4,6 +4,7 @@
 #include "slim/base/parallel.h"
 #include "slim/smooth/coordinate_steps.h"
 #include "slim/smooth/disc_noise.h"
+#include "slim/smooth/leaf_lanes.h"
 #include "slim/smooth/point_projector.h"
 #include "slim/smooth/wide_fit.h"
 
@@ -45,26 +46,44 @@ DiscNoise own_noise(const Surfel& s, const LeafNoise& leaf, const WideRadius& wi
     return out;
 }
 
-/// How far a ball's point goes; nothing where the surface has no place for it.
-std::optional<double> displacement(const Surfel& s, std::size_t i, PointProjector& projector,
-                                   const WideWork& work) {
-    if (!(work.ball.sq[i] < 1)) return std::nullopt;
-    const Vec3d x{work.ball.x[i], work.ball.y[i], work.ball.z[i]};
-    const auto put = projector.project(s.center + x * work.ball.radius, Vec3d{});
-    if (!put.hit) return std::nullopt;
-    return put.hit->t;
-}
+/// Puts points about a leaf on a surface, each along the surface's own normal.
+class LeafProjector {
+public:
+    explicit LeafProjector(const BallIndex& surface) : surface_(surface), one_by_one_(surface) {}
+    void gather(const Surfel& s) {
+        const Vec3d reach{s.support_radius, s.support_radius, s.support_radius};
+        lanes_.gather(surface_, {s.center - reach, s.center + reach});
+    }
+    /// How far a point of the leaf's ball goes, signed; nothing where the surface has no place for it.
+    std::optional<double> displacement(const Vec3d& p) {
+        if (const auto n = lanes_.are_plain() ? lanes_.normal_at(p) : std::nullopt)
+            if (const auto put = lanes_.project_along(p, *n); put && dot(put->normal, *n) >= 0)
+                return dot(put->point - p, *n);
+        const ProjectedPoint put = one_by_one_.project(p, Vec3d{});
+        return put.hit ? std::optional(put.hit->t) : std::nullopt;
+    }
+
+private:
+    const BallIndex& surface_;
+    LeafLanes lanes_;
+    PointProjector one_by_one_;
+};
 
 /// Mean square of how far a leaf's points go to the surface; nothing of too few.
 std::optional<double> sq_displacement(const Surfel& s, const PointTree& points,
-                                      PointProjector& projector, WideWork& work) {
+                                      LeafProjector& projector, WideWork& work) {
+    const BallPoints<float>& ball = work.ball;
     gather_ball(points, s.center, s.support_radius, work.ball);
     set_contrary_aside(work.ball, s.frame.normal, work.aside);
-    const std::size_t stride = work.ball.n / kMostPoints + 1;
+    projector.gather(s);
+    const std::size_t stride = ball.n / kMostPoints + 1;
     double sum = 0;
     std::size_t n = 0;
-    for (std::size_t i = 0; i < work.ball.n; i += stride)
-        if (const auto t = displacement(s, i, projector, work)) sum += *t * *t, ++n;
+    for (std::size_t i = 0; i < ball.n; i += stride) {
+        if (!(ball.sq[i] < 1)) continue;
+        const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
+        if (const auto t = projector.displacement(s.center + x * ball.radius)) sum += *t * *t, ++n;
+    }
     if (n < kLeastPoints) return std::nullopt;
     return sum / static_cast<double>(n);
 }
@@ -150,7 +169,7 @@ std::vector<LeafTrust> leaf_trust(const BallIndex& model, std::span<const WideRa
     std::vector<LeafTrust> out(model.n_leaves());
     parallel_blocks(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         WideWork work;
-        PointProjector projector(surface);
+        LeafProjector projector(surface);
         for (std::size_t i = begin; i < end; ++i) {
             if (!std::isfinite(sq_noise[i])) continue;
             if (radii[i].radius > 0 && radii[i].sq_noise <= kAgrees * sq_noise[i]) continue;

@@ -81,6 +81,15 @@ struct PointsToSmooth {
     std::span<SmoothedPoint> out;
 };
 
+/// Points in the order of the curve lie anywhere in memory: they are fetched a run ahead.
+void fetch(const PointsToSmooth& cloud, std::span<const KeyedIndex> run) {
+    for (const KeyedIndex& k : run) {
+        __builtin_prefetch(&cloud.positions[k.index]);
+        if (!cloud.normals.empty()) __builtin_prefetch(&cloud.normals[k.index]);
+        __builtin_prefetch(&cloud.out[k.index], 1);
+    }
+}
+
 /// Smooths points that are next along the curve, in two halves where the box about them meets many surfels.
 void smooth_run(const PointsToSmooth& cloud, std::span<const KeyedIndex> run, SurfaceProjector& projector) {
     Bbox box;
@@ -121,8 +130,13 @@ void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
     const PointsToSmooth cloud{settings, positions, normals, out};
     parallel_blocks(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         SurfaceProjector projector(surface);
-        for (std::size_t k = begin; k < end; k += kRun)
-            smooth_run(cloud, std::span(order).subspan(k, std::min(kRun, end - k)), projector);
+        const auto run = [&](std::size_t k) {
+            return std::span(order).subspan(k, std::min(kRun, end - k));
+        };
+        for (std::size_t k = begin; k < end; k += kRun) {
+            if (k + kRun < end) fetch(cloud, run(k + kRun));
+            smooth_run(cloud, run(k), projector);
+        }
     });
 }
 

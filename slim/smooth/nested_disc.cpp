@@ -1,0 +1,143 @@
+#include "slim/smooth/nested_disc.h"
+
+#include "slim/fit/nested_cholesky.h"
+
+#include <utility>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr double kLeastPivot = 1e-6;
+
+/// Mean of u^a v^b over the disc of radius kCore.
+double core_mean(int a, int b) {
+    if (a % 2 != 0 || b % 2 != 0) return 0;
+    double mean = std::pow(kCore, a + b) * 2 / (a + b + 2);
+    for (int i = a - 1; i > 0; i -= 2) mean *= i;
+    for (int i = b - 1; i > 0; i -= 2) mean *= i;
+    for (int i = a + b; i > 0; i -= 2) mean /= i;
+    return mean;
+}
+
+}  // namespace
+
+template <std::size_t K>
+DiscTables<K>::DiscTables() {
+    std::vector<std::pair<int, int>> power;
+    for (int d = 0; power.size() < K; ++d)
+        for (int b = 0; b <= d; ++b) power.emplace_back(d - b, b);
+    for (std::size_t i = 0; i < K; ++i)
+        for (std::size_t j = 0; j < K; ++j) {
+            const auto [ai, bi] = power[i];
+            const auto [aj, bj] = power[j];
+            const bool even = (ai + bi) % 2 == 0 && (aj + bj) % 2 == 0;
+            product[i][j] = product_index(i, j);
+            even_core[i][j] = even ? core_mean(ai + aj, bi + bj) : 0;
+        }
+}
+
+template <int Degree>
+auto NestedDisc<Degree>::tables() -> const DiscTables<kAll>& {
+    static const DiscTables<kAll> tables;
+    return tables;
+}
+
+template <int Degree>
+std::optional<NestedDisc<Degree>> NestedDisc<Degree>::solve(const Moments<Degree>& m) {
+    NestedDisc out;
+    if (!out.factorise(m)) return std::nullopt;
+    out.invert_factor();
+    for (std::size_t i = 0; i < kAll; ++i) {
+        out.y_[i] = 0;
+        for (std::size_t k = 0; k <= i; ++k) out.y_[i] += out.inverse_[i][k] * out.scale_[k] * m.height[k];
+    }
+    return out;
+}
+
+template <int Degree>
+bool NestedDisc<Degree>::factorise(const Moments<Degree>& m) {
+    const auto& product = tables().product;
+    for (std::size_t i = 0; i < kAll; ++i) {
+        const double diagonal = m.monomial[product[i][i]];
+        if (!(diagonal > 0)) return false;
+        scale_[i] = 1 / std::sqrt(diagonal);
+    }
+    for (std::size_t i = 0; i < kAll; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double rest = i == j ? 1 : scale_[i] * scale_[j] * m.monomial[product[i][j]];
+            for (std::size_t k = 0; k < j; ++k) rest -= lower_[i][k] * lower_[j][k];
+            if (j < i)
+                lower_[i][j] = rest / lower_[j][j];
+            else if (!(rest > kLeastPivot))
+                return false;
+            else
+                lower_[i][i] = std::sqrt(rest);
+        }
+    return true;
+}
+
+template <int Degree>
+void NestedDisc<Degree>::invert_factor() {
+    for (std::size_t i = 0; i < kAll; ++i) {
+        const double pivot = 1 / lower_[i][i];
+        std::array<double, kAll> row{};
+        for (std::size_t k = 0; k < i; ++k)
+            for (std::size_t j = 0; j <= k; ++j) row[j] -= lower_[i][k] * inverse_[k][j];
+        for (std::size_t j = 0; j < i; ++j) inverse_[i][j] = row[j] * pivot;
+        inverse_[i][i] = pivot;
+    }
+}
+
+template <int Degree>
+template <std::size_t K>
+auto NestedDisc<Degree>::coefficients() const -> std::array<double, K> {
+    std::array<double, K> a{};
+    for (std::size_t i = 0; i < K; ++i)
+        for (std::size_t k = 0; k <= i; ++k) a[k] += inverse_[i][k] * y_[i];
+    for (std::size_t k = 0; k < K; ++k) a[k] *= scale_[k];
+    return a;
+}
+
+template <int Degree>
+template <std::size_t K>
+double NestedDisc<Degree>::core_variance() const {
+    // A^-1 is the sum of the products of rows of the inverse factor.
+    double sum = 0;
+    for (std::size_t i = 0; i < K; ++i) {
+        std::array<double, kAll> row{};
+        for (std::size_t k = 0; k <= i; ++k) row[k] = inverse_[i][k] * scale_[k];
+        sum += sq_even(row);
+    }
+    return sum;
+}
+
+template <int Degree>
+double NestedDisc<Degree>::sq_explained() const {
+    double sum = 0;
+    for (const double y : y_) sum += y * y;
+    return sum;
+}
+
+template <int Degree>
+double NestedDisc<Degree>::sq_even(const std::array<double, kAll>& a) {
+    const auto& core = tables().even_core;
+    double sum = 0;
+    for (std::size_t i = 0; i < kAll; ++i) {
+        double row = 0;
+        for (std::size_t j = 0; j < kAll; ++j) row += core[i][j] * a[j];
+        sum += a[i] * row;
+    }
+    return sum;
+}
+
+template class NestedDisc<2>;
+template class NestedDisc<4>;
+template std::array<double, 6> NestedDisc<2>::coefficients<6>() const;
+template std::array<double, 6> NestedDisc<4>::coefficients<6>() const;
+template std::array<double, 15> NestedDisc<4>::coefficients<15>() const;
+template double NestedDisc<2>::core_variance<6>() const;
+template double NestedDisc<4>::core_variance<6>() const;
+template double NestedDisc<4>::core_variance<15>() const;
+
+}  // namespace slim

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "slim/fit/moments.h"
+#include "slim/smooth/wide_fit.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace slim {
+
+/// Places of phi_i phi_j among the monomials of a basis of K, and means of phi_i phi_j over the disc of
+/// radius kCore for phi_i and phi_j of even degree, zero for others.
+template <std::size_t K>
+struct DiscTables {
+    std::array<std::array<std::size_t, K>, K> product;
+    std::array<std::array<double, K>, K> even_core;
+    DiscTables();
+};
+
+/// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted sums: one
+/// factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The system is scaled to
+/// unit diagonal.
+template <int Degree>
+class NestedDisc {
+public:
+    static constexpr std::size_t kAll = Moments<Degree>::kBasis, kOwn = n_coefficients(2);
+
+    /// Nothing if a squared pivot is below 1e-6.
+    static std::optional<NestedDisc> solve(const Moments<Degree>& m);
+
+    /// Coefficients of the first K terms fitted alone, K = kOwn or kAll.
+    template <std::size_t K>
+    std::array<double, K> coefficients() const;
+    /// Variance of the height by unit noise, mean over the core, of even terms, of a fit of K terms.
+    template <std::size_t K>
+    double core_variance() const;
+    /// What the sum of squared heights is made less by.
+    double sq_explained() const;
+    /// Mean over the core of the square of a polynomial's even terms.
+    static double sq_even(const std::array<double, kAll>& a);
+
+private:
+    static const DiscTables<kAll>& tables();
+    using Square = std::array<std::array<double, kAll>, kAll>;
+    bool factorise(const Moments<Degree>& m);
+    void invert_factor();
+
+    Square lower_, inverse_;  // L and its inverse, the lower halves
+    std::array<double, kAll> scale_, y_;  // y = L^-1 scaled heights
+};
+
+extern template class NestedDisc<2>;
+extern template class NestedDisc<4>;
+
+}  // namespace slim
