@@ -121,6 +121,35 @@ void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoint
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<double>&);
 
+void gather_disc(const PointTree& tree, const Vec3d& c, const Vec3d& normal, double radius, double ball_radius,
+                 float least_cos, BallPoints<float>& out) {
+    out.n = 0;
+    out.radius = radius;
+    const double scale = 1 / radius;
+    const auto sq_ball = static_cast<float>(ball_radius * ball_radius * scale * scale);
+    const Vec3<FloatV> axis{FloatV(static_cast<float>(normal.x)), FloatV(static_cast<float>(normal.y)),
+                            FloatV(static_cast<float>(normal.z))};
+    tree.for_buckets_in_ball(c, ball_radius, [&](std::size_t, const PointBucket& b) {
+        reserve_points(out, out.n + 2 * kBucket);
+        for (std::size_t i = 0; i < kBucket; i += FloatV::size()) {
+            const Offsets<FloatV> at(b, i, c, scale);
+            const FloatV off = dot(axis, at.d);
+            const FloatV sq = stdx::max(at.sq - off * off, FloatV(0.0f));
+            const Vec3<FloatV> n{normals_at<FloatV>(b.nx + i), normals_at<FloatV>(b.ny + i),
+                                 normals_at<FloatV>(b.nz + i)};
+            const auto measured = n.x != 0.0f || n.y != 0.0f || n.z != 0.0f;
+            const auto contrary = measured && dot(axis, n) < least_cos;
+            const std::uint64_t counts = lane_bits(at.sq < sq_ball && sq < 1.0f && !contrary);
+            if (counts == 0) continue;
+            const auto put = [&](const FloatV& from, std::vector<float>& to) { compress_to(from, counts, &to[out.n]); };
+            put(at.d.x, out.x), put(at.d.y, out.y), put(at.d.z, out.z), put(sq, out.sq);
+            put(n.x, out.nx), put(n.y, out.ny), put(n.z, out.nz);
+            out.n += static_cast<std::size_t>(std::popcount(counts));
+        }
+    });
+    pad(out);
+}
+
 template <class T>
 void shrink_ball(const BallPoints<T>& ball, double radius, BallPoints<T>& out) {
     using V = stdx::native_simd<T>;

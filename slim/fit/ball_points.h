@@ -34,6 +34,12 @@ struct BallPoints {
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
 
+/// The same of the points of a ball whose feet in the plane normal to `normal` are within `radius` of the centre, with their
+/// distances there instead of those in space, coordinates over `radius`; those whose own normals' cosine to that is
+/// less than `least_cos` do not count. Cost: the buckets that meet the ball.
+void gather_disc(const PointTree& tree, const Vec3d& center, const Vec3d& normal, double radius,
+                 double ball_radius, float least_cos, BallPoints<float>& out);
+
 /// The points of a ball within a smaller radius about the same centre; `out` may be the ball itself. Cost: a pass by lanes.
 template <class T>
 void shrink_ball(const BallPoints<T>& ball, double radius, BallPoints<T>& out);

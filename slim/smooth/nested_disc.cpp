@@ -22,24 +22,34 @@ double core_mean(int a, int b) {
 
 }  // namespace
 
-template <std::size_t K>
-DiscTables<K>::DiscTables() {
-    std::vector<std::pair<int, int>> power;
-    for (int d = 0; power.size() < K; ++d)
-        for (int b = 0; b <= d; ++b) power.emplace_back(d - b, b);
-    for (std::size_t i = 0; i < K; ++i)
-        for (std::size_t j = 0; j < K; ++j) {
-            const auto [ai, bi] = power[i];
-            const auto [aj, bj] = power[j];
-            const bool even = (ai + bi) % 2 == 0 && (aj + bj) % 2 == 0;
-            product[i][j] = product_index(i, j);
-            even_core[i][j] = even ? core_mean(ai + aj, bi + bj) : 0;
-        }
-}
+template <int Degree>
+struct NestedDisc<Degree>::Tables {
+    static constexpr std::size_t kEven = Degree == 2 ? 4 : 9;
+    std::array<std::array<std::size_t, kAll>, kAll> product;  // places of phi_i phi_j among the monomials
+    std::array<std::size_t, kEven> even;                      // terms of even degree
+    std::array<std::array<double, kEven>, kEven> core;        // means of their products over the core
+
+    Tables() {
+        std::vector<std::pair<int, int>> power;
+        for (int d = 0; power.size() < kAll; ++d)
+            for (int b = 0; b <= d; ++b) power.emplace_back(d - b, b);
+        for (std::size_t i = 0; i < kAll; ++i)
+            for (std::size_t j = 0; j < kAll; ++j) product[i][j] = product_index(i, j);
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < kAll; ++i)
+            if ((power[i].first + power[i].second) % 2 == 0) even[n++] = i;
+        for (std::size_t i = 0; i < kEven; ++i)
+            for (std::size_t j = 0; j < kEven; ++j) {
+                const auto [ai, bi] = power[even[i]];
+                const auto [aj, bj] = power[even[j]];
+                core[i][j] = core_mean(ai + aj, bi + bj);
+            }
+    }
+};
 
 template <int Degree>
-auto NestedDisc<Degree>::tables() -> const DiscTables<kAll>& {
-    static const DiscTables<kAll> tables;
+auto NestedDisc<Degree>::tables() -> const Tables& {
+    static const Tables tables;
     return tables;
 }
 
@@ -100,16 +110,16 @@ auto NestedDisc<Degree>::coefficients() const -> std::array<double, K> {
 }
 
 template <int Degree>
-template <std::size_t K>
-double NestedDisc<Degree>::core_variance() const {
+auto NestedDisc<Degree>::core_variance() const -> Variance {
     // A^-1 is the sum of the products of rows of the inverse factor.
-    double sum = 0;
-    for (std::size_t i = 0; i < K; ++i) {
+    Variance out{0, 0};
+    for (std::size_t i = 0; i < kAll; ++i) {
         std::array<double, kAll> row{};
         for (std::size_t k = 0; k <= i; ++k) row[k] = inverse_[i][k] * scale_[k];
-        sum += sq_even(row);
+        out.all += sq_even(row);
+        if (i < kOwn) out.own = out.all;
     }
-    return sum;
+    return out;
 }
 
 template <int Degree>
@@ -121,12 +131,14 @@ double NestedDisc<Degree>::sq_explained() const {
 
 template <int Degree>
 double NestedDisc<Degree>::sq_even(const std::array<double, kAll>& a) {
-    const auto& core = tables().even_core;
+    const Tables& t = tables();
+    std::array<double, Tables::kEven> even;
+    for (std::size_t i = 0; i < Tables::kEven; ++i) even[i] = a[t.even[i]];
     double sum = 0;
-    for (std::size_t i = 0; i < kAll; ++i) {
+    for (std::size_t i = 0; i < Tables::kEven; ++i) {
         double row = 0;
-        for (std::size_t j = 0; j < kAll; ++j) row += core[i][j] * a[j];
-        sum += a[i] * row;
+        for (std::size_t j = 0; j < Tables::kEven; ++j) row += t.core[i][j] * even[j];
+        sum += even[i] * row;
     }
     return sum;
 }
@@ -136,8 +148,5 @@ template class NestedDisc<4>;
 template std::array<double, 6> NestedDisc<2>::coefficients<6>() const;
 template std::array<double, 6> NestedDisc<4>::coefficients<6>() const;
 template std::array<double, 15> NestedDisc<4>::coefficients<15>() const;
-template double NestedDisc<2>::core_variance<6>() const;
-template double NestedDisc<4>::core_variance<6>() const;
-template double NestedDisc<4>::core_variance<15>() const;
 
 }  // namespace slim

@@ -10,15 +10,6 @@
 
 namespace slim {
 
-/// Places of phi_i phi_j among the monomials of a basis of K, and means of phi_i phi_j over the disc of
-/// radius kCore for phi_i and phi_j of even degree, zero for others.
-template <std::size_t K>
-struct DiscTables {
-    std::array<std::array<std::size_t, K>, K> product;
-    std::array<std::array<double, K>, K> even_core;
-    DiscTables();
-};
-
 /// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted sums: one
 /// factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The system is scaled to
 /// unit diagonal.
@@ -33,16 +24,19 @@ public:
     /// Coefficients of the first K terms fitted alone, K = kOwn or kAll.
     template <std::size_t K>
     std::array<double, K> coefficients() const;
-    /// Variance of the height by unit noise, mean over the core, of even terms, of a fit of K terms.
-    template <std::size_t K>
-    double core_variance() const;
+    /// Variance of the height by unit noise, mean over the core, of even terms: of the fit of kOwn terms, and of all.
+    struct Variance {
+        double own, all;
+    };
+    Variance core_variance() const;
     /// What the sum of squared heights is made less by.
     double sq_explained() const;
     /// Mean over the core of the square of a polynomial's even terms.
     static double sq_even(const std::array<double, kAll>& a);
 
 private:
-    static const DiscTables<kAll>& tables();
+    struct Tables;
+    static const Tables& tables();
     using Square = std::array<std::array<double, kAll>, kAll>;
     bool factorise(const Moments<Degree>& m);
     void invert_factor();

@@ -65,43 +65,15 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     if (!(residual >= kCancelled * m.sq_height)) residual = residual_pass<kAll>(work.ball, frame, all);
     fit.sq_rounding = sq * kRounding * kRounding;
     fit.sq_noise = std::max(sq * residual / (n - static_cast<double>(kAll)), fit.sq_rounding);
-    const double spread = disc->template core_variance<kOwn>();
+    const auto [spread, spread_of_all] = disc->core_variance();
     fit.spread = spread * n;
     fit.sq_error = fit.sq_noise * spread;
     if (Degree == 2) return fit;
     for (std::size_t i = 0; i < kOwn; ++i) all[i] -= own[i];
-    const double by_noise = fit.sq_noise * std::max(0.0, disc->template core_variance<kAll>() - spread);
+    const double by_noise = fit.sq_noise * std::max(0.0, spread_of_all - spread);
     fit.sq_bias = sq * Disc::sq_even(all) - by_noise;
     fit.sq_bias_error = by_noise * std::sqrt(2.0);
     return fit;
-}
-
-/// Leaves of a ball the points whose feet in the frame's plane are nearer than `radius`, with their distances there instead
-/// of those in space, coordinates over `radius`; those whose normals are below kLeastCos to the frame's do not count.
-[[gnu::flatten]] void stand_up(const Frame<double>& frame, double radius, BallPoints<float>& ball) {
-    const auto scale = static_cast<float>(ball.radius / radius);
-    const Vec3f n = to_float(frame.normal);
-    const std::size_t end = ball.padded();
-    ball.n = 0;
-    for (std::size_t i = 0; i < end; i += FloatV::size()) {
-        const auto lanes = [i](const std::vector<float>& a) { return FloatV(&a[i], stdx::element_aligned); };
-        const FloatV x = lanes(ball.x) * scale, y = lanes(ball.y) * scale, z = lanes(ball.z) * scale;
-        const FloatV w = n.x * x + n.y * y + n.z * z;
-        const FloatV sq = stdx::max(x * x + y * y + z * z - w * w, FloatV(0.0f));
-        const FloatV nx = lanes(ball.nx), ny = lanes(ball.ny), nz = lanes(ball.nz);
-        const auto measured = nx != 0.0f || ny != 0.0f || nz != 0.0f;
-        const auto contrary = measured && n.x * nx + n.y * ny + n.z * nz < kLeastCos;
-        const std::uint64_t counts = lane_bits(lanes(ball.sq) < 1.0f && sq < 1.0f && !contrary);
-        if (counts == 0) continue;
-        const auto put = [&](const FloatV& v, std::vector<float>& a) { compress_to(v, counts, &a[ball.n]); };
-        put(x, ball.x), put(y, ball.y), put(z, ball.z), put(sq, ball.sq);
-        put(nx, ball.nx), put(ny, ball.ny), put(nz, ball.nz);
-        ball.n += static_cast<std::size_t>(std::popcount(counts));
-    }
-    ball.radius = radius;
-    // Gathering left room for a group more than there were.
-    const auto pad = [&](float v, std::vector<float>& a) { FloatV(v).copy_to(&a[ball.n], stdx::element_aligned); };
-    pad(0, ball.x), pad(0, ball.y), pad(0, ball.z), pad(2, ball.sq);
 }
 
 }  // namespace
@@ -109,8 +81,8 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
 std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
                                 double radius, double noise, bool ahead, WideWork& work) {
     work.ball.weight = FitWeight::uniform;
-    gather_ball(points, center, std::hypot(radius, kThickness * noise), work.ball);
-    stand_up(frame, radius, work.ball);
+    const double reach = std::hypot(radius, kThickness * noise);
+    gather_disc(points, center, frame.normal, radius, reach, kLeastCos, work.ball);
     return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
 }
 
