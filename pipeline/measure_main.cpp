@@ -6,11 +6,13 @@ int main(int argc, char** argv) {
          "Distance, normals and curvature of a cloud against a model; l2 and max are the RMS and "
          "the largest distance of the points, along their normals, to the leaves as they blend "
          "(build's fit error is of each leaf alone), as shares of the model's diagonal L; "
-         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ.",
+         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ. Of a mesh and the "
+         "same with its vertices moved: how far each went, and how the faces' normals turned.",
          {"slim measure scan.slim scan.ply --two-way --per-point distances.ply",
           "slim measure torus.slim torus.ply --truth torus.truth --json",
           "slim measure shape:torus smoothed.ply",
-          "slim measure before.png after.png -o difference.png"},
+          "slim measure before.png after.png -o difference.png",
+          "slim measure original.ply smoothed.ply"},
          true,
          {{"l2", "of L"},
           {"max", "of L"},
@@ -24,6 +26,7 @@ int main(int argc, char** argv) {
           {"opposed", "points"},
           {"astray", "points"},
           {"normal_rms_deg", "degrees"},
+          {"normal_mean_deg", "degrees"},
           {"normal_p99_deg", "degrees"},
           {"diagonal", "(L)"}}},
         argc, argv, slim::run_measure);

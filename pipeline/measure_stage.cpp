@@ -8,6 +8,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/measure_back.h"
 #include "pipeline/measure_cloud.h"
+#include "pipeline/measure_meshes.h"
 #include "pipeline/measure_pictures.h"
 #include "pipeline/mesh_input.h"
 #include "slim/base/error.h"
@@ -125,21 +126,44 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     return stamp.commit(std::move(result));
 }
 
-/// Options that are of the other kind of measure and were given all the same.
-void refuse_without_effect(const MeasureConfig& config, bool pictures) {
+/// What is compared.
+enum class Kind { points, pictures, meshes };
+
+/// Options that are of another kind of measure and were given all the same.
+void refuse_without_effect(const MeasureConfig& config, Kind kind) {
     const MeasureConfig as_before;
+    const bool points = kind == Kind::points, pictures = kind == Kind::pictures;
     const std::pair<bool, const char*> given[] = {
-        {pictures && !config.per_point.empty(), "per_point"},
-        {pictures && !config.truth.empty(), "truth"},
-        {pictures && config.two_way, "two_way"},
-        {pictures && config.samples != as_before.samples, "samples"},
-        {pictures && config.tolerance != as_before.tolerance, "tolerance"},
+        {!points && !config.per_point.empty(), "per_point"},
+        {!points && !config.truth.empty(), "truth"},
+        {!points && config.two_way, "two_way"},
+        {!points && config.samples != as_before.samples, "samples"},
+        {!points && config.tolerance != as_before.tolerance, "tolerance"},
         {!pictures && config.threshold != as_before.threshold, "threshold"}};
     for (const auto& [is_given, key] : given)
         if (is_given)
             throw ConfigError(fmt::format("{}: is of {}; found {} and {}", key,
-                                          pictures ? "a cloud against a model" : "two pictures",
+                                          std::string(key) == "threshold" ? "two pictures" : "a cloud against a model",
                                           config.model, config.cloud));
+}
+
+json measure_meshes(const MeasureConfig& config, StageContext& context) {
+    refuse_to_overwrite(config.output, {config.model, config.cloud});
+    if (config.output.empty()) return compare_meshes(config.model, config.cloud);
+    Stamp stamp(context, manifest_path(config.output));
+    stamp.input(config.model);
+    stamp.input(config.cloud);
+    stamp.outputs({config.output});
+    if (auto done = stamp.up_to_date()) return *done;
+    json result = compare_meshes(config.model, config.cloud);
+    write_file_atomically(config.output, text_of(result, 2) + "\n");
+    return stamp.commit(std::move(result));
+}
+
+/// A mesh in place of the model, a cloud beside it.
+bool are_meshes(const MeasureConfig& config) {
+    return input_kind(config.model) == InputKind::cloud && input_kind(config.cloud) == InputKind::cloud &&
+           is_mesh(config.model);
 }
 
 /// A difference picture without any is black: said in words.
@@ -180,8 +204,13 @@ json run_measure(const MeasureConfig& config, StageContext& context) {
         throw ConfigError(fmt::format("{}: a picture is compared with a picture; found {}",
                                       a ? config.model : config.cloud,
                                       a ? config.cloud : config.model));
-    refuse_without_effect(config, a);
-    return a ? measure_pictures(config, context) : measure_points(config, context);
+    const Kind kind = a ? Kind::pictures : are_meshes(config) ? Kind::meshes : Kind::points;
+    refuse_without_effect(config, kind);
+    switch (kind) {
+        case Kind::pictures: return measure_pictures(config, context);
+        case Kind::meshes: return measure_meshes(config, context);
+        default: return measure_points(config, context);
+    }
 }
 
 }  // namespace slim

@@ -9,7 +9,7 @@
 
 namespace slim {
 
-/// How far a cloud lies from a model and a model from a cloud; or a picture from another.
+/// How far a cloud lies from a model and a model from a cloud; a picture from another; a mesh from what became of it.
 struct MeasureConfig {
     std::string model, cloud, truth, per_point, output;
     bool two_way = false;
@@ -19,8 +19,8 @@ struct MeasureConfig {
 
     template <class Visitor>
     void visit(Visitor&& field) {
-        field.input("model", model, "model.slim, shape:NAME (an analytic shape of slim scan), or a picture");
-        field.input("cloud", cloud, "cloud to project onto the model, or a picture of the same size");
+        field.input("model", model, "model.slim, shape:NAME (an analytic shape of slim scan), a picture, or a mesh (PLY)");
+        field.input("cloud", cloud, "cloud to project onto the model, a picture of the same size, or the mesh with its vertices moved");
         field.optional_output(
             "output", output,
             "JSON file for the result (with a manifest: up to date is not measured again); of "
@@ -53,7 +53,8 @@ struct MeasureConfig {
 /// and projected along the model's normal. A point is missed if no surfel supports it or neither
 /// line meets the surface in reach; against a shape, if its nearest point is not known (nearest_point), with a warning. A mean over nothing is null.
 ///
-/// two_way adds model_to_cloud (measure_back.h). Two pictures are compared as measure_pictures.h says.
+/// two_way adds model_to_cloud (measure_back.h). Two pictures are compared as measure_pictures.h says, a mesh in place of the
+/// model and what became of it vertex by vertex as measure_meshes.h says.
 /// throws DataError if the cloud has no finite point; NumericalError if the model misses every one, as in another frame
 ///        or unit: then nothing is written
 nlohmann::json run_measure(const MeasureConfig& config, StageContext& context);

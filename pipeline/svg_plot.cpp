@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kWidth = 640, kHeight = 400;
 constexpr double kLeft = 74, kTop = 14, kBottom = 52, kRight = 168;
+constexpr double kNameAt = 36, kOfLetter = 6.6;  ///< from the frame: the curves' names; the width of a letter
 constexpr double kEdge = 10;  // between the frame and the curves
 
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -170,6 +171,9 @@ std::string curve_of(const SvgCurve& curve, std::size_t i, const Axis& x, const 
 }  // namespace
 
 std::string svg_of(const SvgPlot& plot) {
+    double width = kWidth;
+    for (const SvgCurve& curve : plot.curves)
+        width = std::max(width, kWidth - kRight + kNameAt + kOfLetter * static_cast<double>(curve.name.size()));
     Axis x(plot.log_x, kLeft + kEdge, kWidth - kRight - kEdge);
     Axis y(plot.log_y, kHeight - kBottom - kEdge, kTop + kEdge);
     for (const SvgCurve& curve : plot.curves)
@@ -179,7 +183,7 @@ std::string svg_of(const SvgPlot& plot) {
     std::string out = fmt::format(
         "<svg class=\"plot\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" "
         "font-family=\"system-ui, sans-serif\" font-size=\"12\"><defs><clipPath id=\"plot-area\"><rect x=\"{2}\" "
-        "y=\"{3}\" width=\"{4}\" height=\"{5}\"/></clipPath></defs>", kWidth, kHeight, kLeft, kTop,
+        "y=\"{3}\" width=\"{4}\" height=\"{5}\"/></clipPath></defs>", width, kHeight, kLeft, kTop,
         kWidth - kRight - kLeft, kHeight - kBottom - kTop);
     out += frame_of(plot, x, y);
     for (std::size_t i = 0; i < plot.curves.size(); ++i) out += curve_of(plot.curves[i], i, x, y);

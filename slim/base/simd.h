@@ -46,8 +46,6 @@ template <class V>
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
         return V(_mm512_fmadd_ps(static_cast<__m512>(a), static_cast<__m512>(b), static_cast<__m512>(c)));
-    else if constexpr (std::is_same_v<V, stdx::native_simd<double>> && sizeof(V) == 64)
-        return V(_mm512_fmadd_pd(static_cast<__m512d>(a), static_cast<__m512d>(b), static_cast<__m512d>(c)));
     else
 #endif
         return stdx::fma(a, b, c);

@@ -23,13 +23,13 @@ const V kNone = std::numeric_limits<double>::infinity();
     return select<V>(stdx::abs(b - guess) < stdx::abs(a - guess), b, a);
 }
 
-/// The root of k0 + k1 t + k2 t^2 in [-half, half] that is nearest the guess, or kNone: as
-/// quadratic_roots().
+/// The root of k0 + k1 t + k2 t^2 in [-half, half] that is nearest the guess, or kNone. As
+/// quadratic_roots(), but for the discriminant, which is rounded as it comes: where it is near zero the line
+/// touches the surface, and its gate leaves the root out.
 [[gnu::always_inline]] inline V nearest_root(const V& k0, const V& k1, const V& k2, const V& half,
                                              const V& guess) {
     constexpr double kTangent = 4 * std::numeric_limits<double>::epsilon();
-    const V w = 4 * k2 * k0;
-    const V discriminant = lanes_fma<V>(k1, k1, -w) + lanes_fma<V>(-4 * k2, k0, w);
+    const V discriminant = k1 * k1 - 4 * k2 * k0;
     const auto curved = k2 != 0;
     const auto tangent = curved && stdx::abs(discriminant) < kTangent * k1 * k1;
     const V root = stdx::sqrt(stdx::max(discriminant, V(0)));
@@ -42,7 +42,8 @@ const V kNone = std::numeric_limits<double>::infinity();
     const auto is_root = [&](const V& t) {
         return (tangent || discriminant >= 0) && t >= -half && t <= half;
     };
-    return nearer(select<V>(is_root(low), low, kNone), select<V>(is_root(high), high, kNone), guess);
+    return nearer(select<V>(is_root(low), low, kNone), select<V>(is_root(high), high, kNone),
+                  guess);
 }
 
 }  // namespace
@@ -107,7 +108,9 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
         out.any_rims |= index.leaf(numbers_[k]).rims.any();
     if (!out.any_rims) return out;
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto rim = [i](const Surfel& s) { return unpack_rim(i == 0 ? s.rims.first : s.rims.second); };
+        const auto rim = [i](const Surfel& s) {
+            return unpack_rim(i == 0 ? s.rims.first : s.rims.second);
+        };
         out.rims[i] = {lanes([&](const Surfel& s) { return rim(s).u; }, 1),
                        lanes([&](const Surfel& s) { return rim(s).v; }, 0),
                        lanes([&](const Surfel& s) { return rim(s).reach; }, 0)};
@@ -131,8 +134,12 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
         const V t_base = dot(to_center, along);
         const Vec3<V> b = s.frame.local_from_world((along * t_base - to_center) * s.inverse_radius);
         const Vec3<V> d = s.frame.local_from_world(along);
-        const auto d_u = [&](const V& u, const V& v) { return s.a[1] + 2 * s.a[3] * u + s.a[4] * v; };
-        const auto d_v = [&](const V& u, const V& v) { return s.a[2] + 2 * s.a[5] * v + s.a[4] * u; };
+        const auto d_u = [&](const V& u, const V& v) {
+            return s.a[1] + 2 * s.a[3] * u + s.a[4] * v;
+        };
+        const auto d_v = [&](const V& u, const V& v) {
+            return s.a[2] + 2 * s.a[5] * v + s.a[4] * u;
+        };
         const V k0 = b.z - (s.a[0] + b.x * (s.a[1] + b.x * s.a[3]) +
                             b.y * (s.a[2] + b.y * s.a[5] + b.x * s.a[4]));
         const V k1 = d.z - (d_u(b.x, b.y) * d.x + d_v(b.x, b.y) * d.y);

@@ -21,9 +21,9 @@ struct LanePut {
     Vec3d point, normal;  ///< the latter unit, outwards
 };
 
-/// The surfels about a few points that lie together, side by side: one instruction serves as many as
-/// it has lanes of double (notes/0007). Quadratics without edges alone; others are asked one by one
-/// (PointProjector). One a thread.
+/// The surfels about a few points that lie together, side by side: one instruction serves as many
+/// as it has lanes of double (notes/0007). Quadratics without edges alone; others are asked one by
+/// one (PointProjector). One a thread.
 class LeafLanes {
 public:
     /// Takes the surfels of an index whose balls meet the box.

@@ -25,9 +25,10 @@ double core_mean(int a, int b) {
 template <int Degree>
 struct NestedDisc<Degree>::Tables {
     static constexpr std::size_t kEven = Degree == 2 ? 4 : 9;
-    std::array<std::array<std::size_t, kAll>, kAll> product;  // places of phi_i phi_j among the monomials
-    std::array<std::size_t, kEven> even;                      // terms of even degree
-    std::array<std::array<double, kEven>, kEven> core;        // means of their products over the core
+    std::array<std::array<std::size_t, kAll>, kAll>
+        product;                                        // places of phi_i phi_j among the monomials
+    std::array<std::size_t, kEven> even;                // terms of even degree
+    std::array<std::array<double, kEven>, kEven> core;  // means of their products over the core
 
     Tables() {
         std::vector<std::pair<int, int>> power;
@@ -60,7 +61,8 @@ std::optional<NestedDisc<Degree>> NestedDisc<Degree>::solve(const Moments<Degree
     out.invert_factor();
     for (std::size_t i = 0; i < kAll; ++i) {
         out.y_[i] = 0;
-        for (std::size_t k = 0; k <= i; ++k) out.y_[i] += out.inverse_[i][k] * out.scale_[k] * m.height[k];
+        for (std::size_t k = 0; k <= i; ++k)
+            out.y_[i] += out.inverse_[i][k] * out.scale_[k] * m.height[k];
     }
     return out;
 }

@@ -10,9 +10,9 @@
 
 namespace slim {
 
-/// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted sums: one
-/// factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The system is scaled to
-/// unit diagonal.
+/// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted
+/// sums: one factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The
+/// system is scaled to unit diagonal.
 template <int Degree>
 class NestedDisc {
 public:
@@ -24,7 +24,8 @@ public:
     /// Coefficients of the first K terms fitted alone, K = kOwn or kAll.
     template <std::size_t K>
     std::array<double, K> coefficients() const;
-    /// Variance of the height by unit noise, mean over the core, of even terms: of the fit of kOwn terms, and of all.
+    /// Variance of the height by unit noise, mean over the core, of even terms: of the fit of kOwn
+    /// terms, and of all.
     struct Variance {
         double own, all;
     };
@@ -41,7 +42,7 @@ private:
     bool factorise(const Moments<Degree>& m);
     void invert_factor();
 
-    Square lower_, inverse_;  // L and its inverse, the lower halves
+    Square lower_, inverse_;              // L and its inverse, the lower halves
     std::array<double, kAll> scale_, y_;  // y = L^-1 scaled heights
 };
 

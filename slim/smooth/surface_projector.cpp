@@ -50,7 +50,8 @@ std::optional<SurfacePut> SurfaceProjector::by_lanes(const Vec3d& p, const Vec3d
 
 double SurfaceProjector::least_off_of_lanes() const {
     double least = INFINITY;
-    lanes_.for_supporters([&](std::uint32_t fit, double) { least = std::min(least, surface_->off(fit)); });
+    lanes_.for_supporters(
+        [&](std::uint32_t fit, double) { least = std::min(least, surface_->off(fit)); });
     return least;
 }
 
@@ -58,7 +59,8 @@ ProjectedPoint SurfaceProjector::on_surface(const Vec3d& p, const Vec3d& normal)
     asked_at_ = p, by_model_ = !surface_;
     if (!surface_) return model_.project(p, normal);
     const ProjectedPoint put = on_fits(p, normal);
-    if (!put.hit || by_model_ || length(put.hit->point - p) <= surface_->least_off(fits_->supporters()))
+    if (!put.hit || by_model_ ||
+        length(put.hit->point - p) <= surface_->least_off(fits_->supporters()))
         return put;
     ProjectedPoint own = model_.project(p, normal);
     if (!own.hit) return put;
@@ -89,7 +91,9 @@ ProjectedPoint SurfaceProjector::on_fits(const Vec3d& p, const Vec3d& normal) {
 double SurfaceProjector::share(double distance) const {
     if (trust_.empty()) return 1;
     PointTrust trust(distance);
-    const auto leaf_of = [&](std::size_t first) { return surface_ ? surface_->leaf_of(first) : first; };
+    const auto leaf_of = [&](std::size_t first) {
+        return surface_ ? surface_->leaf_of(first) : first;
+    };
     if (by_lanes_) {
         lanes_.for_supporters(
             [&](std::uint32_t i, double weight) { trust.add(trust_[leaf_of(i)], weight); });
@@ -98,8 +102,8 @@ double SurfaceProjector::share(double distance) const {
     for (const Surfel* s : (by_model_ ? model_ : *fits_).supporters()) {
         const std::size_t leaf =
             by_model_ ? index_.number_of(s) : leaf_of(surface_->fits().number_of(s));
-        trust.add(trust_[leaf],
-                  weight_kernel(sq_length(asked_at_ - s->center) / (s->support_radius * s->support_radius)));
+        trust.add(trust_[leaf], weight_kernel(sq_length(asked_at_ - s->center) /
+                                              (s->support_radius * s->support_radius)));
     }
     return trust.share();
 }

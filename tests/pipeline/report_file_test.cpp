@@ -117,6 +117,9 @@ TEST(ReportPlots, KeepEveryPointInTheFrame) {
         EXPECT_GE(std::stod((*it)[1]), 74);
         EXPECT_LE(std::stod((*it)[2]), 348);
     }
+    EXPECT_NE(svg.find("viewBox=\"0 0 640 "), std::string::npos);
+    plot.curves[0].name = "a curve of so long a name";
+    EXPECT_EQ(svg_of(plot).find("viewBox=\"0 0 640 "), std::string::npos) << "its end is cut off";
     for (const bool log : {false, true})  // nothing to draw, and a single point
         for (const auto& points : {std::vector<SvgCurve::Point>{}, std::vector<SvgCurve::Point>{{0, 0}}})
             EXPECT_EQ(svg_of({"x", "y", log, log, {{"c", points, 0, false}}}).find("nan"), std::string::npos);

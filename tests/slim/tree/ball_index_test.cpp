@@ -57,6 +57,31 @@ TEST(BallIndex, FindsTheBallsThatBruteForceFindsInOneOrder) {
     }
 }
 
+TEST(BallIndex, NearABoxAreTheBallsThatMeetIt) {
+    const SurfelTreeData data = leaves(700, 3, {});
+    const BallIndex index(data.view());
+    std::vector<std::uint32_t> found;
+    for (std::uint64_t k = 0; k < 200; ++k) {
+        const Vec3d lo = random_point(98, k), size = random_point(97, k) * 0.2;
+        const Bbox box{lo, lo + size};
+        std::vector<std::uint32_t> expected;
+        for (std::uint32_t i = 0; i < index.n_leaves(); ++i) {
+            const Surfel& s = index.leaf(i);
+            double sq = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double x = s.center[axis];
+                const double off = std::max({box.lo[axis] - x, x - box.hi[axis], 0.0});
+                sq += off * off;
+            }
+            if (std::sqrt(sq) < s.support_radius) expected.push_back(i);
+        }
+        index.near(box, found);
+        ASSERT_EQ(found, expected);
+    }
+    index.near(Bbox{}, found);
+    EXPECT_TRUE(found.empty());
+}
+
 TEST(BallIndex, WithoutLeavesNothingIsFound) {
     const SurfelTreeData data = leaves(0, 1, {});
     const BallIndex index(data.view());

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "formats/model_file.h"
+#include "pipeline/smooth_stage.h"
+#include "slim/base/hash.h"
+#include "slim/shapes/foot_point.h"
+#include "tests/pipeline/fit_stages_support.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace slim::test {
+
+inline double rms_distance(const char* shape, const std::vector<Vec3d>& points) {
+    double sum = 0;
+    for (const Vec3d& p : points) sum += std::pow(signed_distance(find_shape(shape), p), 2);
+    return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+class SmoothStage : public FitStages {
+protected:
+    nlohmann::json smooth(const std::string& cloud, SmoothConfig c = {}) {
+        c.model = file("m.slim");
+        c.cloud = cloud;
+        if (c.output.empty()) c.output = file("smooth.ply");
+        return run_as("smooth", c, run_smooth, listener_);
+    }
+    std::string noisy(const char* shape, double noise, bool normals = true) {
+        const std::string cloud = write(sampled(shape, 20000, 1, noise), "noisy.ply", normals);
+        build(build_config(cloud, "m.slim"));
+        return cloud;
+    }
+    /// A sphere of n by 2 n quadrangles around a pole, noisy; open: without its lower half.
+    std::string mesh(double noise, bool open = false) {
+        const int n = 40, rows = open ? n / 2 : n;
+        std::string vertices, faces;
+        int n_vertices = 0, n_faces = 0;
+        for (int i = 0; i <= rows; ++i)
+            for (int k = 0; k < 2 * n; ++k, ++n_vertices) {
+                const double a = (0.5 + i) * M_PI / (n + 1), b = k * M_PI / n;
+                const auto key = static_cast<std::uint64_t>(n_vertices);
+                const double r = 1 + noise * 2 * (unit_interval(keyed_hash(1, key)) - 0.5);
+                for (const double x :
+                     {std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)})
+                    vertices += std::to_string(r * x) + " ";
+                vertices += std::to_string(n_vertices % 7) + "\n";
+            }
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < 2 * n; ++k, ++n_faces) {
+                const int l = (k + 1) % (2 * n), a = 2 * n * i, b = a + 2 * n;
+                faces += "4";
+                for (const int v : {a + k, b + k, b + l, a + l}) faces += " " + std::to_string(v);
+                faces += "\n";
+            }
+        return folder_.write(
+            "mesh.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string(n_vertices) +
+                            "\nproperty double x\nproperty double y\nproperty double z\nproperty "
+                            "uchar tag\nelement face " +
+                            std::to_string(n_faces) +
+                            "\nproperty list uchar int vertex_indices\nend_header\n" + vertices +
+                            faces);
+    }
+};
+
+}  // namespace slim::test
