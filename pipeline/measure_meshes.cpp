@@ -31,7 +31,8 @@ std::vector<Vec3d> read_vertices(const std::string& path) {
 void require_finite(const std::string& path, const std::vector<Vec3d>& vertices) {
     const auto bad = std::find_if_not(vertices.begin(), vertices.end(), is_finite<double>);
     if (bad != vertices.end())
-        throw DataError(fmt::format("{}: vertex {}: coordinates are not finite", path, bad - vertices.begin()));
+        throw DataError(
+            fmt::format("{}: vertex {}: coordinates are not finite", path, bad - vertices.begin()));
 }
 
 /// Normal of a face, of no length where it has no area.
@@ -46,7 +47,8 @@ json normals_turned(const Mesh& mesh, const std::vector<Vec3d>& moved) {
     double sum = 0, sq = 0;
     std::uint64_t n = 0;
     for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-        const Vec3d a = face_normal(mesh.position, mesh.face(f)), b = face_normal(moved, mesh.face(f));
+        const Vec3d a = face_normal(mesh.position, mesh.face(f)),
+                    b = face_normal(moved, mesh.face(f));
         if (!(sq_length(a) > 0) || !(sq_length(b) > 0)) continue;
         const double angle = std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
         sum += angle, sq += angle * angle, ++n;
@@ -65,9 +67,10 @@ json compare_meshes(const std::string& original, const std::string& moved) {
     const std::vector<Vec3d> after = read_vertices(moved);
     const std::size_t n = mesh.position.size();
     if (n != after.size())
-        throw DataError(fmt::format("{} has {} vertices and {} has {}: meshes are compared vertex by vertex; to "
-                                    "measure against a model, build one: slim build {} -o model.slim",
-                                    original, n, moved, after.size(), original));
+        throw DataError(fmt::format(
+            "{} has {} vertices and {} has {}: meshes are compared vertex by vertex; to "
+            "measure against a model, build one: slim build {} -o model.slim",
+            original, n, moved, after.size(), original));
     if (n == 0) throw DataError(original + ": no vertices");
     require_finite(original, mesh.position), require_finite(moved, after);
     Bbox box;
@@ -75,8 +78,10 @@ json compare_meshes(const std::string& original, const std::string& moved) {
     const double diagonal = box.diagonal();
     std::vector<double> off(n);
     double sq = 0;
-    for (std::size_t i = 0; i < n; ++i) off[i] = length(after[i] - mesh.position[i]), sq += off[i] * off[i];
-    const auto farthest = static_cast<std::size_t>(std::max_element(off.begin(), off.end()) - off.begin());
+    for (std::size_t i = 0; i < n; ++i)
+        off[i] = length(after[i] - mesh.position[i]), sq += off[i] * off[i];
+    const auto farthest =
+        static_cast<std::size_t>(std::max_element(off.begin(), off.end()) - off.begin());
     const Vec3d& at = mesh.position[farthest];
     json out = normals_turned(mesh, after);
     std::sort(off.begin(), off.end());

@@ -27,13 +27,16 @@ using nlohmann::json;
 constexpr const char* kShape = "shape:";
 
 /// The model as what a cloud is measured against; `index` must outlive it.
-MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header, const BallIndex& index) {
-    return {header.origin, header.diagonal, [&index]() -> PutPoint {
-                return [projector = PointProjector(index)](
-                           const Vec3d& p, const Vec3d& n, bool curvature) mutable {
+MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header,
+                           const BallIndex& index) {
+    return {header.origin, header.diagonal,
+            [&index]() -> PutPoint {
+                return [projector = PointProjector(index)](const Vec3d& p, const Vec3d& n,
+                                                           bool curvature) mutable {
                     return projector.project(p, n, curvature);
                 };
-            }, config.two_way && is_mesh(config.cloud), placed(config.model, header)};
+            },
+            config.two_way&& is_mesh(config.cloud), placed(config.model, header)};
 }
 
 /// A point put on an analytic shape: at its foot, the nearest point, if that is known.
@@ -77,7 +80,8 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
     const BallIndex index(tree);
-    json out = measure_cloud(surface_of(config, model.header(), index), files, config.tolerance, context);
+    json out =
+        measure_cloud(surface_of(config, model.header(), index), files, config.tolerance, context);
     const auto points = out["points"].get<std::uint64_t>(),
                missed = out["missed"].get<std::uint64_t>();
     if (2 * missed > points)
@@ -87,8 +91,8 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
     out["leaves"] = model.header().n_leaves;
     out["bytes"] = model.file_size();
     if (config.two_way)
-        out["model_to_cloud"] = measure_back(model, index, config.cloud, config.samples,
-                                             config.tolerance, context);
+        out["model_to_cloud"] =
+            measure_back(model, index, config.cloud, config.samples, config.tolerance, context);
     return out;
 }
 
@@ -142,9 +146,10 @@ void refuse_without_effect(const MeasureConfig& config, Kind kind) {
         {!pictures && config.threshold != as_before.threshold, "threshold"}};
     for (const auto& [is_given, key] : given)
         if (is_given)
-            throw ConfigError(fmt::format("{}: is of {}; found {} and {}", key,
-                                          std::string(key) == "threshold" ? "two pictures" : "a cloud against a model",
-                                          config.model, config.cloud));
+            throw ConfigError(fmt::format(
+                "{}: is of {}; found {} and {}", key,
+                std::string(key) == "threshold" ? "two pictures" : "a cloud against a model",
+                config.model, config.cloud));
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {
@@ -162,36 +167,35 @@ json measure_meshes(const MeasureConfig& config, StageContext& context) {
 
 /// A mesh in place of the model, a cloud beside it.
 bool are_meshes(const MeasureConfig& config) {
-    return input_kind(config.model) == InputKind::cloud && input_kind(config.cloud) == InputKind::cloud &&
-           is_mesh(config.model);
+    return input_kind(config.model) == InputKind::cloud &&
+           input_kind(config.cloud) == InputKind::cloud && is_mesh(config.model);
 }
 
 /// A difference picture without any is black: said in words.
 json said_if_equal(const MeasureConfig& config, json result, StageContext& context) {
     if (result["max"] == 0.0 && result["not_finite"] == 0)
-        context.reporter.info(fmt::format(
-            "no difference between {} and {}{}{}", config.model, config.cloud,
-            result["identical"] == true ? "" : " in the channels that both have",
-            result.contains("difference") ? ": " + config.output + " is black" : ""));
+        context.reporter.info(
+            fmt::format("no difference between {} and {}{}{}", config.model, config.cloud,
+                        result["identical"] == true ? "" : " in the channels that both have",
+                        result.contains("difference") ? ": " + config.output + " is black" : ""));
     return result;
 }
 
 json measure_pictures(const MeasureConfig& config, StageContext& context) {
-    context.headlines = {{"identical", ""}, {"max", ""},       {"rms", ""},
-                         {"mean", ""},      {"above", "of the pixels"}, {"max_at", ""},
-                         {"pixels", ""}};
+    context.headlines = {{"identical", ""},          {"max", ""},    {"rms", ""},   {"mean", ""},
+                         {"above", "of the pixels"}, {"max_at", ""}, {"pixels", ""}};
     refuse_to_overwrite(config.output, {config.model, config.cloud});
     if (config.output.empty())
-        return said_if_equal(config, compare_pictures(config.model, config.cloud, "", config.threshold),
-                             context);
+        return said_if_equal(
+            config, compare_pictures(config.model, config.cloud, "", config.threshold), context);
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(config.model);
     stamp.input(config.cloud);
     stamp.outputs({config.output});
     if (auto done = stamp.up_to_date()) return said_if_equal(config, *done, context);
     const bool draws = is_picture(config.output);
-    json result = compare_pictures(config.model, config.cloud, draws ? config.output : "",
-                                   config.threshold);
+    json result =
+        compare_pictures(config.model, config.cloud, draws ? config.output : "", config.threshold);
     if (!draws) write_file_atomically(config.output, text_of(result, 2) + "\n");
     return said_if_equal(config, stamp.commit(std::move(result)), context);
 }
@@ -207,9 +211,12 @@ json run_measure(const MeasureConfig& config, StageContext& context) {
     const Kind kind = a ? Kind::pictures : are_meshes(config) ? Kind::meshes : Kind::points;
     refuse_without_effect(config, kind);
     switch (kind) {
-        case Kind::pictures: return measure_pictures(config, context);
-        case Kind::meshes: return measure_meshes(config, context);
-        default: return measure_points(config, context);
+        case Kind::pictures:
+            return measure_pictures(config, context);
+        case Kind::meshes:
+            return measure_meshes(config, context);
+        default:
+            return measure_points(config, context);
     }
 }
 

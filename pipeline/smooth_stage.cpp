@@ -137,7 +137,8 @@ json smooth_cloud(const Smoother& smoother) {
     SmoothedBatch done(refit.batch), next(refit.batch);
     // One thread alone counts and writes a batch: while the next one is smoothed.
     const auto take_turn = [&] {
-        run_both([&] { done.write(smoother, counts, *out); }, [&] { next.smooth(surface, smoother); });
+        run_both([&] { done.write(smoother, counts, *out); },
+                 [&] { next.smooth(surface, smoother); });
         std::swap(done, next);
         next.clear();
     };

@@ -35,8 +35,8 @@ void pad(BallPoints<T>& out) {
 
 constexpr std::size_t kBucket = PointBucket::kSize;
 
-/// As many points of a bucket as V has lanes, relative to a centre, times a scale. How far the centre is from the
-/// bucket is taken in doubles.
+/// As many points of a bucket as V has lanes, relative to a centre, times a scale. How far the
+/// centre is from the bucket is taken in doubles.
 template <class V>
 struct Offsets {
     using T = typename V::value_type;
@@ -47,7 +47,8 @@ struct Offsets {
         const Vec3d from = (center - b.origin) * scale;
         const auto axis = [&](const float* p, double c) {
             using Packed = stdx::rebind_simd_t<float, V>;
-            return stdx::static_simd_cast<V>(Packed(p + i, stdx::element_aligned)) * static_cast<T>(scale) -
+            return stdx::static_simd_cast<V>(Packed(p + i, stdx::element_aligned)) *
+                       static_cast<T>(scale) -
                    static_cast<T>(c);
         };
         set({axis(b.x, from.x), axis(b.y, from.y), axis(b.z, from.z)});
@@ -58,9 +59,12 @@ struct Offsets {
         x.fill(std::numeric_limits<T>::infinity()), y = x, z = x;
         for (std::size_t k = 0; k < V::size() && first + k < tree.size(); ++k) {
             const Vec3d from = (tree.position(first + k) - center) * scale;
-            x[k] = static_cast<T>(from.x), y[k] = static_cast<T>(from.y), z[k] = static_cast<T>(from.z);
+            x[k] = static_cast<T>(from.x), y[k] = static_cast<T>(from.y),
+            z[k] = static_cast<T>(from.z);
         }
-        const auto lanes = [](const std::array<T, V::size()>& a) { return V(a.data(), stdx::element_aligned); };
+        const auto lanes = [](const std::array<T, V::size()>& a) {
+            return V(a.data(), stdx::element_aligned);
+        };
         set({lanes(x), lanes(y), lanes(z)});
     }
 
@@ -76,11 +80,13 @@ template <class V>
 stdx::rebind_simd_t<float, V> normals_at(const std::int16_t* n) {
     using Packed = stdx::rebind_simd_t<std::int16_t, V>;
     using Floats = stdx::rebind_simd_t<float, V>;
-    return stdx::static_simd_cast<Floats>(Packed(n, stdx::element_aligned)) * (1 / PointBucket::kUnit);
+    return stdx::static_simd_cast<Floats>(Packed(n, stdx::element_aligned)) *
+           (1 / PointBucket::kUnit);
 }
 
-/// Puts a bucket's points in the ball behind the n that it has, by groups; `first` is the index of its first in
-/// the tree. Returns how many there are now. The ball's own n and arrays are not read between the stores.
+/// Puts a bucket's points in the ball behind the n that it has, by groups; `first` is the index of
+/// its first in the tree. Returns how many there are now. The ball's own n and arrays are not read
+/// between the stores.
 template <class T>
 std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d& c, double scale,
                        std::size_t first, std::size_t n, BallPoints<T>& out) {
@@ -90,16 +96,20 @@ std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d&
     [[maybe_unused]] std::uint32_t* index = out.index.data();
     for (std::size_t i = 0; i < kBucket; i += V::size()) {
         const bool as_packed = !std::is_same_v<T, double> || b.is_exact;
-        const Offsets<V> at = as_packed ? Offsets<V>(b, i, c, scale) : Offsets<V>(tree, first + i, c, scale);
+        const Offsets<V> at =
+            as_packed ? Offsets<V>(b, i, c, scale) : Offsets<V>(tree, first + i, c, scale);
         const std::uint64_t inside = lane_bits(at.sq < T(1));
         if (inside == 0) continue;
-        const auto put = [&]<class W, class U>(const W& from, U* to) { compress_to(from, inside, to + n); };
+        const auto put = [&]<class W, class U>(const W& from, U* to) {
+            compress_to(from, inside, to + n);
+        };
         put(at.d.x, x), put(at.d.y, y), put(at.d.z, z), put(at.sq, sq);
-        put(normals_at<V>(b.nx + i), nx), put(normals_at<V>(b.ny + i), ny), put(normals_at<V>(b.nz + i), nz);
+        put(normals_at<V>(b.nx + i), nx), put(normals_at<V>(b.ny + i), ny),
+            put(normals_at<V>(b.nz + i), nz);
         if constexpr (kHasIndex<T>)
-            put(LanesOfDouble<std::uint32_t>([&](auto lane) {
-                    return static_cast<std::uint32_t>(first + i + lane);
-                }), index);
+            put(LanesOfDouble<std::uint32_t>(
+                    [&](auto lane) { return static_cast<std::uint32_t>(first + i + lane); }),
+                index);
         n += static_cast<std::size_t>(std::popcount(inside));
     }
     return n;
@@ -111,23 +121,25 @@ template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
-    tree.for_buckets_in_ball(c, radius, [&, scale = 1 / radius](std::size_t first, const PointBucket& bucket) {
-        reserve_points(out, out.n + 2 * kBucket);
-        out.n = add_bucket(tree, bucket, c, scale, first, out.n, out);
-    });
+    tree.for_buckets_in_ball(c, radius,
+                             [&, scale = 1 / radius](std::size_t first, const PointBucket& bucket) {
+                                 reserve_points(out, out.n + 2 * kBucket);
+                                 out.n = add_bucket(tree, bucket, c, scale, first, out.n, out);
+                             });
     pad(out);
 }
 
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<double>&);
 
-void gather_disc(const PointTree& tree, const Vec3d& c, const Vec3d& normal, double radius, double ball_radius,
-                 float least_cos, BallPoints<float>& out) {
+void gather_disc(const PointTree& tree, const Vec3d& c, const Vec3d& normal, double radius,
+                 double ball_radius, float least_cos, BallPoints<float>& out) {
     out.n = 0;
     out.radius = radius;
     const double scale = 1 / radius;
     const auto sq_ball = static_cast<float>(ball_radius * ball_radius * scale * scale);
-    const Vec3<FloatV> axis{FloatV(static_cast<float>(normal.x)), FloatV(static_cast<float>(normal.y)),
+    const Vec3<FloatV> axis{FloatV(static_cast<float>(normal.x)),
+                            FloatV(static_cast<float>(normal.y)),
                             FloatV(static_cast<float>(normal.z))};
     tree.for_buckets_in_ball(c, ball_radius, [&](std::size_t, const PointBucket& b) {
         reserve_points(out, out.n + 2 * kBucket);
@@ -141,7 +153,9 @@ void gather_disc(const PointTree& tree, const Vec3d& c, const Vec3d& normal, dou
             const auto contrary = measured && dot(axis, n) < least_cos;
             const std::uint64_t counts = lane_bits(at.sq < sq_ball && sq < 1.0f && !contrary);
             if (counts == 0) continue;
-            const auto put = [&](const FloatV& from, std::vector<float>& to) { compress_to(from, counts, &to[out.n]); };
+            const auto put = [&](const FloatV& from, std::vector<float>& to) {
+                compress_to(from, counts, &to[out.n]);
+            };
             put(at.d.x, out.x), put(at.d.y, out.y), put(at.d.z, out.z), put(sq, out.sq);
             put(n.x, out.nx), put(n.y, out.ny), put(n.z, out.nz);
             out.n += static_cast<std::size_t>(std::popcount(counts));
@@ -163,11 +177,14 @@ void shrink_ball(const BallPoints<T>& ball, double radius, BallPoints<T>& out) {
         const auto at = [&](const std::vector<T>& a) { return V(&a[i], stdx::element_aligned); };
         const V sq = at(ball.sq) * (factor * factor);
         const std::uint64_t inside = lane_bits(sq < T(1));
-        const auto put = [&]<class W, class U>(const W& from, std::vector<U>& to) { compress_to(from, inside, &to[n]); };
+        const auto put = [&]<class W, class U>(const W& from, std::vector<U>& to) {
+            compress_to(from, inside, &to[n]);
+        };
         const auto put_normal = [&](const std::vector<float>& from, std::vector<float>& to) {
             put(Floats(&from[i], stdx::element_aligned), to);
         };
-        put(at(ball.x) * factor, out.x), put(at(ball.y) * factor, out.y), put(at(ball.z) * factor, out.z);
+        put(at(ball.x) * factor, out.x), put(at(ball.y) * factor, out.y),
+            put(at(ball.z) * factor, out.z);
         put(sq, out.sq);
         put_normal(ball.nx, out.nx), put_normal(ball.ny, out.ny), put_normal(ball.nz, out.nz);
         if constexpr (kHasIndex<T>)
@@ -186,7 +203,8 @@ std::size_t count_in_ball(const PointTree& tree, const Vec3d& c, double radius,
     std::size_t n = 0;
     tree.for_buckets_in_ball(c, radius, [&](std::size_t, const PointBucket& bucket) {
         for (std::size_t i = 0; i < kBucket && n < enough; i += FloatV::size())
-            n += static_cast<std::size_t>(stdx::popcount(Offsets<FloatV>(bucket, i, c, 1 / radius).sq < 1.0f));
+            n += static_cast<std::size_t>(
+                stdx::popcount(Offsets<FloatV>(bucket, i, c, 1 / radius).sq < 1.0f));
     });
     return std::min(n, enough);
 }

@@ -156,8 +156,10 @@ private:
     }
 };
 
-/// The nearest to the i-th point but itself. By lanes: few of them are nearer than what is found already.
-std::array<std::size_t, kNeighbors> nearest_to(std::span<const double> u, std::span<const double> v, std::size_t i) {
+/// The nearest to the i-th point but itself. By lanes: few of them are nearer than what is found
+/// already.
+std::array<std::size_t, kNeighbors> nearest_to(std::span<const double> u, std::span<const double> v,
+                                               std::size_t i) {
     using V = stdx::native_simd<double>;
     NearestFew found;
     const V at_u(u[i]), at_v(v[i]);
@@ -166,7 +168,8 @@ std::array<std::size_t, kNeighbors> nearest_to(std::span<const double> u, std::s
     };
     std::size_t k = 0;
     for (; k + V::size() <= u.size(); k += V::size()) {
-        const V du = V(&u[k], stdx::element_aligned) - at_u, dv = V(&v[k], stdx::element_aligned) - at_v;
+        const V du = V(&u[k], stdx::element_aligned) - at_u,
+                dv = V(&v[k], stdx::element_aligned) - at_v;
         const V sq = du * du + dv * dv;
         for (std::uint64_t bits = lane_bits(sq < found.farthest()); bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));

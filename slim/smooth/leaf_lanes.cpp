@@ -24,8 +24,8 @@ const V kNone = std::numeric_limits<double>::infinity();
 }
 
 /// The root of k0 + k1 t + k2 t^2 in [-half, half] that is nearest the guess, or kNone. As
-/// quadratic_roots(), but for the discriminant, which is rounded as it comes: where it is near zero the line
-/// touches the surface, and its gate leaves the root out.
+/// quadratic_roots(), but for the discriminant, which is rounded as it comes: where it is near zero
+/// the line touches the surface, and its gate leaves the root out.
 [[gnu::always_inline]] inline V nearest_root(const V& k0, const V& k1, const V& k2, const V& half,
                                              const V& guess) {
     constexpr double kTangent = 4 * std::numeric_limits<double>::epsilon();

@@ -54,7 +54,8 @@ public:
         const Vec3d reach{s.support_radius, s.support_radius, s.support_radius};
         lanes_.gather(surface_, {s.center - reach, s.center + reach});
     }
-    /// How far a point of the leaf's ball goes, signed; nothing where the surface has no place for it.
+    /// How far a point of the leaf's ball goes, signed; nothing where the surface has no place for
+    /// it.
     std::optional<double> displacement(const Vec3d& p) {
         if (const auto n = lanes_.are_plain() ? lanes_.normal_at(p) : std::nullopt)
             if (const auto put = lanes_.project_along(p, *n); put && dot(put->normal, *n) >= 0)

@@ -10,7 +10,9 @@ constexpr std::uint64_t kLeaf = 400;          ///< the model's index and mapped 
 constexpr std::uint64_t kPoint = 130;         ///< sorted, with its place in the pyramid
 constexpr std::uint64_t kLeafOfRadii = 1100;  ///< wide_radii
 constexpr std::uint64_t kFit = 1000;          ///< RefittedSurface while it is built
-constexpr std::uint64_t kInBatches = 240;     ///< where a point is and goes, twice, and its place in the order
+/// Where a point is and goes, twice, and its place in the order; as much again for what was freed
+/// and not given back.
+constexpr std::uint64_t kInBatches = 480;
 constexpr std::uint64_t kLeastBatch = 1 << 16, kMostBatch = 1 << 20;
 
 }  // namespace

@@ -27,15 +27,16 @@ void end_at(const Vec3d& from, Vec3d to, double most, SmoothedPoint& out) {
     out.displacement = std::copysign(too_far ? most : distance, dot(to - from, out.normal));
 }
 
-/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or one that faces away.
+/// Turns a point's normal to the surface's by its share of the way, all of it where it has none or
+/// one that faces away.
 void turn(const Vec3d& to, double share, Vec3d& normal) {
     const bool own = share < 1 && is_finite(normal) && dot(normal, to) > 0;
     normal = own ? normalized(normalized(normal) * (1 - share) + to * share) : to;
 }
 
 /// The projector was made ready for a box that holds the point.
-SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings, const Vec3d& from,
-                           const Vec3d& own_normal) {
+SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& settings,
+                           const Vec3d& from, const Vec3d& own_normal) {
     SmoothedPoint out{from, own_normal};
     if (!is_finite(from)) return out;
     Vec3d p = from, normal = own_normal;
@@ -59,8 +60,8 @@ SmoothedPoint smooth_point(SurfaceProjector& projector, const SmoothSettings& se
     return out;
 }
 
-/// Points along a Morton curve: one after the other asks the same fits, which then lie in the cache (10 million points
-/// of a bumpy sphere in random order take a tenth less time).
+/// Points along a Morton curve: one after the other asks the same fits, which then lie in the cache
+/// (10 million points of a bumpy sphere in random order take a tenth less time).
 KeyedIndices near_after_near(std::span<const Vec3d> positions) {
     Bbox box;
     for (const Vec3d& p : positions)
@@ -68,7 +69,8 @@ KeyedIndices near_after_near(std::span<const Vec3d> positions) {
     const MortonCurve curve(box);
     KeyedIndices order(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i)
-        order[i] = {is_finite(positions[i]) ? curve.key(positions[i]) : 0, static_cast<std::uint32_t>(i)};
+        order[i] = {is_finite(positions[i]) ? curve.key(positions[i]) : 0,
+                    static_cast<std::uint32_t>(i)};
     sort_by_key(order);
     return order;
 }
@@ -90,8 +92,10 @@ void fetch(const PointsToSmooth& cloud, std::span<const KeyedIndex> run) {
     }
 }
 
-/// Smooths points that are next along the curve, in two halves where the box about them meets many surfels.
-void smooth_run(const PointsToSmooth& cloud, std::span<const KeyedIndex> run, SurfaceProjector& projector) {
+/// Smooths points that are next along the curve, in two halves where the box about them meets many
+/// surfels.
+void smooth_run(const PointsToSmooth& cloud, std::span<const KeyedIndex> run,
+                SurfaceProjector& projector) {
     Bbox box;
     for (const KeyedIndex& k : run)
         if (is_finite(cloud.positions[k.index])) box.extend(cloud.positions[k.index]);
@@ -102,11 +106,13 @@ void smooth_run(const PointsToSmooth& cloud, std::span<const KeyedIndex> run, Su
         return;
     }
     for (const KeyedIndex& k : run)
-        cloud.out[k.index] = smooth_point(projector, cloud.settings, cloud.positions[k.index],
-                                          cloud.normals.empty() ? Vec3d{} : to_double(cloud.normals[k.index]));
+        cloud.out[k.index] =
+            smooth_point(projector, cloud.settings, cloud.positions[k.index],
+                         cloud.normals.empty() ? Vec3d{} : to_double(cloud.normals[k.index]));
 }
 
-/// The mean normal by area of the planes about a vertex, and whether the model supports one of them.
+/// The mean normal by area of the planes about a vertex, and whether the model supports one of
+/// them.
 bool normal_of_planes(std::span<const FacePlane> planes, std::span<const std::uint32_t> faces,
                       Vec3d& normal) {
     Vec3d sum;
@@ -167,7 +173,8 @@ SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings,
     for (std::size_t v = 0; v < from.size(); ++v) {
         out.vertices[v].position = from[v];
         out.vertices[v].held = held[v] != 0;
-        if (out.vertices[v].moved) end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
+        if (out.vertices[v].moved)
+            end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
     }
     return out;
 }

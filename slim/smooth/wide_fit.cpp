@@ -18,9 +18,11 @@ constexpr double kOff = 0.25;
 constexpr double kThickness = 6;
 constexpr double kLeastPoints = 60;
 constexpr double kLeastOfQuadratic = 18;
-constexpr float kSqInner = 0.25f;    ///< squared, of the disc's radius: no fit without a point so near the middle
-constexpr double kCancelled = 1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
-constexpr double kRounding = 6e-8;   ///< of a coordinate over the radius, a float
+constexpr float kSqInner =
+    0.25f;  ///< squared, of the disc's radius: no fit without a point so near the middle
+constexpr double kCancelled =
+    1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
+constexpr double kRounding = 6e-8;  ///< of a coordinate over the radius, a float
 
 bool has_inner_point(const BallPoints<float>& ball) {
     return std::any_of(ball.sq.begin(), ball.sq.begin() + static_cast<std::ptrdiff_t>(ball.n),
@@ -29,7 +31,8 @@ bool has_inner_point(const BallPoints<float>& ball) {
 
 /// Sum of squares by a pass over the residuals, coordinates over the radius.
 template <std::size_t K>
-double residual_pass(const BallPoints<float>& ball, const Frame<double>& frame, const std::array<double, K>& a) {
+double residual_pass(const BallPoints<float>& ball, const Frame<double>& frame,
+                     const std::array<double, K>& a) {
     double sum = 0;
     for (std::size_t i = 0; i < ball.n; ++i) {
         const Vec3d x = frame.local_from_world(Vec3d{ball.x[i], ball.y[i], ball.z[i]});
@@ -51,7 +54,8 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     using Disc = NestedDisc<Degree>;
     constexpr std::size_t kAll = Disc::kAll, kOwn = Disc::kOwn;
     const auto n = static_cast<double>(work.ball.n);
-    if (!(n >= (Degree > 2 ? kLeastPoints : kLeastOfQuadratic)) || !has_inner_point(work.ball)) return std::nullopt;
+    if (!(n >= (Degree > 2 ? kLeastPoints : kLeastOfQuadratic)) || !has_inner_point(work.ball))
+        return std::nullopt;
     const auto m = accumulate_moments<Degree>(work.ball, frame, 1);
     const auto disc = Disc::solve(m);
     if (!disc) return std::nullopt;
@@ -62,7 +66,8 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     std::copy(own.begin(), own.end(), fit.polynomial.a.begin());
     fit.n = n;
     double residual = m.sq_height - disc->sq_explained();
-    if (!(residual >= kCancelled * m.sq_height)) residual = residual_pass<kAll>(work.ball, frame, all);
+    if (!(residual >= kCancelled * m.sq_height))
+        residual = residual_pass<kAll>(work.ball, frame, all);
     fit.sq_rounding = sq * kRounding * kRounding;
     fit.sq_noise = std::max(sq * residual / (n - static_cast<double>(kAll)), fit.sq_rounding);
     const auto [spread, spread_of_all] = disc->core_variance();
@@ -78,8 +83,9 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
 
 }  // namespace
 
-std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center, const Frame<double>& frame,
-                                double radius, double noise, bool ahead, WideWork& work) {
+std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center,
+                                const Frame<double>& frame, double radius, double noise, bool ahead,
+                                WideWork& work) {
     work.ball.weight = FitWeight::uniform;
     const double reach = std::hypot(radius, kThickness * noise);
     gather_disc(points, center, frame.normal, radius, reach, kLeastCos, work.ball);

@@ -51,7 +51,8 @@ std::vector<std::uint32_t> numbers_up_to(std::size_t n) {
 }  // namespace
 
 BallIndex::Boxes::Boxes() {
-    for (std::size_t axis = 0; axis < 3; ++axis) lo[axis].fill(kInfinity), hi[axis].fill(-kInfinity);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        lo[axis].fill(kInfinity), hi[axis].fill(-kInfinity);
 }
 
 void BallIndex::Boxes::set(std::size_t i, const Bbox& box) {
@@ -68,14 +69,17 @@ BallIndex::BallIndex(std::vector<Surfel> leaves) {
     build(leaves, nodes);
 }
 
-BallIndex::BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes) { build(leaves, nodes); }
+BallIndex::BallIndex(std::vector<Surfel> leaves, std::vector<std::uint32_t> nodes) {
+    build(leaves, nodes);
+}
 
 void BallIndex::build(std::vector<Surfel>& leaves, const std::vector<std::uint32_t>& nodes) {
     Bbox box;
     for (const Surfel& s : leaves) box.extend(s.center);
     const MortonCurve curve(box);
     std::vector<std::pair<std::uint64_t, std::size_t>> order;
-    for (std::size_t i = 0; i < leaves.size(); ++i) order.emplace_back(curve.key(leaves[i].center), i);
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+        order.emplace_back(curve.key(leaves[i].center), i);
     std::sort(order.begin(), order.end());
     leaves_.reserve(order.size());
     std::vector<Bbox> boxes;
@@ -154,9 +158,11 @@ void BallIndex::near(const Bbox& box, std::vector<std::uint32_t>& out) const {
     out.clear();
     for_boxes_meeting(box, [&](std::size_t i) {
         const Vec3d& c = balls_[i].center;
-        const Vec3d nearest{std::clamp(c.x, box.lo.x, box.hi.x), std::clamp(c.y, box.lo.y, box.hi.y),
+        const Vec3d nearest{std::clamp(c.x, box.lo.x, box.hi.x),
+                            std::clamp(c.y, box.lo.y, box.hi.y),
                             std::clamp(c.z, box.lo.z, box.hi.z)};
-        if (sq_length(nearest - c) < balls_[i].sq_radius) out.push_back(static_cast<std::uint32_t>(i));
+        if (sq_length(nearest - c) < balls_[i].sq_radius)
+            out.push_back(static_cast<std::uint32_t>(i));
     });
 }
 

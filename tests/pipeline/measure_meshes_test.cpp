@@ -14,13 +14,18 @@ namespace {
 class MeasureMeshes : public FitStages {
 protected:
     /// A square of two triangles, its last corner at `z`.
-    std::string square(const std::string& name, const std::string& z, const std::string& faces = "3 0 1 2\n3 0 2 3\n") {
-        return folder_.write(name,
-                             "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty "
-                             "double z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
-                             "0 0 0\n3 0 0\n3 4 0\n0 4 " + z + "\n" + faces);
+    std::string square(const std::string& name, const std::string& z,
+                       const std::string& faces = "3 0 1 2\n3 0 2 3\n") {
+        return folder_.write(
+            name,
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double "
+            "y\nproperty "
+            "double z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0\n3 0 0\n3 4 0\n0 4 " +
+                z + "\n" + faces);
     }
-    nlohmann::json measure(const std::string& original, const std::string& moved, MeasureConfig c = {}) {
+    nlohmann::json measure(const std::string& original, const std::string& moved,
+                           MeasureConfig c = {}) {
         c.model = original, c.cloud = moved;
         return run_as("measure", c, run_measure, listener_);
     }
@@ -51,7 +56,8 @@ TEST_F(MeasureMeshes, FacesOfTheFirstCount) {
 
 TEST_F(MeasureMeshes, WhatCannotBeComparedIsRefused) {
     const std::string a = square("a.ply", "0");
-    EXPECT_EQ(code_of([&] { measure(a, folder_.write("p.xyz", "1 2 3\n4 5 6\n")); }), ExitCode::bad_data);
+    EXPECT_EQ(code_of([&] { measure(a, folder_.write("p.xyz", "1 2 3\n4 5 6\n")); }),
+              ExitCode::bad_data);
     EXPECT_NE(message_.find("4 vertices"), std::string::npos) << message_;
     EXPECT_NE(message_.find("slim build"), std::string::npos) << message_;
     EXPECT_EQ(code_of([&] { measure(a, square("nan.ply", "nan")); }), ExitCode::bad_data);

@@ -73,6 +73,11 @@ TEST(RefitBudget, DividesWhatTheModelLeaves) {
     EXPECT_EQ(none.points, 0u);
     EXPECT_EQ(none.leaves, 0u);
     EXPECT_LE(refit_budget(std::uint64_t{1} << 40, 10).points, std::size_t{1} << 22);
+    // Batches lie where the points were.
+    EXPECT_EQ(usual.batch, std::size_t{1} << 20);
+    EXPECT_EQ(small.batch, std::size_t{1} << 16);
+    const RefitBudget middle = refit_budget(std::uint64_t{1} << 28, 15000);
+    EXPECT_LE(middle.batch * 480, middle.points * 130);
 }
 
 }  // namespace
