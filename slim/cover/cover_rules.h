@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/cover/overlap.h"
+#include "slim/fit/mdl_energy.h"
 #include "slim/fit/radius_ladder.h"
 #include "slim/model/fitted_surfel.h"
 #include "slim/model/surfel.h"
@@ -52,6 +53,7 @@ struct CoverRules {
 
     /// Finest rung of the ladder that leaves may not exceed: fine levels know no points beyond their halo.
     int top_rung() const { return std::max(0, first_level - 1 - rungs_above); }
+    MdlEnergy energy() const { return {noise_variance, mdl_threshold * diagonal}; }
     bool is_sample() const { return share < 1; }
     /// A second fit wants all leaves: not where finer levels are left to others.
     bool fits_again() const { return refits && last_level == kLastLevel; }

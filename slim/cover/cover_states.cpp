@@ -59,7 +59,15 @@ void CoverStates::remember(const LeafCandidate& c) {
     if (c.n_sheets > 1) s.flags |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
 }
 
-void CoverStates::mark(const CoveringSurfel& leaf, float times, bool is_steady) {
+/// How often a leaf counts in the overlap.
+float CoverStates::times(const FittedSurfel& leaf) const {
+    if ((leaf.flags & (slim::kForced | slim::kLimited)) == 0) return 1;
+    const double price = rules_.energy().price(leaf.surfel.support_radius);
+    return rules_.refits ? limited_times(price, leaf.fit_error * leaf.fit_error) : kLimitedTimes;
+}
+
+void CoverStates::mark(const CoveringSurfel& leaf, bool is_steady) {
+    const float n_times = times(leaf.fitted);
     const Surfel& surfel = leaf.fitted.surfel;
     const double sq_radius = surfel.support_radius * surfel.support_radius;
     const auto overlap = [&](const Covered& p) {
@@ -70,7 +78,7 @@ void CoverStates::mark(const CoveringSurfel& leaf, float times, bool is_steady) 
     const std::uint16_t beside = is_steady ? kBeside : 0;
     for (const Covered& p : leaf.covered) {
         PointState& state = states_[p.point];
-        state.weight += times * overlap(p);
+        state.weight += n_times * overlap(p);
         state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));
     }
     if (!is_steady) return;

@@ -41,9 +41,9 @@ public:
     void close(std::uint32_t p) { states_[p].flags |= kClosed; }
     /// Says that an internal surfel of that level covers a point.
     void stamp(std::uint32_t p, int level) { states_[p].stamp = static_cast<std::uint8_t>(level); }
-    /// Adds a leaf at the points that it covers, `times` over. `is_steady`: it is not doubtful, so that
-    /// doubtful ones beside it give way.
-    void mark(const CoveringSurfel& leaf, float times, bool is_steady);
+    /// Adds a leaf at the points that it covers. `is_steady`: it is not doubtful, so that doubtful ones
+    /// beside it give way.
+    void mark(const CoveringSurfel& leaf, bool is_steady);
 
     /// Has the state of a point that is looked at soon fetched: points by priority lie anywhere in
     /// memory.
@@ -68,6 +68,8 @@ private:
         std::uint8_t stamp = 0;
         std::uint8_t degree = 0;  // that goes with the radius found by an earlier search
     };
+
+    float times(const FittedSurfel& leaf) const;
 
     const PointBlock& block_;
     const CoverRules& rules_;

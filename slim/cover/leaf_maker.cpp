@@ -37,10 +37,6 @@ LadderRules ladder_rules(const CoverRules& rules) {
     return ladder;
 }
 
-MdlEnergy energy_of(const CoverRules& rules) {
-    return {rules.noise_variance, rules.mdl_threshold * rules.diagonal};
-}
-
 /// Whether a sample's search was decided by its points, not by their want.
 bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
@@ -68,11 +64,11 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
     : block_(points),
       rules_(rules),
       pyramid_(pyramid),
-      ladder_(pyramid, energy_of(rules), level_radius(rules.diagonal, 1), rules.least_radius,
+      ladder_(pyramid, rules.energy(), level_radius(rules.diagonal, 1), rules.least_radius,
               rules.degree, ladder_rules(rules)),
-      windows_(pyramid, energy_of(rules), level_radius(rules.diagonal, rules.first_level),
+      windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
-      sharp_(pyramid, energy_of(rules), level_radius(rules.diagonal, 1 + rules.top_rung()),
+      sharp_(pyramid, rules.energy(), level_radius(rules.diagonal, 1 + rules.top_rung()),
              rules.usual_degree(), rules.ladder),
       place_(points.size()),
       spacing_(rules.spacing) {

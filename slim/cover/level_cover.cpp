@@ -286,9 +286,7 @@ bool LevelCover::drop(std::uint32_t point) {
 }
 
 void LevelCover::mark(const CoveringSurfel& leaf) {
-    const bool is_limited = (leaf.fitted.flags & (kForced | kLimited)) != 0;
-    const bool is_steady = is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance);
-    states_.mark(leaf, is_limited && !rules_.refits ? kLimitedTimes : 1, is_steady);
+    states_.mark(leaf, is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance));
     if (rules_.fits_again()) second_.blend(leaf);
 }
 

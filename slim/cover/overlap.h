@@ -3,6 +3,7 @@
 #include "slim/model/surfel.h"
 #include "slim/model/weight_kernel.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace slim {
@@ -25,6 +26,15 @@ inline float overlap_weight(CoverReading reading, float sq) {
 /// 0.027 at the edge of its core, which it so covers as a whole. Its like stand side by side in any number, each poor
 /// where it ends, and more of them do not better that (notes/0010).
 inline constexpr float kLimitedTimes = 4;
+
+/// How often such a leaf counts where leaves are fitted a second time: six times the price of its radius in E over eps^2,
+/// from once to fourfold. One that is far better than T asks for, but for what ended its ladder, need not be helped by
+/// so many others (notes/0014).
+inline float limited_times(double price, double sq_error) {
+    constexpr double kTimesOfPrice = 6;
+    if (!(kTimesOfPrice * price > sq_error)) return 1;
+    return static_cast<float>(std::min(kTimesOfPrice * price / sq_error, static_cast<double>(kLimitedTimes)));
+}
 
 /// Least overlap of a covered point where leaves are fitted a second time: they err less where they end (notes/0010).
 inline constexpr float kRefittedCoverage = 0.085f;

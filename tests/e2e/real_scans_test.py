@@ -51,11 +51,10 @@ for stage in ("slice", "normals", "fit", "tree"):
     peak = airborne.json()["stages"][stage]["peak_memory_bytes"] / 2**20
     check(peak <= 64 * 1.1, f"autzen_stadium in 64 MiB: {stage} took {peak:.0f} MiB")
 
-# Sharp features: fewer leaves and a smaller maximum at once (slim/fit/notes/0002). nefertiti at T 0.005: its
-# maximum is one of a few points, and since smooth leaves beside folds are larger (slim/cover/notes/0012), which sharp
-# models leave out, those are the fewer there.
+# Sharp features: fewer leaves and a smaller maximum at once (slim/fit/notes/0002). nefertiti, as many leaves: its maximum is
+# one of a few points, and at other T the smooth model's is the smaller (slim/cover/notes/0014).
 for name, t, leaves, most in (("fandisk_original", 0.01, 0.75, 0.65), ("block_original", 0.01, 0.6, 0.6),
-                              ("twelve_original", 0.01, 0.85, 0.1), ("nefertiti", 0.005, 1.12, 0.99)):
+                              ("twelve_original", 0.01, 0.85, 0.1), ("nefertiti", 0.01, 1.02, 0.99)):
     mesh = data / "meshes" / f"{name}.ply"
     off = build_and_measure(mesh, "--t-mdl", t)
     on = build_and_measure(mesh, "--t-mdl", t, "--sharp", "on")

@@ -27,5 +27,13 @@ TEST(Overlap, VanishesAtTheEndOfItsSupport) {
     }
 }
 
+TEST(Overlap, ALimitedLeafThatIsBetterThanAskedCountsMoreOften) {
+    EXPECT_EQ(limited_times(0.1, 1), 1);
+    EXPECT_FLOAT_EQ(limited_times(0.5, 1), 3);
+    EXPECT_EQ(limited_times(2, 1), kLimitedTimes);
+    EXPECT_EQ(limited_times(1, 0), kLimitedTimes);
+    EXPECT_EQ(limited_times(0, 0), 1);
+}
+
 }  // namespace
 }  // namespace slim::test
