@@ -55,12 +55,17 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
 float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     static const std::array<std::array<float, 2>, kPlaces> disc = places_in_disc();
     const auto reach = static_cast<float>(shade_reach(frame.whole_width, frame.whole_height));
+    // In the axes of the planes: two products a place instead of a normal turned and made unit.
+    const Vec3f eye = frame.to_world(toward_eye), same = frame.to_world(n);
     int hits = 0, front = 0;
     for (const auto& [dx, dy] : disc) {
-        const int px = x + static_cast<int>(std::lround(reach * dx)), py = y + static_cast<int>(std::lround(reach * dy));
-        if (px < 0 || py < 0 || px >= width || py >= height || !hit[index(px, py)]) continue;
-        const Vec3f there = raw_normal(index(px, py));
-        ++hits, front += dot(there, toward_eye) > 0 && dot(there, n) > kSameSurface;
+        const auto nearest = [](float offset) { return static_cast<int>(std::floor(offset + 0.5f)); };  // lround is a call
+        const int px = x + nearest(reach * dx), py = y + nearest(reach * dy);
+        if (px < 0 || py < 0 || px >= width || py >= height) continue;
+        const std::size_t i = index(px, py);
+        if (!hit[i]) continue;
+        const Vec3f there{normals.x[i], normals.y[i], normals.z[i]};
+        ++hits, front += dot(there, eye) > 0 && dot(there, same) > kSameSurface * length(there);
     }
     return hits > 0 ? static_cast<float>(front) / static_cast<float>(hits) : 0;
 }

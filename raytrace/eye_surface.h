@@ -36,6 +36,7 @@ struct EyeFrame {
           whole_height(v.whole_height > 0 ? v.whole_height : height) {}
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
+    Vec3f to_world(const Vec3f& d) const { return right * d.x + up * d.y + back * d.z; }
     LanesOfVec from_world(const LanesOfVec& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
 
     /// Column x and row y of the planes in [-1, 1] over the whole picture, rightwards and upwards.
