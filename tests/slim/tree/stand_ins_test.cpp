@@ -84,8 +84,9 @@ TEST(StandIns, NoneReachesBeyondAnEdge) {
     EXPECT_GT(mark_stand_ins(data), 10u);
     const SurfelTree tree = data.view();
     for (std::size_t i = 1; i < tree.n_nodes(); ++i)
-        if (is_marked(tree.node(i)) && std::abs(tree.center(i).z) < 1e-6)
+        if (is_marked(tree.node(i)) && std::abs(tree.center(i).z) < 1e-6) {
             EXPECT_LT(tree.center(i).x + 0.9 * tree.support_radius(i), 0.5 + 0.05);
+        }
 }
 
 TEST(StandIns, NeedAGoodFitManyChildrenAndSoundLeaves) {

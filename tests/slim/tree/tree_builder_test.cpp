@@ -159,7 +159,9 @@ TEST(TreeBuilder, GenerationsFollowEachOther) {
     for (std::size_t i = 1; i < tree.n_nodes(); ++i) {
         generation[i] = generation[parent[i]] + 1;
         EXPECT_GE(generation[i], generation[i - 1]) << i;
-        if (i > 1) EXPECT_GE(parent[i], parent[i - 1]) << i;
+        if (i > 1) {
+            EXPECT_GE(parent[i], parent[i - 1]) << i;
+        }
     }
     EXPECT_GT(generation.back(), 2);
 }
