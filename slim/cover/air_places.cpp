@@ -13,28 +13,26 @@
 namespace slim {
 namespace {
 
-constexpr int kGrid = 8;             // places to either side of the centre
 constexpr double kGap = 1.5;         // spacings to the nearest point: among random ones once in a thousand places
 constexpr double kStandsOut = 0.15;  // spacings above its plane, from which on a rim should end the leaf
 constexpr double kFar = 0.3;         // spacings above or below it that a larger ball must not bring
 
-constexpr std::size_t kSide = 2 * kGrid + 1;
-constexpr std::size_t kMostGroups = (kSide * kSide + kLanes - 1) / kLanes;
+constexpr std::size_t kPlaces = 208;  // of a core
+constexpr std::size_t kMostGroups = (kPlaces + kLanes - 1) / kLanes;
 constexpr std::size_t kPointsAtOnce = 64;
 
-/// Places of the grid, coordinates over rho in the tangent plane: the disc of radius kTrim, padded by places without.
-struct Grid {
+/// Places spread evenly over the disc of radius kTrim, coordinates over rho in the tangent plane, padded by places
+/// without. A spiral (Vogel 1979): the rows of a grid would see an edge along the axes better than others.
+struct Places {
     std::array<float, kMostGroups * kLanes> u, v;
-    std::size_t n_groups = 0;
 
-    Grid() {
+    Places() {
         u.fill(2), v.fill(2);
-        std::size_t n = 0;
-        for (int i = -kGrid; i <= kGrid; ++i)
-            for (int j = -kGrid; j <= kGrid; ++j)
-                if (i * i + j * j < kGrid * kGrid)
-                    u[n] = static_cast<float>(kTrim * i / kGrid), v[n++] = static_cast<float>(kTrim * j / kGrid);
-        n_groups = (n + kLanes - 1) / kLanes;
+        for (std::size_t i = 0; i < kPlaces; ++i) {
+            const double r = kTrim * std::sqrt((static_cast<double>(i) + 0.5) / kPlaces);
+            const double angle = static_cast<double>(i) * 2 * std::numbers::pi * kGoldenRatio;
+            u[i] = static_cast<float>(r * std::cos(angle)), v[i] = static_cast<float>(r * std::sin(angle));
+        }
     }
 };
 
@@ -42,7 +40,7 @@ FloatV lanes_of(const auto& a, std::size_t group) {
     return {&a[group * static_cast<std::size_t>(kLanes)], stdx::element_aligned};
 }
 
-/// Places whose feet on a surfel are within its core, and the nearest point to each, by groups of lanes.
+/// Those whose feet on a surfel are within its core, and the nearest point to each, by groups of lanes.
 struct Feet {
     std::array<float, (kMostGroups + 1) * kLanes> u, v, x, y, z, sq, index;
     std::size_t n = 0;
@@ -54,7 +52,7 @@ struct Feet {
 };
 
 [[gnu::flatten]] void find_feet(const Surfel& surfel, Feet& out) {
-    static const Grid grid;
+    static const Places places;
     const auto spread = [](const Vec3d& a) {
         const Vec3f f = to_float(a);
         return Vec3<FloatV>{FloatV(f.x), FloatV(f.y), FloatV(f.z)};
@@ -62,8 +60,8 @@ struct Feet {
     const Frame<FloatV> frame{spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
     Polynomial<FloatV> polynomial;
     for (std::size_t k = 0; k < polynomial.a.size(); ++k) polynomial.a[k] = static_cast<float>(surfel.polynomial.a[k]);
-    for (std::size_t g = 0; g < grid.n_groups; ++g) {
-        const FloatV u = lanes_of(grid.u, g), v = lanes_of(grid.v, g);
+    for (std::size_t g = 0; g < kMostGroups; ++g) {
+        const FloatV u = lanes_of(places.u, g), v = lanes_of(places.v, g);
         const Vec3<FloatV> p = frame.world_from_local({u, v, polynomial.value(u, v)});
         const std::uint64_t inside = lane_bits(dot(p, p) < static_cast<float>(kTrim * kTrim));
         const auto put = [&](const FloatV& from, auto& to) { compress_to(from, inside, &to[out.n]); };

@@ -41,7 +41,8 @@ bool CoverStates::recall(LeafCandidate& c) const {
                 false,
                 (s.flags & kLimited) != 0,
                 0,
-                finest_[c.point]};
+                finest_[c.point],
+                (s.flags & kWidened) != 0};
     c.sparse = (s.flags & kThin) != 0;
     c.n_sheets = s.flags & kThreeSheets ? 3 : s.flags & kTwoSheets ? 2 : 1;
     return true;
@@ -53,8 +54,10 @@ void CoverStates::remember(const LeafCandidate& c) {
     PointState& s = states_[c.point];
     s.degree = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) s.flags |= kForced;
+    s.flags = static_cast<std::uint16_t>(s.flags & ~(kSaturatedTop | kWidened));  // a smaller radius is neither
     if (c.choice.saturated) s.flags |= kSaturatedTop;
     if (c.choice.limited) s.flags |= kLimited;
+    if (c.choice.widened) s.flags |= kWidened;
     if (c.sparse) s.flags |= kThin;
     if (c.n_sheets > 1) s.flags |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
 }

@@ -59,7 +59,8 @@ private:
         kTwoSheets = 32,  // found by an earlier search: two sheets, three
         kThreeSheets = 64,
         kThin = 128,
-        kBeside = 256
+        kBeside = 256,
+        kWidened = 512
     };
     /// Side by side, as points by priority lie anywhere in memory.
     struct PointState {

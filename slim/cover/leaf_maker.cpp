@@ -128,11 +128,11 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
-    if (lends && (choice.forced || (choice.limited && !choice.widened)))
+    if (lends && !choice.widened && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact);
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced, rules_.noise_variance, work.exact.ball, edges());
+                      choice.forced && !choice.widened, rules_.noise_variance, work.exact.ball, edges());
 }
 
 /// sqrt(lambda) over the spacing.
@@ -160,9 +160,9 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     for (const float radius : radii) {
         BallPoints<double>& ball = work.exact.ball;
         shrink_ball(work.wide, static_cast<double>(radius), ball);
-        CoveringSurfel leaf =
-            fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false, rules_.noise_variance, ball, edges());
-        if (!is_well_fitted(leaf) || (rules_.sharp && shows_edge(leaf))) continue;
+        CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
+                                                  rules_.noise_variance, ball, edges());
+        if (!is_well_fitted(leaf) || rounds_off(leaf) || (rules_.sharp && shows_edge(leaf))) continue;
         leaf.air = air_places(leaf.fitted.surfel, ball);
         if (!ends_before_air(leaf)) continue;
         c.choice.radius = static_cast<double>(radius);
@@ -171,12 +171,21 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     }
 }
 
-/// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013).
-void LeafMaker::shrink_to_few(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
+/// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013). It does not wait
+/// for the level of its size: nobody else would cover them.
+void LeafMaker::shrink_to_few(LeafCandidate& c, LeafWork& work) const {
     const double share = share_of_few(c.surfel);
     if (!(share < 1)) return;
-    c.choice.radius = static_cast<float>(share * c.choice.radius);
-    c.surfel = fit_with_air(center, normal, c.choice, work);
+    make_smaller(c, share * c.choice.radius, 0);
+    const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+    c.surfel = fit_with_air(block_.position[c.point], normal, c.choice, work);
+}
+
+/// A smaller radius; below `lower` the point waits.
+void LeafMaker::make_smaller(LeafCandidate& c, double radius, double lower) {
+    c.choice.radius = static_cast<float>(radius);
+    c.choice.saturated = c.choice.widened = false;
+    c.leaf = c.choice.radius >= lower;
 }
 
 /// Whether the cloud has neither contrary normals nor much noise.
@@ -228,12 +237,9 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     }
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_with_air(center, normal, c.choice, work);
-        if (c.choice.forced && c.sparse) shrink_to_few(c, center, normal, work);
+        if (c.choice.forced && c.sparse) shrink_to_few(c, work);
         if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
-            if (rules_.is_sample()) c.choice.radius = kWaits;
-            c.choice.radius = static_cast<float>(kGoldenRatio * c.choice.radius);
-            c.choice.saturated = false;
-            c.leaf = c.choice.radius >= lower;
+            make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
             if (!c.leaf) return;
             continue;
         }
@@ -251,9 +257,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         // are looked for, no leaf becomes smaller than the finest ball that its search admits.
         const double radius = smaller.value_or(kGoldenRatio * c.choice.radius);
         if (!rules_.sharp && radius < c.choice.finest) return;
-        c.choice.radius = static_cast<float>(radius);
-        c.choice.saturated = false;
-        c.leaf = c.choice.radius >= lower;
+        make_smaller(c, radius, lower);
         if (!c.leaf) return;
     }
 }

@@ -52,7 +52,8 @@ public:
     bool is_few_in_noise(const LeafCandidate& c) const;
 
     /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes
-    /// false if that is less than `lower`: the point waits. Strays become choice.isolated.
+    /// false if that is less than `lower`: the point waits. Sparse leaves are as small as their few points, whatever the
+    /// level. Strays become choice.isolated.
     void make(LeafCandidate& c, double lower, LeafWork& work) const;
 
 private:
@@ -69,7 +70,8 @@ private:
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                 LeafWork& work) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
-    void shrink_to_few(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
+    static void make_smaller(LeafCandidate& c, double radius, double lower);
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;
