@@ -14,7 +14,6 @@
 namespace slim {
 namespace {
 
-constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
 constexpr std::size_t kSampled = 4096;  // points that tell strays from the others, at most
 
 /// Progress in bytes over all files: the only measure that every format knows.

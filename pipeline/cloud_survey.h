@@ -97,8 +97,10 @@ struct CloudSurvey {
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
                           std::uint64_t most_gathered, Reporter& reporter);
 
-/// Calls take(chunk, first_id, input) for all chunks of all clouds in order; first_id counts all
-/// points.
+inline constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
+
+/// Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints; first_id counts
+/// all points.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t first_id,

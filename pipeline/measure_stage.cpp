@@ -36,7 +36,7 @@ MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& heade
                     return projector.project(p, n, curvature);
                 };
             },
-            config.two_way&& is_mesh(config.cloud), placed(config.model, header)};
+            config.two_way && is_mesh(config.cloud), placed(config.model, header)};
 }
 
 /// A point put on an analytic shape: at its foot, the nearest point, if that is known.
@@ -210,6 +210,9 @@ json run_measure(const MeasureConfig& config, StageContext& context) {
                                       a ? config.cloud : config.model));
     const Kind kind = a ? Kind::pictures : are_meshes(config) ? Kind::meshes : Kind::points;
     refuse_without_effect(config, kind);
+    if (kind != Kind::pictures && is_picture(config.output))
+        throw ConfigError(fmt::format("{}: only of two pictures a picture is made; expected a name of a JSON file",
+                                      config.output));
     switch (kind) {
         case Kind::pictures:
             return measure_pictures(config, context);

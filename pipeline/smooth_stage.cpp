@@ -86,7 +86,10 @@ struct Smoother {
 /// Points of a cloud that are smoothed together, and where they end.
 class SmoothedBatch {
 public:
-    explicit SmoothedBatch(std::size_t most) { from_.reserve(most), normals_.reserve(most); }
+    /// most: points that it is smoothed with; the last chunk may be above.
+    explicit SmoothedBatch(std::size_t most) {
+        from_.reserve(most + kChunkPoints), normals_.reserve(most + kChunkPoints);
+    }
     std::size_t size() const { return from_.size(); }
     void add(const Smoother& smoother, const PointChunk& chunk) {
         for (const Vec3d& p : chunk.position) from_.push_back(p - smoother.origin);

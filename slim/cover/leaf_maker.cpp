@@ -162,7 +162,7 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
         shrink_ball(work.wide, static_cast<double>(radius), ball);
         CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
                                                   rules_.noise_variance, ball, edges());
-        if (!is_well_fitted(leaf) || rounds_off(leaf) || (rules_.sharp && shows_edge(leaf))) continue;
+        if (!is_well_fitted(leaf) || rounds_off(leaf) || (rules_.sharp && has_edge_signs(leaf))) continue;
         leaf.air = air_places(leaf.fitted.surfel, ball);
         if (!ends_before_air(leaf)) continue;
         c.choice.radius = static_cast<double>(radius);

@@ -51,7 +51,7 @@ bool is_well_fitted(const CoveringSurfel& leaf) {
     return leaf.explains_center && leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
 }
 
-bool shows_edge(const CoveringSurfel& leaf) { return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty(); }
+bool has_edge_signs(const CoveringSurfel& leaf) { return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty(); }
 
 bool ends_before_air(const CoveringSurfel& leaf) {
     const PackedRims rims = rims_of(leaf);

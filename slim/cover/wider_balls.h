@@ -22,7 +22,7 @@ bool is_well_fitted(const CoveringSurfel& leaf);
 
 /// Whether the ball of a leaf holds an edge, which sheets would show better: more than four signs of one, or a point of
 /// its own.
-bool shows_edge(const CoveringSurfel& leaf);
+bool has_edge_signs(const CoveringSurfel& leaf);
 
 /// Whether a leaf's rims lie before all places where it would stand far in the air, CoveringSurfel::air (notes/0012).
 bool ends_before_air(const CoveringSurfel& leaf);

@@ -13,8 +13,8 @@ namespace slim {
 /// that a thread keeps. Arrays are padded to whole SIMD groups by points of zero weight (sq = 2).
 template <class T>
 struct BallPoints {
-    std::vector<T> x, y, z;         ///< |.| < 1
-    std::vector<T> sq;              ///< x^2 + y^2 + z^2
+    std::vector<T> x, y, z;         ///< |.| < 1, but of a disc
+    std::vector<T> sq;              ///< x^2 + y^2 + z^2; of a disc that of the foot
     std::vector<float> nx, ny, nz;  ///< unit normals, or zero
     std::vector<std::uint32_t> index;  ///< in the tree they came from; of doubles only
     std::size_t n = 0;              ///< without padding
@@ -34,9 +34,9 @@ struct BallPoints {
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
 
-/// The same of the points of a ball whose feet in the plane normal to `normal` are within `radius` of the centre, with their
-/// distances there instead of those in space, coordinates over `radius`; those whose own normals' cosine to that is
-/// less than `least_cos` do not count. Cost: the buckets that meet the ball.
+/// Fills `out` with a disc: the points within `ball_radius` of the centre whose feet in the plane normal to `normal` are
+/// within `radius` of it. Coordinates are over `radius` and may be beyond 1 along the normal; sq is that of the feet. Points whose own
+/// normals' cosine to the disc's is less than `least_cos` are left out. Cost: the buckets that meet the ball.
 void gather_disc(const PointTree& tree, const Vec3d& center, const Vec3d& normal, double radius,
                  double ball_radius, float least_cos, BallPoints<float>& out);
 

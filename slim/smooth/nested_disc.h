@@ -4,7 +4,6 @@
 #include "slim/smooth/wide_fit.h"
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 

@@ -1,15 +1,12 @@
 #include "slim/smooth/wide_fit.h"
 
-#include "slim/base/simd.h"
 #include "slim/fit/moments.h"
 #include "slim/smooth/nested_disc.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 namespace slim {
 namespace {

@@ -62,10 +62,20 @@ TEST_F(MeasureMeshes, WhatCannotBeComparedIsRefused) {
     EXPECT_NE(message_.find("slim build"), std::string::npos) << message_;
     EXPECT_EQ(code_of([&] { measure(a, square("nan.ply", "nan")); }), ExitCode::bad_data);
     EXPECT_NE(message_.find("vertex 3"), std::string::npos) << message_;
+    const auto refused = [&](auto&& change, const std::string& key) {
+        MeasureConfig c;
+        change(c);
+        EXPECT_EQ(code_of([&] { measure(a, a, c); }), ExitCode::usage) << key;
+        EXPECT_NE(message_.find(key), std::string::npos) << message_;
+    };
+    refused([](MeasureConfig& c) { c.two_way = true; }, "two_way");
+    refused([&](MeasureConfig& c) { c.per_point = file("p.ply"); }, "per_point");
+    refused([](MeasureConfig& c) { c.truth = "a.truth"; }, "truth");
+    refused([](MeasureConfig& c) { c.samples = 10; }, "samples");
+    refused([](MeasureConfig& c) { c.tolerance = 0.5; }, "tolerance");
+    refused([](MeasureConfig& c) { c.threshold = 0.5; }, "threshold");
+    refused([&](MeasureConfig& c) { c.output = file("x.png"); }, "x.png");
     MeasureConfig c;
-    c.two_way = true;
-    EXPECT_EQ(code_of([&] { measure(a, a, c); }), ExitCode::usage);
-    c = {};
     c.output = a;
     EXPECT_EQ(code_of([&] { measure(a, square("b.ply", "1"), c); }), ExitCode::usage);
 }
@@ -76,7 +86,10 @@ TEST_F(MeasureMeshes, AFileOfTheResultIsKept) {
     c.output = file("m.json");
     const auto once = measure(a, b, c);
     EXPECT_EQ(nlohmann::json::parse(read_bytes(file("m.json")))["l2"], once["l2"]);
-    EXPECT_EQ(measure(a, b, c)["l2"], once["l2"]);
+    EXPECT_FALSE(once.contains("up_to_date"));
+    EXPECT_EQ(measure(a, b, c)["up_to_date"], true);
+    square("b.ply", "6");
+    EXPECT_DOUBLE_EQ(measure(a, b, c)["max"], 1.2);
 }
 
 }  // namespace

@@ -107,6 +107,37 @@ TEST(PointTree, OfNoPointsFindsNothing) {
     EXPECT_EQ(count_in_ball(tree, {0, 0, 0}, 1, 5), 0u);
 }
 
+TEST(GatherDisc, HoldsThePointsWhoseFeetAreInIt) {
+    constexpr double kDisc = 0.3, kBall = 0.5, kMargin = 1e-5;
+    constexpr float kLeastCos = 0.2f;
+    for (const PointBlock& block : hard_blocks()) {
+        SCOPED_TRACE(block.size());
+        const PointTree tree = tree_of(block);
+        BallPoints<float> disc;
+        for (std::uint64_t q = 0; q < 20; ++q) {
+            const Vec3d c = random_in_cube(98, q), normal = random_direction(97, q);
+            gather_disc(tree, c, normal, kDisc, kBall, kLeastCos, disc);
+            // By brute force, a little narrower and a little wider: floats decide between.
+            std::size_t least = 0, most = 0;
+            for (std::size_t i = 0; i < tree.size(); ++i) {
+                const Vec3d d = tree.position(i) - c, n = to_double(tree.normal(i));
+                const double foot = length(d - normal * dot(d, normal)), cosine = dot(n, normal);
+                const bool own = sq_length(n) > 0;
+                least += length(d) < kBall - kMargin && foot < kDisc - kMargin && (!own || cosine > 0.2 + 1e-3);
+                most += length(d) < kBall + kMargin && foot < kDisc + kMargin && (!own || cosine > 0.2 - 1e-3);
+            }
+            EXPECT_GE(disc.n, least);
+            EXPECT_LE(disc.n, most);
+            for (std::size_t k = 0; k < disc.n; ++k) {
+                const Vec3d x{disc.x[k], disc.y[k], disc.z[k]};
+                const double off = dot(x, normal);
+                ASSERT_NEAR(disc.sq[k], sq_length(x) - off * off, 1e-5);
+                ASSERT_LT(disc.sq[k], 1);
+            }
+        }
+    }
+}
+
 TEST(ShrinkBall, LeavesWhatAGatheredBallHolds) {
     for (const PointBlock& block : hard_blocks()) {
         SCOPED_TRACE(block.size());

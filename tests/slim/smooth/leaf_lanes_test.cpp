@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -101,14 +102,21 @@ TEST(LeafLanes, SupportersAndTheirNormalAsTheIndexHasThem) {
 }
 
 TEST(LeafLanes, CubicsAndEdgesAreLeftToOthers) {
-    std::vector<Surfel> leaves = sheet(20, false);
-    leaves[3].center = {0.4, 0, 0};
-    leaves[3].degree = 3;
-    const BallIndex index(std::move(leaves));
+    Surfel cubic = sheet(1, false)[0], sharp = cubic;
+    cubic.center = sharp.center = {0.4, 0, 0};
+    cubic.degree = 3;
+    sharp.sharp = std::make_shared<const SharpSheets>();
     LeafLanes lanes;
-    lanes.gather(index, kBox);
-    EXPECT_FALSE(lanes.are_plain());
-    lanes.gather(index, {{50, 50, 50}, {51, 51, 51}});
+    for (const Surfel& other : {cubic, sharp}) {
+        std::vector<Surfel> leaves = sheet(20, false);
+        leaves[3] = other;
+        lanes.gather(BallIndex(std::move(leaves)), kBox);
+        EXPECT_FALSE(lanes.are_plain());
+    }
+    const BallIndex plain(sheet(20, false));
+    lanes.gather(plain, kBox);
+    EXPECT_TRUE(lanes.are_plain());
+    lanes.gather(plain, {{50, 50, 50}, {51, 51, 51}});
     EXPECT_TRUE(lanes.numbers().empty());
     EXPECT_FALSE(lanes.project_along({50, 50, 50}, {0, 0, 1}));
     EXPECT_FALSE(lanes.normal_at({50, 50, 50}));
