@@ -3,8 +3,8 @@
 //   peer_discs SHAPE CLOUD.ply SIZE REPEAT THREADS MODEL.slim...
 //
 // SHAPE, a closed one, is what `slim scan` scanned. Radius of a disc: 1.5 spacings, sqrt(area / n) with the area of the ellipsoid
-// in the shape's box. A frame ends with a depth and a normal a pixel. Prints one line of JSON a row: what, lod, ms (median),
-// hits, and over the hits the angle of the normal to that of the surface's nearest point in degrees (RMS, median), the
+// in the shape's box. A frame ends with a depth and a normal a pixel. Prints one JSON object of rows, discs and degree_D_lod_N: what, lod, ms
+// (median), hits, and over the hits the angle of the normal to that of the surface's nearest point in degrees (RMS, median), the
 // RMS distance over the diagonal, and astray, the hits without a nearest point (at creases), which are left out.
 #include "formats/model_file.h"
 #include "formats/point_source.h"
@@ -13,6 +13,7 @@
 #include "slim/shapes/foot_point.h"
 
 #include <embree3/rtcore.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -60,7 +61,7 @@ double median_ms(int repeat, const Draw& draw) {
     return times[times.size() / 2];
 }
 
-void print_row(const Job& job, const std::string& what, double lod, double ms, const Seen& seen) {
+nlohmann::ordered_json row_of(const Job& job, const std::string& what, double lod, double ms, const Seen& seen) {
     double sq_angle = 0, sq_distance = 0;
     std::vector<double> angles;
     std::size_t astray = 0;
@@ -81,10 +82,14 @@ void print_row(const Job& job, const std::string& what, double lod, double ms, c
     const std::size_t n = angles.size();
     std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(n / 2), angles.end());
     const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(n)); };
-    std::printf("{\"what\": \"%s\", \"lod\": %g, \"ms\": %.3f, \"hits\": %zu, \"normal_deg\": %.4f, "
-                "\"normal_median_deg\": %.4f, \"distance\": %.3e, \"astray\": %zu}\n",
-                what.c_str(), lod, ms, n + astray, rms(sq_angle), angles[n / 2], rms(sq_distance) / job.diagonal, astray);
-    std::fflush(stdout);
+    return {{"what", what},
+            {"lod", lod},
+            {"ms", ms},
+            {"hits", n + astray},
+            {"normal_deg", rms(sq_angle)},
+            {"normal_median_deg", angles[n / 2]},
+            {"distance", rms(sq_distance) / job.diagonal},
+            {"astray", astray}};
 }
 
 Seen nothing_seen(const Job& job) {
@@ -167,7 +172,7 @@ double spacing_of(const Shape& shape, std::size_t n) {
     return std::sqrt(area / static_cast<double>(n));
 }
 
-void draw_discs(const Job& job, const std::string& path) {
+nlohmann::ordered_json draw_discs(const Job& job, const std::string& path) {
     std::vector<Vec3d> position;
     std::vector<Vec3f> normal;
     const auto source = open_cloud(path);
@@ -187,10 +192,11 @@ void draw_discs(const Job& job, const std::string& path) {
         const auto y = static_cast<double>(i / static_cast<std::size_t>(job.size)) + 0.5;
         seen.point[i] = job.view.point_at(x, y, static_cast<double>(depth[i]));
     }
-    print_row(job, "Embree discs", 0, ms, seen);
+    return row_of(job, "Embree discs", 0, ms, seen);
 }
 
-void draw_model(const Job& job, const std::string& path, double lod) {
+/// Adds the model's row.
+void draw_model(const Job& job, const std::string& path, double lod, nlohmann::ordered_json& rows) {
     const ModelFile file = ModelFile::open(path);
     const SurfelTree tree = file.tree();
     const Vec3d origin = tree.header().origin;
@@ -206,7 +212,9 @@ void draw_model(const Job& job, const std::string& path, double lod) {
         seen.point[i] = job.view.point_at(x, y, static_cast<double>(out.depth[i]));
         seen.normal[i] = {out.normal[0][i], out.normal[1][i], out.normal[2][i]};
     }
-    print_row(job, "degree " + std::to_string(tree.header().degree), lod, ms, seen);
+    const std::string degree = std::to_string(tree.header().degree);
+    rows["degree_" + degree + "_lod_" + std::to_string(static_cast<int>(lod))] =
+        row_of(job, "degree " + degree, lod, ms, seen);
 }
 
 int run(int argc, char** argv) {
@@ -216,9 +224,11 @@ int run(int argc, char** argv) {
     const Camera camera = named_camera("iso", shape.bounds, 1.0, {});
     const Job job{shape, size, std::atoi(argv[4]), camera, pixel_view(camera, size, size),
                   length(shape.bounds.hi - shape.bounds.lo)};
-    draw_discs(job, argv[2]);
+    nlohmann::ordered_json rows;
+    rows["discs"] = draw_discs(job, argv[2]);
     for (int k = 6; k < argc; ++k)
-        for (const double lod : {1.0, 2.0, 4.0, 8.0, 16.0}) draw_model(job, argv[k], lod);
+        for (const double lod : {1.0, 2.0, 4.0, 8.0, 16.0}) draw_model(job, argv[k], lod, rows);
+    std::printf("%s\n", rows.dump().c_str());
     return 0;
 }
 
