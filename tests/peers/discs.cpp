@@ -12,8 +12,9 @@
 #include "slim/base/parallel.h"
 #include "slim/shapes/foot_point.h"
 
-#include <embree3/rtcore.h>
 #include <nlohmann/json.hpp>
+
+#include <embree3/rtcore.h>
 
 #include <algorithm>
 #include <chrono>
