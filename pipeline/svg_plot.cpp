@@ -165,7 +165,7 @@ std::string curve_of(const SvgCurve& curve, std::size_t i, const Axis& x, const 
     if (!path.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke-width=\"1.6\"/>", path);
     out += guide_of(curve, points, x, y) + marks + line(lx, ly, lx + 16, ly, "stroke-width=\"1.6\"") +
            mark(lx + 8, ly, i) + "</g>";
-    return out + "<g fill=\"#333\">" + label(lx + 22, ly + 4, "start", curve.name) + "</g>";
+    return out + "<g fill=\"#333\">" + label(kWidth - kRight + kNameAt, ly + 4, "start", curve.name) + "</g>";
 }
 
 }  // namespace

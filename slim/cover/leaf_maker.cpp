@@ -110,8 +110,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
     const bool may_widen = c.choice.limited && is_resolved && c.n_sheets == 1 && !rules_.windows;
-    if (may_widen && relative_noise() < kLittleNoise)
-        widen(c, center, normal, work);
+    if (may_widen && relative_noise() < kLittleNoise) widen(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
 }

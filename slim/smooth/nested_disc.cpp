@@ -2,6 +2,7 @@
 
 #include "slim/fit/nested_cholesky.h"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 

@@ -11,7 +11,8 @@ namespace slim {
 
 /// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted
 /// sums: one factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The
-/// system is scaled to unit diagonal.
+/// system is scaled to unit diagonal. Beside NestedCholesky (slim/fit), which gives the diagonal of the
+/// inverse alone: the mean over the core asks for all of it.
 template <int Degree>
 class NestedDisc {
 public:

@@ -15,11 +15,9 @@ constexpr double kOff = 0.25;
 constexpr double kThickness = 6;
 constexpr double kLeastPoints = 60;
 constexpr double kLeastOfQuadratic = 18;
-constexpr float kSqInner =
-    0.25f;  ///< squared, of the disc's radius: no fit without a point so near the middle
-constexpr double kCancelled =
-    1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
-constexpr double kRounding = 6e-8;  ///< of a coordinate over the radius, a float
+constexpr float kSqInner = 0.25f;    ///< squared, of the disc's radius: no fit without a point so near the middle
+constexpr double kCancelled = 1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
+constexpr double kRounding = 6e-8;   ///< of a coordinate over the radius, a float
 
 bool has_inner_point(const BallPoints<float>& ball) {
     return std::any_of(ball.sq.begin(), ball.sq.begin() + static_cast<std::ptrdiff_t>(ball.n),
