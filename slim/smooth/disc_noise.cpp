@@ -253,7 +253,7 @@ std::optional<DiscNoise> disc_noise(const PointTree& points, const Vec3d& center
             std::min(radius, std::max(kThick * noise, radius * std::sqrt(wanted / n_points)));
         for (int i = 0; i < kTries && narrow <= radius; ++i, narrow *= kWiden)
             if (const auto fit =
-                    fit_wide(points, center, frame, narrow, noise, wanted == kOfQuartic, work))
+                    fit_wide(points, {center, frame, narrow, noise}, wanted == kOfQuartic, work))
                 return least_noise(*fit, work, frame, by_normals);
     }
     return std::nullopt;

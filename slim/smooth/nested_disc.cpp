@@ -1,8 +1,10 @@
 #include "slim/smooth/nested_disc.h"
 
 #include "slim/fit/nested_cholesky.h"
+#include "slim/model/weight_kernel.h"
 
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -11,14 +13,28 @@ namespace {
 
 constexpr double kLeastPivot = 1e-6;
 
-/// Mean of u^a v^b over the disc of radius kCore.
-double core_mean(int a, int b) {
+/// Mean of u^a v^b over the unit circle.
+double circle_mean(int a, int b) {
     if (a % 2 != 0 || b % 2 != 0) return 0;
-    double mean = std::pow(kCore, a + b) * 2 / (a + b + 2);
+    double mean = 1;
     for (int i = a - 1; i > 0; i -= 2) mean *= i;
     for (int i = b - 1; i > 0; i -= 2) mean *= i;
     for (int i = a + b; i > 0; i -= 2) mean /= i;
     return mean;
+}
+
+/// Mean of u^a v^b over the disc of radius kCore.
+double core_mean(int a, int b) { return circle_mean(a, b) * std::pow(kCore, a + b) * 2 / (a + b + 2); }
+
+/// Mean of u^a v^b under weight_kernel() over the disc of twice kCore, by the midpoints of rings of equal area.
+double weighted_mean(int a, int b) {
+    constexpr int kRings = 4096;
+    double sum = 0, all = 0;
+    for (int k = 0; k < kRings; ++k) {
+        const double sq = (k + 0.5) / kRings, weight = weight_kernel(sq);
+        all += weight, sum += weight * std::pow(sq, 0.5 * (a + b));
+    }
+    return circle_mean(a, b) * std::pow(2 * kCore, a + b) * sum / all;
 }
 
 }  // namespace
@@ -30,6 +46,7 @@ struct NestedDisc<Degree>::Tables {
         product;                                        // places of phi_i phi_j among the monomials
     std::array<std::size_t, kEven> even;                // terms of even degree
     std::array<std::array<double, kEven>, kEven> core;  // means of their products over the core
+    std::array<double, kAll> blended;                   // weighted means of the monomials
 
     Tables() {
         std::vector<std::pair<int, int>> power;
@@ -37,6 +54,8 @@ struct NestedDisc<Degree>::Tables {
             for (int b = 0; b <= d; ++b) power.emplace_back(d - b, b);
         for (std::size_t i = 0; i < kAll; ++i)
             for (std::size_t j = 0; j < kAll; ++j) product[i][j] = product_index(i, j);
+        for (std::size_t i = 0; i < kAll; ++i)
+            blended[i] = weighted_mean(power[i].first, power[i].second);
         std::size_t n = 0;
         for (std::size_t i = 0; i < kAll; ++i)
             if ((power[i].first + power[i].second) % 2 == 0) even[n++] = i;
@@ -144,6 +163,12 @@ double NestedDisc<Degree>::sq_even(const std::array<double, kAll>& a) {
         sum += even[i] * row;
     }
     return sum;
+}
+
+template <int Degree>
+double NestedDisc<Degree>::blend_mean(const std::array<double, kAll>& a) {
+    const Tables& t = tables();
+    return std::inner_product(a.begin(), a.end(), t.blended.begin(), 0.0);
 }
 
 template class NestedDisc<2>;

@@ -34,6 +34,8 @@ public:
     double sq_explained() const;
     /// Mean over the core of the square of a polynomial's even terms.
     static double sq_even(const std::array<double, kAll>& a);
+    /// Mean of a polynomial under the weight that fits are blended with, over a disc of twice the core.
+    static double blend_mean(const std::array<double, kAll>& a);
 
 private:
     struct Tables;

@@ -3,6 +3,7 @@
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
 #include "slim/model/weight_kernel.h"
+#include "slim/smooth/lifted_fits.h"
 #include "slim/smooth/wide_fit.h"
 
 #include <algorithm>
@@ -18,6 +19,8 @@ constexpr double kReach = 6;          ///< of the noise: points so far off still
 constexpr double kOffNoises = 6, kOffRadii = 0.25;  ///< a fit's surface this far off the model is another sheet's
 constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
 constexpr double kMostSpread = 30;    ///< of WideFit::spread
+constexpr double kFewPoints = 60, kStrayShare = 0.25;  ///< of a stray's own points, and of those there
+constexpr float kAnyNormal = -2;
 
 /// Whether a leaf is the one that weighs most at a place, of equals the first.
 bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vector<const Surfel*>& found) {
@@ -31,26 +34,26 @@ bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vec
     return most == &model.leaf(leaf);
 }
 
-/// A quadratic of coordinates over `from` in coordinates over `to`.
-Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
-    Polynomial<double> out;
-    out.a[0] = p.a[0] / ratio;
-    for (std::size_t k = 1; k < 3; ++k) out.a[k] = p.a[k];
-    for (std::size_t k = 3; k < 6; ++k) out.a[k] = p.a[k] * ratio;
-    return out;
-}
+/// Where a leaf's fits are made, and from what.
+struct FitPlaces {
+    const PointPyramid& points;
+    double radius, noise, curvature, most_off;
+};
 
-void fit_place(Vec3d place, const Vec3d& normal, double radius, double noise, double most_off,
-               const PointPyramid& points, WideWork& work, std::vector<Surfel>& out) {
-    const Vec3d on_model = place;
-    Frame<double> frame = frame_from_normal(normal);
-    auto fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
-    for (int i = 0; i < kMostMoves && fit && put_on(*fit, radius, noise, place, frame); ++i)
-        fit = fit_wide(points.all(), place, frame, radius, noise, false, work);
+void fit_place(const Vec3d& place, const Vec3d& normal, const FitPlaces& of, WideWork& work,
+               std::vector<PlacedFit>& out) {
+    WideDisc disc{place, frame_from_normal(normal), of.radius, of.noise, of.curvature};
+    const auto fit_disc = [&] {
+        auto fit = fit_wide(of.points.all(), disc, true, work);
+        return fit ? fit : fit_wide(of.points.all(), disc, false, work);
+    };
+    auto fit = fit_disc();
+    for (int i = 0; i < kMostMoves && fit && put_on(*fit, disc); ++i) fit = fit_disc();
     if (!fit || !(fit->spread <= kMostSpread)) return;
-    const double height = fit->polynomial.a[0] * radius;
-    if (!(length(place + frame.normal * height - on_model) <= most_off)) return;
-    out.push_back({place, kBlend * radius, frame, rescaled(fit->polynomial, kBlend), 2});
+    const double height = fit->polynomial.a[0] * of.radius;
+    if (!(length(disc.center + disc.frame.normal * height - place) <= of.most_off)) return;
+    out.push_back({{disc.center, kBlend * of.radius, disc.frame, rescaled(fit->polynomial, kBlend), 2},
+                   of.radius, fit->lift, fit->sq_lift_error, height_by_noise_of_feet(*fit, of.radius)});
 }
 
 /// Calls body(place, normal) for the places of a triangular grid on the leaf's surface that it owns.
@@ -70,6 +73,16 @@ void for_places(const BallIndex& model, std::size_t leaf, double radius, std::ve
             const Vec3d gradient{-s.polynomial.d_u(u, v), -s.polynomial.d_v(u, v), 1};
             body(place, normalized(s.frame.world_from_local(gradient)));
         }
+}
+
+/// Whether what a leaf of few points follows is the noise of a fit that was made anew: it lies in it, and holds few of the points there.
+bool is_stray(const Surfel& leaf, double n_points, const FarFits& far, const PointPyramid& points, WideWork& work) {
+    if (!(n_points < kFewPoints)) return false;
+    const auto foot = far.foot(leaf.center, {});
+    if (!foot || length(leaf.center - foot->point) > foot->off) return false;
+    const double reach = std::hypot(leaf.support_radius, foot->off);
+    gather_disc(points.all(), foot->point, foot->normal, leaf.support_radius, reach, kAnyNormal, work.ball);
+    return n_points * points.share(0) < kStrayShare * static_cast<double>(work.ball.n);
 }
 
 }  // namespace
@@ -106,7 +119,8 @@ RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoi
     : RefittedSurface(model, noise, fit(model, noise, radii, points, each_batch)) {}
 
 RefittedSurface::RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits)
-    : model_(model), leaf_(std::move(fits.leaf)), fits_(std::move(fits.near)), far_(std::move(fits.far)) {
+    : model_(model), leaf_(std::move(fits.leaf)), fits_(std::move(fits.near)), far_(std::move(fits.far)),
+      n_strays_(fits.n_strays) {
     off_.reserve(noise.size());
     for (std::size_t i = 0; i < noise.size(); ++i) off_.push_back(most_off_model(model.leaf(i), noise[i].fit_error));
 }
@@ -128,46 +142,53 @@ RefittedSurface::Fits RefittedSurface::fit(const BallIndex& model, std::span<con
                                            const EachBatch& each_batch) {
     SLIM_CHECK(noise.size(), ==, model.n_leaves());
     SLIM_CHECK(radii.size(), ==, model.n_leaves());
-    std::vector<std::vector<Surfel>> fitted(radii.size());
+    std::vector<std::vector<PlacedFit>> fitted(radii.size());
     parallel_batches(radii.size(), 4, each_batch, [&](std::size_t begin, std::size_t end) {
         WideWork work;
         std::vector<const Surfel*> found;
-        for (std::size_t i = begin; i < end; ++i)
-            if (radii[i].radius > 0)
-                for_places(model, i, radii[i].radius, found, [&](const Vec3d& place, const Vec3d& normal) {
-                    fit_place(place, normal, radii[i].radius, noise[i].fit_error,
-                              most_off_model(model.leaf(i), noise[i].fit_error), points, work, fitted[i]);
-                });
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!(radii[i].radius > 0)) continue;
+            const Surfel& leaf = model.leaf(i);
+            const FitPlaces of{points, radii[i].radius, noise[i].fit_error,
+                               largest_curvature(leaf.polynomial, leaf.support_radius),
+                               most_off_model(leaf, noise[i].fit_error)};
+            for_places(model, i, radii[i].radius, found, [&](const Vec3d& place, const Vec3d& normal) {
+                fit_place(place, normal, of, work, fitted[i]);
+            });
+        }
     });
-    Fits out;
+    lift_fits(fitted);
+    return together(model, noise, radii, points, fitted);
+}
+
+RefittedSurface::Fits RefittedSurface::together(const BallIndex& model, std::span<const LeafNoise> noise,
+                                                std::span<const WideRadius> radii, const PointPyramid& points,
+                                                std::vector<std::vector<PlacedFit>>& fitted) {
+    std::vector<FarFit> far;
+    for (std::size_t i = 0; i < fitted.size(); ++i)
+        for (const PlacedFit& f : fitted[i]) far.push_back({f.surfel, kReach * noise[i].fit_error});
+    Fits out{{}, FarFits(far), {}, 0};
+    WideWork work;
+    const auto add = [&](const Surfel& s, std::size_t leaf) {
+        out.near.push_back(s);
+        out.leaf.push_back(static_cast<std::uint32_t>(leaf));
+    };
     for (std::size_t i = 0; i < fitted.size(); ++i) {
         if (!(radii[i].radius > 0)) {
-            out.near.push_back(model.leaf(i));
-            out.leaf.push_back(static_cast<std::uint32_t>(i));
+            if (is_stray(model.leaf(i), noise[i].n_points, out.far, points, work))
+                ++out.n_strays;
+            else
+                add(model.leaf(i), i);
         }
-        for (const Surfel& s : fitted[i]) {
-            const double reach = std::hypot(s.support_radius, kReach * noise[i].fit_error);
-            out.far.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
-            out.near.push_back(s);
-            out.leaf.push_back(static_cast<std::uint32_t>(i));
-        }
+        for (const PlacedFit& f : fitted[i]) add(f.surfel, i);
         fitted[i] = {};
     }
     return out;
 }
 
 std::optional<Vec3d> RefittedSurface::foot(const Vec3d& p, const Vec3d& normal) const {
-    std::vector<const Surfel*> found;
-    far_.supporters(p, found);
-    const Surfel* nearest = nullptr;
-    double least = INFINITY;
-    for (const Surfel* s : found) {
-        const double sq = sq_length(p - s->center);
-        if (sq < least && dot(s->frame.normal, normal) >= 0) least = sq, nearest = s;
-    }
-    if (!nearest) return std::nullopt;
-    const double above = nearest->value((p - nearest->center) / nearest->support_radius);
-    return p - nearest->frame.normal * (above * nearest->support_radius);
+    const auto found = far_.foot(p, normal);
+    return found ? std::optional(found->point) : std::nullopt;
 }
 
 }  // namespace slim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "slim/smooth/far_fits.h"
+#include "slim/smooth/lifted_fits.h"
 #include "slim/smooth/wide_radius.h"
 
 #include <cmath>
@@ -19,8 +21,9 @@ double most_off_model(const Surfel& leaf, double noise);
 std::size_t keep_costly_leaves(const BallIndex& model, std::size_t most_fits, std::span<WideRadius> radii);
 
 /// The surface of a model fitted anew to a cloud for the least error of position (notes/0003): quadratics at places
-/// a core apart (kCore), each to all points within the radius that wide_radii gives the leaf there, and the leaves
-/// that are kept. Built once, read by any number of threads; 560 bytes a fit.
+/// a core apart (kCore), each to all points within the radius that wide_radii gives the leaf there and lifted by what
+/// its neighbours share (lift_fits), and the leaves that are kept but for strays: those that follow points which the
+/// noise of fits around explains. Built once, read by any number of threads; 560 bytes a fit.
 class RefittedSurface {
 public:
     /// noise, radii: of each leaf, in the index's order; wide_radii gives the latter. In parallel, the same for any
@@ -29,6 +32,7 @@ public:
                     const PointPyramid& points, const EachBatch& each_batch = {});
 
     const BallIndex& fits() const { return fits_; }
+    std::size_t n_strays() const { return n_strays_; }
     /// Foot of a point that may lie outside all fits' balls, on the nearest fit's surface along the fit's normal:
     /// within 6 of its leaf's noise, and of a fit that does not face away from `normal` (zero: any). Nothing if
     /// there is none.
@@ -46,16 +50,22 @@ public:
 
 private:
     struct Fits {
-        std::vector<Surfel> near, far;  // the same, the balls of the latter wide enough for foot()
+        std::vector<Surfel> near;
+        FarFits far;
         std::vector<std::uint32_t> leaf;  // of each of near: that it is, or was fitted in
+        std::size_t n_strays = 0;
     };
+    static Fits together(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const WideRadius> radii,
+                         const PointPyramid& points, std::vector<std::vector<PlacedFit>>& fitted);
     static Fits fit(const BallIndex& model, std::span<const LeafNoise> noise, std::span<const WideRadius> radii,
                     const PointPyramid& points, const EachBatch& each_batch = {});
     RefittedSurface(const BallIndex& model, std::span<const LeafNoise> noise, Fits fits);
     const BallIndex& model_;  // must outlive this
     std::vector<double> off_;  // of the model's leaves
     std::vector<std::uint32_t> leaf_;  // as Fits has them
-    BallIndex fits_, far_;
+    BallIndex fits_;
+    FarFits far_;
+    std::size_t n_strays_ = 0;
 };
 
 }  // namespace slim

@@ -70,14 +70,20 @@ ProjectedPoint SurfaceProjector::on_surface(const Vec3d& p, const Vec3d& normal)
     return own;
 }
 
+ProjectedPoint SurfaceProjector::by_foot(const Vec3d& p, const Vec3d& normal, const Vec3d& facing) {
+    const auto foot = surface_->foot(p, facing);
+    if (!foot) return {};
+    asked_at_ = *foot;
+    return fits_->project(*foot, normal);
+}
+
 ProjectedPoint SurfaceProjector::on_fits(const Vec3d& p, const Vec3d& normal) {
     ProjectedPoint put = fits_->project(p, normal);
     if (put.hit) return put;
-    if (const auto foot = surface_->foot(p, is_finite(normal) ? normal : Vec3d{})) {
-        asked_at_ = *foot;
-        put = fits_->project(*foot, normal);
-        if (put.hit) return put;
-    }
+    put = by_foot(p, normal, is_finite(normal) ? normal : Vec3d{});
+    // A normal contrary to all fits in reach says as little as that of a point in their balls.
+    if (!put.hit) put = by_foot(p, normal, {});
+    if (put.hit) return put;
     put = model_.project(p, normal);
     asked_at_ = p, by_model_ = true;
     if (!put.hit) return put;

@@ -39,6 +39,7 @@ public:
 private:
     std::optional<SurfacePut> by_lanes(const Vec3d& p, const Vec3d& normal);
     ProjectedPoint on_surface(const Vec3d& p, const Vec3d& normal);
+    ProjectedPoint by_foot(const Vec3d& p, const Vec3d& normal, const Vec3d& facing);
     ProjectedPoint on_fits(const Vec3d& p, const Vec3d& normal);
     double least_off_of_lanes() const;
 

@@ -73,25 +73,38 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     const double by_noise = fit.sq_noise * std::max(0.0, spread_of_all - spread);
     fit.sq_bias = sq * Disc::sq_even(all) - by_noise;
     fit.sq_bias_error = by_noise * std::sqrt(2.0);
+    fit.lift = work.ball.radius * Disc::blend_mean(all);
+    fit.sq_lift_error = by_noise;
     return fit;
 }
 
 }  // namespace
 
-std::optional<WideFit> fit_wide(const PointTree& points, const Vec3d& center,
-                                const Frame<double>& frame, double radius, double noise, bool ahead,
-                                WideWork& work) {
-    work.ball.weight = FitWeight::uniform;
-    const double reach = std::hypot(radius, kThickness * noise);
-    gather_disc(points, center, frame.normal, radius, reach, kLeastCos, work.ball);
-    return ahead ? fit_gathered<4>(work, frame) : fit_gathered<2>(work, frame);
+double largest_curvature(const Polynomial<double>& p, double radius) {
+    const auto& a = p.a;
+    return (std::abs(a[3] + a[5]) + std::hypot(a[3] - a[5], a[4])) / radius;
 }
 
-bool put_on(const WideFit& fit, double radius, double noise, Vec3d& place, Frame<double>& frame) {
+double WideFit::curvature(double radius) const { return largest_curvature(polynomial, radius); }
+
+double WideFit::sq_stretch() const {
+    const auto& a = polynomial.a;
+    return 1 + a[1] * a[1] + a[2] * a[2] + a[3] * a[3] + a[5] * a[5] + a[4] * a[4] / 2;
+}
+
+std::optional<WideFit> fit_wide(const PointTree& points, const WideDisc& disc, bool ahead, WideWork& work) {
+    work.ball.weight = FitWeight::uniform;
+    const double r = disc.radius, sag = std::min(r, disc.curvature * r * r / 2);
+    const double reach = std::hypot(r, kThickness * disc.noise + sag);
+    gather_disc(points, disc.center, disc.frame.normal, r, reach, kLeastCos, work.ball);
+    return ahead ? fit_gathered<4>(work, disc.frame) : fit_gathered<2>(work, disc.frame);
+}
+
+bool put_on(const WideFit& fit, WideDisc& disc) {
     const auto& a = fit.polynomial.a;
-    if (!(std::abs(a[0]) * radius > kOff * noise)) return false;
-    place += frame.normal * (a[0] * radius);
-    frame = frame_from_normal(normalized(frame.world_from_local({-a[1], -a[2], 1})));
+    if (!(std::abs(a[0]) * disc.radius > kOff * disc.noise)) return false;
+    disc.center += disc.frame.normal * (a[0] * disc.radius);
+    disc.frame = frame_from_normal(normalized(disc.frame.world_from_local({-a[1], -a[2], 1})));
     return true;
 }
 
