@@ -75,9 +75,10 @@ void fit_anew(const SmoothInput& input, CloudSample sample, std::size_t most_fit
         out.kept_for_memory = keep_costly_leaves(model, most_fits, radii);
         out.refitted = static_cast<std::size_t>(std::count_if(
             radii.begin(), radii.end(), [](const WideRadius& r) { return r.radius > 0; }));
-        out.kept = radii.size() - out.refitted;
         out.surface =
             std::make_unique<RefittedSurface>(model, noise, radii, points, telling("fits"));
+        out.stray = out.surface->n_strays();
+        out.kept = radii.size() - out.refitted - out.stray;
     }
     const std::vector<double> sq_noise = local_noise(model, noise, radii, points);
     out.trust =
@@ -114,6 +115,7 @@ nlohmann::json SmoothRefit::counts() const {
     return {{"leaves_refitted", refitted},
             {"leaves_kept", kept},
             {"leaves_kept_for_memory", kept_for_memory},
+            {"leaves_stray", stray},
             {"refit_share", share},
             {"noise", known > 0 ? nlohmann::json(noise) : nlohmann::json()},
             {"leaves_noise_unknown", unknown}};
@@ -137,7 +139,7 @@ SmoothRefit refit_cloud(const SmoothInput& input, StageContext& context) {
 void say_what_is_known(const nlohmann::json& result, const std::string& model,
                        const std::string& cloud, Reporter& reporter) {
     const auto count = [&result](const char* key) { return result.value(key, std::size_t{0}); };
-    const std::size_t kept = count("leaves_kept"), leaves = kept + count("leaves_refitted");
+    const std::size_t kept = count("leaves_kept"), leaves = kept + count("leaves_refitted") + count("leaves_stray");
     const bool known = result.at("noise").is_number();
     if (const std::size_t unknown = count("leaves_noise_unknown"); unknown > 0)
         reporter.warn(

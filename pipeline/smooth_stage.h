@@ -41,7 +41,8 @@ struct SmoothConfig {
 /// moved unsupported opposed astray not_finite rms_displacement (of those that moved) max_displacement; for
 /// a mesh faces faces_unsupported held (vertices of the boundary, which stay) instead of opposed, astray,
 /// points_by_model (the fits were out of reach) points_held_back (went a share of the way: trusted_share)
-/// refit_share, leaves_kept_for_memory, leaves_refitted and leaves_kept (as the model has them: wide_radii),
+/// refit_share, leaves_kept_for_memory, leaves_refitted, leaves_kept (as the model has them: wide_radii) and
+/// leaves_stray (left out: RefittedSurface),
 /// noise (of the points about the median leaf; null: unknown), leaves_noise_unknown (local_noise).
 /// throws  NumericalError: no point was moved and some lie in no surfel's support, as in another frame or unit
 ///         (nothing is written then); DataError: no finite point, or mesh mode without faces; ConfigError: the output is the input or

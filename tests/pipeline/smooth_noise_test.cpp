@@ -50,6 +50,18 @@ TEST_F(SmoothStage, NoiseThatVariesOverTheCloudIsTakenOffEverywhere) {
     EXPECT_LT(rms_distance("sphere", below), 0.0005);
 }
 
+TEST_F(SmoothStage, ThickNoiseOnACurvedSurfaceLeavesNoOffset) {
+    // Noise of 0.035 in all directions lowers a unit sphere by its square, 0.0012, and wide quadratics raise it.
+    const std::string cloud = write(sampled("sphere", 100000, 1, 0.01), "c.ply");
+    build(build_config(cloud, "m.slim"));
+    smooth(cloud);
+    const auto points = read_all(file("smooth.ply"), 100000).position;
+    double mean = 0;
+    for (const Vec3d& p : points) mean += (length(p) - 1) / static_cast<double>(points.size());
+    EXPECT_LT(std::abs(mean), 5e-4);
+    EXPECT_LT(rms_distance("sphere", points), 0.0013);
+}
+
 TEST_F(SmoothStage, HeightsInCoarseStepsAreSmoothed) {
     constexpr double kStep = 0.01;
     const auto height = [](double u, double v) { return 0.1 * std::sin(3 * u) * std::cos(2 * v); };

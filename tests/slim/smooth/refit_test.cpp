@@ -132,6 +132,30 @@ TEST_F(Refit, LeavesThatTakeMostFitsAreKeptWhereFitsAreFew) {
     EXPECT_GT(whole.fits().n_leaves(), 100u);
 }
 
+TEST_F(Refit, ALeafOfFewPointsInTheNoiseOfOthersIsLeftOut) {
+    make(kNoise);
+    std::vector<Surfel> leaves;
+    std::vector<LeafNoise> noise;
+    for (std::size_t i = 0; i < model_->n_leaves(); ++i) leaves.push_back(model_->leaf(i)), noise.push_back(noise_[i]);
+    // Two balls that a handful of points may be alone in: 5 noises up, and far above what noise explains.
+    for (const double above : {5 * kNoise, 20 * kNoise})
+        leaves.push_back({{0.1, 0.2, height(0.1, 0.2) + above}, 0.1, Frame<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 0});
+    const BallIndex model(leaves);
+    std::vector<LeafNoise> of_model;
+    for (std::size_t i = 0; i < model.n_leaves(); ++i)
+        of_model.push_back(model.node(i) < noise.size() ? noise[model.node(i)] : LeafNoise{kNoise, 7});
+    const auto found = wide_radii(model, of_model, *points_, kDiagonal);
+    const RefittedSurface surface(model, of_model, found, *points_);
+    EXPECT_EQ(surface.n_strays(), 1u);
+    std::size_t n_discs = 0;
+    for (std::size_t i = 0; i < surface.fits().n_leaves(); ++i) {
+        if (surface.fits().leaf(i).degree != 0) continue;
+        ++n_discs;
+        EXPECT_GT(surface.fits().leaf(i).center.z, height(0.1, 0.2) + 15 * kNoise);
+    }
+    EXPECT_EQ(n_discs, 1u);
+}
+
 TEST_F(Refit, NoiseIsKnownInNarrowDiscsWhereverTheModelIsOff) {
     make(1e-4, 0.002);
     std::vector<WideRadius> kept(model_->n_leaves());

@@ -29,13 +29,13 @@ PointBlock field(std::size_t n, std::uint64_t seed, double noise, const Height& 
     return block;
 }
 
-std::optional<WideFit> fit(PointBlock block, double radius, double noise, bool ahead) {
+std::optional<WideFit> fit(PointBlock block, double radius, double noise, bool ahead, double curvature = 0) {
     Bbox box;
     for (const Vec3d& p : block.position) box.extend(p);
     sort_along_curve(block, box);
     const PointTree tree(block, morton_order(block, box));
     WideWork work;
-    return fit_wide(tree, {}, frame_from_normal(Vec3d{0, 0, 1}), radius, noise, ahead, work);
+    return fit_wide(tree, {{}, frame_from_normal(Vec3d{0, 0, 1}), radius, noise, curvature}, ahead, work);
 }
 
 double quadratic(double x, double y) { return 0.3 * x * x - 0.2 * x * y + 0.1 * y; }
@@ -89,6 +89,27 @@ TEST(WideFit, MeasuresTheBiasOfAQuartic) {
     EXPECT_NEAR(f->polynomial.a[0] * 0.5 / -middle, 1, 0.07);
 }
 
+TEST(WideFit, LiftsTheMiddleByWhatAQuarticAdds) {
+    const auto quartic = [](double x, double y) { return std::pow(x * x + y * y, 2); };
+    const auto f = fit(field(20000, 1, 1e-4, quartic), 0.5, 1e-4, true);
+    ASSERT_TRUE(f);
+    // Off by r^4 - r^2 + 1/6; under the blend's weight over half the radius the mean of r^2 is 0.028, that of r^4 0.0015.
+    EXPECT_NEAR(f->lift / std::pow(0.5, 4), 1.0 / 6 - 0.028 + 0.0015, 0.007);
+    EXPECT_LT(std::sqrt(f->sq_lift_error), 0.01 * f->lift);
+    const auto none = fit(field(20000, 1, 1e-4, quadratic), 0.5, 1e-4, true);
+    ASSERT_TRUE(none);
+    EXPECT_LT(std::abs(none->lift), 5 * std::sqrt(none->sq_lift_error));
+}
+
+TEST(WideFit, DoesNotCutOffWhatBendsAway) {
+    const auto bowl = [](double x, double y) { return -(x * x + y * y); };
+    const auto f = fit(field(5000, 1, 1e-3, bowl), 0.5, 1e-3, true, 2);
+    ASSERT_TRUE(f);
+    EXPECT_NEAR(f->n, 5000 * M_PI * 0.25 / 4, 120);
+    EXPECT_NEAR(f->curvature(0.5), 2, 0.02);
+    EXPECT_NEAR(f->sq_stretch(), 1.5, 0.02);  // slope 2 r, its square's mean 1/2
+}
+
 TEST(WideFit, DoesNotCutThickNoiseOff) {
     double sq_noise = 0;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -112,13 +133,13 @@ TEST(WideFit, RefusesTooFewPointsAndLines) {
 TEST(WideFit, APlaceOffTheSurfaceIsPutOnIt) {
     WideFit f;
     f.polynomial.a = {0.2, 0.5};
-    Vec3d place{1, 2, 3};
-    Frame<double> frame = frame_from_normal(Vec3d{0, 0, 1});
-    EXPECT_FALSE(put_on(f, 2, 10, place, frame));
-    EXPECT_TRUE(put_on(f, 2, 0.1, place, frame));
-    EXPECT_NEAR(place.z, 3.4, 1e-12);
+    WideDisc disc{{1, 2, 3}, frame_from_normal(Vec3d{0, 0, 1}), 2, 10};
+    EXPECT_FALSE(put_on(f, disc));
+    disc.noise = 0.1;
+    EXPECT_TRUE(put_on(f, disc));
+    EXPECT_NEAR(disc.center.z, 3.4, 1e-12);
     const Vec3d turned = frame_from_normal(Vec3d{0, 0, 1}).world_from_local({-0.5, 0, 1});
-    EXPECT_NEAR(length(frame.normal - normalized(turned)), 0, 1e-12);
+    EXPECT_NEAR(length(disc.frame.normal - normalized(turned)), 0, 1e-12);
 }
 
 }  // namespace
