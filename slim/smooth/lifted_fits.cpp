@@ -1,57 +1,82 @@
 #include "slim/smooth/lifted_fits.h"
 
+#include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 #include "slim/model/weight_kernel.h"
 #include "slim/tree/ball_index.h"
 
 #include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
 
 namespace slim {
 namespace {
 
 constexpr double kAround = 2.2;    ///< radii of the disc
-constexpr double kLeastCos = 0.3;  ///< between the normals of fits that share a bias
+constexpr float kLeastCos = 0.3f;  ///< between the normals of fits that share a bias
 
-/// Of a fit whose lift is known: over the fourth power of the radius, as a quartic's grows.
-struct Share {
-    double lift = 0, weight = 0;
-};
-
-/// The lifts of fits, and the balls in which they count.
-class LiftField {
-public:
-    explicit LiftField(const std::vector<std::vector<PlacedFit>>& fits) : balls_(known(fits, share_)) {}
-
-    /// The mean about a fit, for its radius.
-    double at(const PlacedFit& fit, std::vector<const Surfel*>& found) const {
-        balls_.supporters(fit.surfel.center, found);
-        double sum = 0, all = 0;
-        for (const Surfel* s : found) {
-            if (!(dot(s->frame.normal, fit.surfel.frame.normal) > kLeastCos)) continue;
-            const Share& share = share_[balls_.node(balls_.number_of(s))];
-            const double sq = sq_length(s->center - fit.surfel.center) / (s->support_radius * s->support_radius);
-            const double weight = share.weight * weight_kernel(sq);
-            sum += weight * share.lift, all += weight;
+/// The fits whose lift is known, by the balls in which it counts.
+BallIndex balls_of(const std::vector<std::vector<PlacedFit>>& fits, std::vector<const PlacedFit*>& known) {
+    std::vector<Surfel> balls;
+    for (const auto& of_leaf : fits)
+        for (const PlacedFit& f : of_leaf) {
+            if (!(f.sq_lift_error > 0)) continue;
+            known.push_back(&f);
+            balls.push_back(f.surfel);
+            balls.back().support_radius = kAround * f.radius;
         }
-        return all > 0 ? sum / all * std::pow(fit.radius, 4) : 0;
+    return BallIndex(std::move(balls));
+}
+
+/// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first, over its radius. One a thread.
+class LiftsAround {
+public:
+    void gather(const BallIndex& balls, std::span<const PlacedFit* const> known, std::span<const PlacedFit> leaf) {
+        Bbox box;
+        for (const PlacedFit& f : leaf) box.extend(f.surfel.center);
+        balls.near(box, near_);
+        origin_ = leaf.front().surfel.center, unit_ = leaf.front().radius;
+        const std::size_t n = near_.size(), padded = (n + kLanes - 1) / kLanes * kLanes;
+        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_}) column->assign(padded, 0);
+        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], i);
+    }
+
+    /// The weighted mean about a fit, for its radius; zero if none is known.
+    double at(const PlacedFit& fit) const {
+        const Vec3d place = (fit.surfel.center - origin_) / unit_, normal = fit.surfel.frame.normal;
+        const auto lanes = [](double c) { return FloatV(static_cast<float>(c)); };
+        const Vec3<FloatV> p{lanes(place.x), lanes(place.y), lanes(place.z)}, up{lanes(normal.x), lanes(normal.y), lanes(normal.z)};
+        FloatV sum = 0, all = 0;
+        for (std::size_t i = 0; i < x_.size(); i += kLanes) {
+            const auto load = [i](const std::vector<float>& column) { return FloatV(&column[i], stdx::element_aligned); };
+            const Vec3<FloatV> off{load(x_) - p.x, load(y_) - p.y, load(z_) - p.z};
+            const FloatV sq = dot(off, off) * load(by_sq_radius_);
+            const FloatV cosine = dot(Vec3<FloatV>{load(nx_), load(ny_), load(nz_)}, up);
+            const FloatV weight = select<FloatV>(cosine > kLeastCos, load(weight_) * weight_kernel(sq), FloatV(0));
+            sum += weight * load(lift_), all += weight;
+        }
+        const double weight = stdx::reduce(all);
+        return weight > 0 ? stdx::reduce(sum) / weight * std::pow(fit.radius / unit_, 4) * unit_ : 0;
     }
 
 private:
-    static std::vector<Surfel> known(const std::vector<std::vector<PlacedFit>>& fits, std::vector<Share>& share) {
-        std::vector<Surfel> out;
-        for (const auto& of_leaf : fits)
-            for (const PlacedFit& f : of_leaf) {
-                if (!(f.sq_lift_error > 0)) continue;
-                const double fourth = std::pow(f.radius, 4);
-                out.push_back(f.surfel);
-                out.back().support_radius = kAround * f.radius;
-                share.push_back({f.lift / fourth, fourth * fourth / f.sq_lift_error});
-            }
-        return out;
+    /// A lift over the fourth power of the radius, as a quartic's grows, and the inverse of its variance.
+    void put(const Surfel& ball, const PlacedFit& fit, std::size_t i) {
+        const Vec3d c = (ball.center - origin_) / unit_, n = ball.frame.normal;
+        const double fourth = std::pow(fit.radius / unit_, 4), reach = ball.support_radius / unit_;
+        x_[i] = static_cast<float>(c.x), y_[i] = static_cast<float>(c.y), z_[i] = static_cast<float>(c.z);
+        nx_[i] = static_cast<float>(n.x), ny_[i] = static_cast<float>(n.y), nz_[i] = static_cast<float>(n.z);
+        by_sq_radius_[i] = static_cast<float>(1 / (reach * reach));
+        lift_[i] = static_cast<float>(fit.lift / (unit_ * fourth));
+        weight_[i] = static_cast<float>(fourth * fourth * unit_ * unit_ / fit.sq_lift_error);
     }
 
-    std::vector<Share> share_;
-    BallIndex balls_;  // node(): the place in share_
+    std::vector<std::uint32_t> near_;
+    Vec3d origin_;
+    double unit_ = 1;
+    std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_;
 };
 
 }  // namespace
@@ -62,15 +87,22 @@ double height_by_noise_of_feet(const WideFit& fit, double radius) {
 }
 
 void lift_fits(std::vector<std::vector<PlacedFit>>& fits) {
-    const LiftField field(fits);
+    std::vector<const PlacedFit*> known;
+    const BallIndex balls = balls_of(fits, known);
+    std::vector<std::vector<double>> lift(fits.size());
     parallel_blocks(fits.size(), 4, [&](std::size_t begin, std::size_t end) {
-        std::vector<const Surfel*> found;
-        for (std::size_t i = begin; i < end; ++i)
-            for (PlacedFit& f : fits[i]) {
-                const double up = field.at(f, found) - f.spread_by_noise;
-                f.surfel.polynomial.a[0] += up / f.surfel.support_radius;
-            }
+        LiftsAround around;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (fits[i].empty()) continue;
+            around.gather(balls, known, fits[i]);
+            for (const PlacedFit& f : fits[i]) lift[i].push_back(around.at(f));
+        }
     });
+    for (std::size_t i = 0; i < fits.size(); ++i)
+        for (std::size_t j = 0; j < fits[i].size(); ++j) {
+            PlacedFit& f = fits[i][j];
+            f.surfel.polynomial.a[0] += (lift[i][j] - f.spread_by_noise) / f.surfel.support_radius;
+        }
 }
 
 }  // namespace slim

@@ -18,7 +18,7 @@ struct PlacedFit {
 };
 
 /// What noise of the feet adds to the mean height over a place of a disc's middle: s^2 H for noise s of any direction
-/// (Fuller 1987, errors in variables; notes/0008).
+/// (Fuller 1987, errors in variables; notes/0009).
 double height_by_noise_of_feet(const WideFit& fit, double radius);
 
 /// Takes off each fit's height what noise of the feet adds, and adds what degrees 3 and 4 would, as a mean over the

@@ -15,7 +15,7 @@ namespace slim {
 void pool_bias(const BallIndex& model, std::span<BiasLadder> ladders);
 
 /// For each leaf the squared bias on its rungs that the leaves within three radii do not share, and which is left once
-/// the mean is taken off (notes/0008): at most what pool_bias() has left in the ladders. Length^2. In parallel, the
+/// the mean is taken off (notes/0009): at most what pool_bias() has left in the ladders. Length^2. In parallel, the
 /// same for any thread count. Cost: at most 256 leaves a rung.
 std::vector<std::array<float, kRungs>> unshared_bias(const BallIndex& model, std::span<const BiasLadder> ladders,
                                                      double diagonal);

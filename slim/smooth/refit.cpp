@@ -20,7 +20,7 @@ constexpr double kOffNoises = 6, kOffRadii = 0.25;  ///< a fit's surface this fa
 constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
 constexpr double kMostSpread = 30;    ///< of WideFit::spread
 constexpr double kFewPoints = 60, kStrayShare = 0.25;  ///< of a stray's own points, and of those there
-constexpr float kAnyNormal = -2;
+constexpr float kFacing = 0;  ///< cosine: of points on its sheet
 
 /// Whether a leaf is the one that weighs most at a place, of equals the first.
 bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vector<const Surfel*>& found) {
@@ -78,10 +78,10 @@ void for_places(const BallIndex& model, std::size_t leaf, double radius, std::ve
 /// Whether what a leaf of few points follows is the noise of a fit that was made anew: it lies in it, and holds few of the points there.
 bool is_stray(const Surfel& leaf, double n_points, const FarFits& far, const PointPyramid& points, WideWork& work) {
     if (!(n_points < kFewPoints)) return false;
-    const auto foot = far.foot(leaf.center, {});
+    const auto foot = far.foot(leaf.center, leaf.frame.normal);
     if (!foot || length(leaf.center - foot->point) > foot->off) return false;
     const double reach = std::hypot(leaf.support_radius, foot->off);
-    gather_disc(points.all(), foot->point, foot->normal, leaf.support_radius, reach, kAnyNormal, work.ball);
+    gather_disc(points.all(), foot->point, foot->normal, leaf.support_radius, reach, kFacing, work.ball);
     return n_points * points.share(0) < kStrayShare * static_cast<double>(work.ball.n);
 }
 

@@ -41,7 +41,7 @@ struct WideFit {
     /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
     /// standard error of that; may be negative. Zero unless asked for, as the next two.
     double sq_bias = 0, sq_bias_error = 0;
-    /// What degrees 3 and 4 add to the height where such fits are blended (notes/0008), a length, and its variance by
+    /// What degrees 3 and 4 add to the height where such fits are blended (notes/0009), a length, and its variance by
     /// noise.
     double lift = 0, sq_lift_error = 0;
 
