@@ -58,6 +58,9 @@ std::string PlyWriter::header() const {
         for (const char* name : {"red", "green", "blue"}) property("uchar", name);
     if (layout_.scan) property("ushort", "scan");
     for (const std::string& name : layout_.scalars) property("float", name);
+    if (layout_.n_faces)
+        text += message("element face ", *layout_.n_faces, "\nproperty list ",
+                        layout_.large_faces ? "int" : "uchar", " int vertex_indices\n");
     return text + "end_header\n";
 }
 
@@ -100,7 +103,19 @@ void PlyWriter::write(const PlyPoints& points) {
     n_points_ += points.position.size();
 }
 
+void PlyWriter::write_face(std::span<const std::uint32_t> corners) {
+    row_.clear();
+    if (!layout_.large_faces) SLIM_CHECK(corners.size(), <, 256u);
+    if (layout_.large_faces) put(static_cast<std::int32_t>(corners.size()));
+    else put(static_cast<std::uint8_t>(corners.size()));
+    for (const std::uint32_t v : corners) put(static_cast<std::int32_t>(v));
+    if (layout_.ascii) row_.push_back('\n');
+    file_.write(row_.data(), row_.size());
+    ++n_faces_;
+}
+
 void PlyWriter::commit() {
+    SLIM_CHECK(n_faces_, ==, layout_.n_faces.value_or(0));
     const std::string text = header();
     file_.write_at(0, text.data(), text.size());
     file_.commit();

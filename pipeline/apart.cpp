@@ -1,8 +1,7 @@
 #include "pipeline/apart.h"
 
+#include "pipeline/box_text.h"
 #include "slim/base/error.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -11,11 +10,6 @@ namespace {
 
 /// Clouds of one thing in one unit seldom differ more, by parts that are missing or strays.
 constexpr double kOtherUnit = 8;
-
-/// Nine digits: centimetres of coordinates of a whole country.
-std::string text_of(const Vec3d& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
-
-std::string text_of(const Bbox& box) { return text_of(box.lo) + " to " + text_of(box.hi); }
 
 std::string likely_cause(const PlacedFile& cloud, const PlacedFile& model) {
     const double c = cloud.box.diagonal(), m = model.box.diagonal();
@@ -28,7 +22,7 @@ std::string likely_cause(const PlacedFile& cloud, const PlacedFile& model) {
         return fmt::format(
             "from the model's centre to the cloud's it is {}: are both in the same frame? Move the cloud back (an "
             "offset that a program took off?), or build the model of a cloud in this one's frame",
-            text_of(cloud.box.center() - model.box.center()));
+            point_text(cloud.box.center() - model.box.center()));
     return "their boxes meet, their surfaces do not: is one of them turned, or mirrored, or of something else?";
 }
 
@@ -48,7 +42,7 @@ void refuse_apart(const PlacedFile& cloud, const PlacedFile& model, std::uint64_
     throw NumericalError(fmt::format(
         "{}: {} has no surface in reach of {}; nothing is written. Cloud from {}, model from {}: {}",
         cloud.path, model.path, n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points),
-        text_of(cloud.box), text_of(model.box), likely_cause(cloud, model)));
+        box_text(cloud.box), box_text(model.box), likely_cause(cloud, model)));
 }
 
 }  // namespace slim

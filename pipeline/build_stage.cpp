@@ -128,6 +128,7 @@ void check_output(const BuildConfig& config) {
     check_replaceable(config.output);
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
     refuse_to_replace_other(config.output);
+    refuse_other_ending(config.output);
     if (parse_memory_size(config.memory) < kLeastMemory)
         throw ConfigError("--memory " + config.memory + ": expected at least " +
                           memory_size_text(kLeastMemory) + ", which the coarse levels take");
@@ -157,6 +158,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result.erase("up_to_date");
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");
+    result["noise"] = noise_over_diagonal(fit.at("noise_variance").get<double>(),
+                                          stages.at("slice").at("diagonal").get<double>());
     result["dropped"] = fit.at("dropped_isolated").get<std::uint64_t>() +
                         fit.at("dropped_unexplained").get<std::uint64_t>() +
                         fit.at("dropped_beside").get<std::uint64_t>();

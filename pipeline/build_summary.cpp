@@ -95,15 +95,18 @@ double leaf_error_rms(const std::string& model) {
     return n > 0 ? std::sqrt(sum / n) / file.header().diagonal : 0;
 }
 
+double noise_over_diagonal(double noise_variance, double diagonal) {
+    return diagonal > 0 ? std::sqrt(noise_variance) / diagonal : 0;
+}
+
 double drawn_diagonal(const std::string& model) {
     return drawn_bounds(ModelFile::open(model).tree(), false).diagonal();
 }
 
 std::string build_summary(const std::string& model, const std::vector<std::string>& clouds,
                           const nlohmann::json& result) {
-    // The standard deviation that lambda stands for: below it no fit tells detail from noise.
-    const double noise = std::sqrt(result.value("noise_variance", 0.0)) /
-                         result.at("stages").at("slice").at("diagonal").get<double>();
+    const double noise = noise_over_diagonal(result.value("noise_variance", 0.0),
+                                             result.at("stages").at("slice").at("diagonal").get<double>());
     std::string text = fmt::format(
         "{}: {}, {}, {}; of the diagonal: fit error {:.2g} (RMS of each leaf alone), "
         "noise {:.2g}\n",

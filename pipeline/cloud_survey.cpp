@@ -51,6 +51,7 @@ public:
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
         const Bbox box = take_positions(chunk, input);
+        survey_.boxes[i].extend(box);
         if (first_box_.empty()) first_box_ = box;
         if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) {
             is_gathering_ = false;
@@ -82,6 +83,7 @@ private:
         if (!info.has_scan) ++end_scan_;
         survey_.is_float32 |= info.coordinates == CoordinateType::float32;
         survey_.inputs.push_back(input);
+        survey_.boxes.emplace_back();
     }
 
     Bbox take_positions(const PointChunk& chunk, PlanInput& input) {

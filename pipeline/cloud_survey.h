@@ -80,6 +80,7 @@ private:
 /// What one pass over all clouds of a job finds out.
 struct CloudSurvey {
     std::vector<PlanInput> inputs;
+    std::vector<Bbox> boxes;    ///< of the finite points of each input, world frame
     Bbox bounds;                ///< world frame, finite points
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;

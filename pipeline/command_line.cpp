@@ -25,7 +25,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
     app.add_flag("-q,--quiet", common.quiet);
     app.add_flag("-v,--verbose", common.verbose);
     app.add_flag("--force", common.force);
-    app.add_option("--threads", common.threads)->check(CLI::Range(0, kMostThreads));
+    app.add_option("--threads", common.threads)->check(CLI::Range(1, kMostThreads));
     app.add_option("--config", common.config);
     app.add_option("--set", common.set)->expected(1)->take_all()->allow_extra_args(false);
 }
@@ -169,7 +169,7 @@ Every verb:
   --config FILE          read these options from a TOML file (keys as printed by --print-config)
   --set KEY=VALUE        change one of them
   --print-config         print all options as TOML and stop
-  --threads N            threads to use (default: SLIM_THREADS, or all of this process's cores)
+  --threads N            threads to use, 1 or more (default: SLIM_THREADS, or all of this process's cores)
   --force                do the work even if the output is up to date
   --json                 one JSON object on stdout instead of the summary
   -q, --quiet            no progress and no log; warnings only

@@ -136,7 +136,7 @@ json model_info(const std::string& path) {
             {"origin", vector_json(header.origin)},
             {"bounds", bounds_json(header.bounds, header.origin)},
             {"diagonal", header.diagonal},
-            {"noise", std::sqrt(header.noise_variance)},
+            {"noise", header.diagonal > 0 ? std::sqrt(header.noise_variance) / header.diagonal : 0},
             {"t_mdl", header.mdl_threshold},
             {"seed", header.seed},
             {"leaf_radius", leaf_radii(tree)},
@@ -241,11 +241,21 @@ json cloud_info(const std::string& path, StageContext& context) {
     return out;
 }
 
+/// What stands in a result twice is said once: a model's diagonal and degree, and of its provenance the counts and rules that
+/// --json has whole.
+void drop_repeated(json& info) {
+    if (info.contains("diagonal")) info["bounds"].erase("diagonal");
+    if (info.contains("fit") && info.at("fit").contains("degree")) info["fit"].erase("degree");
+    if (!info.contains("provenance") || !info.at("provenance").is_object()) return;
+    for (const char* key : {"fits", "rules", "orphans", "childless"}) info["provenance"].erase(key);
+}
+
 /// What the file is and how much of it first.
 std::string summary_of(json info) {
     if (info.value("kind", "") == "model" && info.at("fit").value("degree", json()) == "auto")
         info["degree"] =
             fmt::format("auto: of each leaf its own, up to {}", info.at("degree").get<int>());
+    drop_repeated(info);
     return summary_text(info, {{"file", ""},
                                {"kind", ""},
                                {"format", ""},
@@ -256,6 +266,7 @@ std::string summary_of(json info) {
                                {"degree", ""},
                                {"colors", ""},
                                {"diagonal", "(L)"},
+                               {"noise", "of L"},
                                {"bytes", ""}});
 }
 

@@ -6,16 +6,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <string_view>
 #include <unistd.h>
 
 namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Of clouds, meshes, pictures and texts.
+constexpr std::array<std::string_view, 29> kOtherEndings{
+    ".ply", ".xyz", ".txt", ".asc", ".pts", ".csv", ".las", ".laz",  ".e57",  ".pcd",  ".ptx",  ".obj",  ".off", ".stl", ".glb",
+    ".vtk", ".gz",  ".zip", ".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff", ".svg", ".pdf", ".json", ".toml", ".html"};
 
 /// Without reading on: of a large model no more may be wanted than a few pages.
 bool begins_with(const std::string& path, const std::string& magic) {
@@ -27,6 +35,22 @@ bool begins_with(const std::string& path, const std::string& magic) {
         ::pread(file, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size());
     ::close(file);
     return whole && head == magic;
+}
+
+/// Whether a file wants to be a cloud, by its first bytes or its name.
+bool names_a_cloud(const std::string& path) {
+    constexpr std::array<std::string_view, 6> kClouds{".ply", ".xyz", ".txt", ".asc", ".pts", ".csv"};
+    const bool packed = lower_extension(path) == ".gz";
+    const std::string ending = lower_extension(packed ? path.substr(0, path.size() - 3) : path);
+    return begins_with(path, "ply\n") || begins_with(path, "ply\r") ||
+           std::find(kClouds.begin(), kClouds.end(), ending) != kClouds.end();
+}
+
+/// Throws what is wrong with a cloud that yields no point.
+[[noreturn]] void say_what_is_wrong(const std::string& path) {
+    PointChunk chunk;
+    open_cloud(path)->read(chunk, 1);
+    throw DataError(path + ": holds no point; expected a model (model.slim), as `slim build` writes");
 }
 
 bool has_a_point(const std::string& path) {
@@ -58,6 +82,13 @@ void refuse_to_replace_other(const std::string& output) {
                                   output, is_cloud ? "a cloud" : "some other file"));
 }
 
+void refuse_other_ending(const std::string& model) {
+    const std::string ending = lower_extension(model);
+    if (std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end()) return;
+    throw ConfigError(fmt::format("{}: a model is written, no {} file; expected a name ending in .slim, as {}", model,
+                                  ending, fs::path(model).replace_extension(".slim").string()));
+}
+
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
     std::error_code none;
     for (const std::string& input : inputs)
@@ -81,6 +112,7 @@ void require_model(const std::string& path) {
     if (kind == InputKind::folder)
         throw FormatError(path +
                           ": is a folder; expected a model (model.slim), as `slim build` writes");
+    if (kind == InputKind::other && names_a_cloud(path)) say_what_is_wrong(path);
     if (kind != InputKind::cloud) return;
     fs::path model = fs::path(path).filename();
     if (lower_extension(path) == ".gz") model.replace_extension();

@@ -1,18 +1,16 @@
 #include "pipeline/measure_back.h"
 
-#include "formats/cloud_kind.h"
-#include "formats/point_source.h"
 #include "pipeline/measure_cloud.h"
 #include "pipeline/mesh_input.h"
+#include "pipeline/nearest_points.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
-#include "slim/neighbors/knn.h"
 #include "slim/smooth/mesh_distance.h"
 #include "slim/smooth/surface_samples.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <vector>
 
 namespace slim {
@@ -20,58 +18,21 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kChunk = 1 << 20;
 constexpr std::size_t kGrain = 1024;
 
-/// Squared distances of samples to a cloud that is read once.
-class NearestPoints {
-public:
-    explicit NearestPoints(const std::vector<SurfaceSample>& samples)
-        : samples_(samples), sq_(samples.size(), std::numeric_limits<double>::infinity()) {}
-
-    /// Takes the next points, frame of the job.
-    void add(const std::vector<Vec3d>& points) {
-        if (points.empty()) return;
-        Bbox box;
-        for (const Vec3d& p : points) box.extend(p);
-        near_.clear(), queries_.clear();
-        for (std::size_t i = 0; i < samples_.size(); ++i)
-            if (box.sq_distance(samples_[i].point) < sq_[i]) {
-                near_.push_back(i);
-                queries_.push_back(samples_[i].point);
-            }
-        if (near_.empty()) return;
-        KnnIndex(points).search(queries_, 1, indices_, found_);
-        for (std::size_t k = 0; k < near_.size(); ++k)
-            sq_[near_[k]] = std::min(sq_[near_[k]], found_[k]);
-    }
-    const std::vector<double>& squares() const { return sq_; }
-
-private:
-    const std::vector<SurfaceSample>& samples_;
-    std::vector<double> sq_;
-    std::vector<std::size_t> near_;
-    std::vector<Vec3d> queries_;
-    std::vector<std::uint32_t> indices_;
-    std::vector<double> found_;
-};
+std::vector<Vec3d> places_of(const std::vector<SurfaceSample>& samples) {
+    std::vector<Vec3d> out;
+    out.reserve(samples.size());
+    for (const SurfaceSample& s : samples) out.push_back(s.point);
+    return out;
+}
 
 std::vector<double> to_points(const std::vector<SurfaceSample>& samples, const std::string& cloud,
                               const Vec3d& origin, StageContext& context) {
-    NearestPoints nearest(samples);
-    const auto source = open_cloud(cloud);
-    PointChunk chunk;
-    std::vector<Vec3d> points;
-    while (source->read(chunk, kChunk)) {
-        points.clear();
-        for (const Vec3d& p : chunk.position)
-            if (is_finite(p)) points.push_back(p - origin);
-        nearest.add(points);
-        context.reporter.progress("model to cloud", source->bytes_read(),
-                                  source->info().file_size);
+    return sq_to_points(places_of(samples), cloud, origin, [&](std::uint64_t done, std::uint64_t total) {
+        context.reporter.progress("model to cloud", done, total);
         context.check_stop();
-    }
-    return nearest.squares();
+    });
 }
 
 std::vector<double> to_faces(const std::vector<SurfaceSample>& samples, const std::string& path,

@@ -170,7 +170,7 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
     if (!files.truth.empty()) truth_file.emplace(files.truth);
     std::optional<PointsFile> written;
     if (!files.per_point.empty())
-        written.emplace(files.per_point, source->info(), truth_file.has_value());
+        written.emplace(files.per_point, source->info(), PointsFileKind{truth_file.has_value()});
     Sums sums;
     Distances distances;
     PointChunk chunk;

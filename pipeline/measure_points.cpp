@@ -1,29 +1,26 @@
 #include "pipeline/measure_points.h"
 
-#include "formats/extension.h"
-#include "slim/base/error.h"
-
 namespace slim {
 
-PointsFile::PointsFile(const std::string& path, const CloudInfo& info, bool truth)
-    : origin_(info.origin.value_or(Vec3d{})), truth_(truth), writer_(path, layout_of(info, truth)) {
-    if (lower_extension(path) != ".ply")
-        throw ConfigError(path + ": the figures of points are a PLY; expected a name ending in .ply");
-}
+PointsFile::PointsFile(const std::string& path, const CloudInfo& info, const PointsFileKind& kind)
+    : origin_(info.origin.value_or(Vec3d{})), kind_(kind), writer_(path, layout_of(info, kind)) {}
 
-PlyLayout PointsFile::layout_of(const CloudInfo& info, bool truth) {
+PlyLayout PointsFile::layout_of(const CloudInfo& info, const PointsFileKind& kind) {
     PlyLayout layout;
     layout.double_positions = info.coordinates != CoordinateType::float32;
     layout.normals = info.has_normals;
     layout.scan = info.has_scan;
     layout.scalars = {"scalar_distance", "scalar_normal_angle"};
-    if (truth)
+    if (kind.truth)
         for (const char* name : {"k1", "k2", "mean_curvature"})
             layout.scalars.push_back(std::string("scalar_") + name + "_error");
     layout.scalars.push_back("quality");
     layout.origin = info.origin;
-    layout.comments.push_back("slim measure: distance in model units, positive outside; angles in degrees; "
-                              "nan: missed");
+    layout.comments.push_back("slim measure: " + kind.meaning);
+    if (!kind.faces) return layout;
+    layout.n_faces = kind.faces->n_faces();
+    for (std::size_t f = 0; f < kind.faces->n_faces(); ++f)
+        layout.large_faces |= kind.faces->face(f).size() > 255;
     return layout;
 }
 
@@ -34,12 +31,18 @@ void PointsFile::write(const PointChunk& chunk, std::span<const PointFigures> fi
     for (const PointFigures& f : figures) {
         scalars_.push_back(static_cast<float>(f.distance));
         scalars_.push_back(static_cast<float>(f.angle));
-        if (truth_)
+        if (kind_.truth)
             for (const double error : {f.k1, f.k2, f.mean})
                 scalars_.push_back(static_cast<float>(error));
         scalars_.push_back(static_cast<float>(f.distance));
     }
     writer_.write({local_, chunk.normal, {}, chunk.scan, scalars_});
+}
+
+void PointsFile::commit() {
+    if (kind_.faces)
+        for (std::size_t f = 0; f < kind_.faces->n_faces(); ++f) writer_.write_face(kind_.faces->face(f));
+    writer_.commit();
 }
 
 }  // namespace slim

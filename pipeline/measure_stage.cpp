@@ -1,6 +1,7 @@
 #include "pipeline/measure_stage.h"
 
 #include "formats/atomic_file.h"
+#include "formats/extension.h"
 #include "formats/model_file.h"
 #include "formats/truth_file.h"
 #include "pipeline/input_kind.h"
@@ -8,6 +9,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/measure_back.h"
 #include "pipeline/measure_cloud.h"
+#include "pipeline/measure_clouds.h"
 #include "pipeline/measure_meshes.h"
 #include "pipeline/measure_pictures.h"
 #include "pipeline/mesh_input.h"
@@ -106,6 +108,22 @@ void check_order(const MeasureConfig& config) {
     require_model(config.model);
 }
 
+/// The work's result; where a file of it is asked for, from its record if it is up to date.
+template <class Work>
+json recorded(const MeasureConfig& config, const std::string& truth, StageContext& context, Work&& work) {
+    if (config.output.empty()) return work();
+    Stamp stamp(context, manifest_path(config.output));
+    config.model.starts_with(kShape) ? stamp.depends(config.model) : stamp.input(config.model);
+    stamp.input(config.cloud);
+    if (!truth.empty()) stamp.input(truth);
+    stamp.outputs({config.output});
+    if (!config.per_point.empty()) stamp.outputs({config.per_point});
+    if (auto done = stamp.up_to_date()) return *done;
+    json result = work();
+    if (!is_picture(config.output)) write_file_atomically(config.output, text_of(result, 2) + "\n");
+    return stamp.commit(std::move(result));
+}
+
 json measure_points(const MeasureConfig& config, StageContext& context) {
     if (!config.two_way && config.samples != MeasureConfig{}.samples)
         throw ConfigError(
@@ -115,60 +133,62 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
         files.truth = truth_path(config.cloud);
-    refuse_to_overwrite(config.output, {config.model, config.cloud, files.truth});
-    refuse_to_overwrite(config.per_point, {config.model, config.cloud, files.truth, config.output});
-    if (config.output.empty()) return measured(config, files, context);
-    Stamp stamp(context, manifest_path(config.output));
-    config.model.starts_with(kShape) ? stamp.depends(config.model) : stamp.input(config.model);
-    stamp.input(config.cloud);
-    if (!files.truth.empty()) stamp.input(files.truth);
-    stamp.outputs({config.output});
-    if (!config.per_point.empty()) stamp.outputs({config.per_point});
-    if (auto done = stamp.up_to_date()) return *done;
-    json result = measured(config, files, context);
-    write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return stamp.commit(std::move(result));
+    for (const std::string& output : {config.output, config.per_point}) refuse_to_overwrite(output, {files.truth});
+    return recorded(config, files.truth, context, [&] { return measured(config, files, context); });
 }
 
 /// What is compared.
-enum class Kind { points, pictures, meshes };
+enum class Kind { points, pictures, meshes, clouds };
+
+/// What the options are of that are not of every kind.
+constexpr const char* kOfModel = "a cloud against a model";
+constexpr const char* kOfPoints = "a cloud against a model, or of two clouds or meshes";
+constexpr const char* kOfClouds = "a cloud against a model, or of two clouds";
 
 /// Options that are of another kind of measure and were given all the same.
 void refuse_without_effect(const MeasureConfig& config, Kind kind) {
     const MeasureConfig as_before;
-    const bool points = kind == Kind::points, pictures = kind == Kind::pictures;
-    const std::pair<bool, const char*> given[] = {
-        {!points && !config.per_point.empty(), "per_point"},
-        {!points && !config.truth.empty(), "truth"},
-        {!points && config.two_way, "two_way"},
-        {!points && config.samples != as_before.samples, "samples"},
-        {!points && config.tolerance != as_before.tolerance, "tolerance"},
-        {!pictures && config.threshold != as_before.threshold, "threshold"}};
-    for (const auto& [is_given, key] : given)
-        if (is_given)
-            throw ConfigError(fmt::format(
-                "{}: is of {}; found {} and {}", key,
-                std::string(key) == "threshold" ? "two pictures" : "a cloud against a model",
-                config.model, config.cloud));
+    const bool model = kind == Kind::points, clouds = model || kind == Kind::clouds, pictures = kind == Kind::pictures;
+    struct Given {
+        bool without_effect;
+        const char *key, *of;
+    };
+    const Given given[] = {
+        {pictures && !config.per_point.empty(), "per_point", kOfPoints},
+        {!model && !config.truth.empty(), "truth", kOfModel},
+        {!clouds && config.two_way, "two_way", kOfClouds},
+        {!model && config.samples != as_before.samples, "samples", kOfModel},
+        {!clouds && config.tolerance != as_before.tolerance, "tolerance", kOfClouds},
+        {!pictures && config.threshold != as_before.threshold, "threshold", "two pictures"}};
+    for (const Given& g : given)
+        if (g.without_effect)
+            throw ConfigError(fmt::format("{}: is of {}; found {} and {}", g.key, g.of, config.model, config.cloud));
+}
+
+/// Names that could not be written, before any work.
+void check_outputs(const MeasureConfig& config, Kind kind) {
+    for (const std::string& output : {config.output, config.per_point})
+        refuse_to_overwrite(output, {config.model, config.cloud});
+    if (!config.per_point.empty()) refuse_to_overwrite(config.per_point, {config.output});
+    if (!config.per_point.empty() && config.per_point == config.output)
+        throw ConfigError(config.output + ": --output and --per-point name one file");
+    const std::string ending = lower_extension(config.output);
+    const bool pictures = kind == Kind::pictures;
+    if (!config.output.empty() && ending != ".json" && !(pictures && ending == ".png"))
+        throw ConfigError(fmt::format("{}: the result is written as JSON{}; expected a name ending in .json{}", config.output,
+                                      pictures ? ", the difference as PNG" : is_picture(config.output) ? ", a picture only of two pictures" : "",
+                                      pictures ? " or .png" : ""));
+    if (!config.per_point.empty() && lower_extension(config.per_point) != ".ply")
+        throw ConfigError(config.per_point + ": the figures of points are a PLY; expected a name ending in .ply");
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {
-    refuse_to_overwrite(config.output, {config.model, config.cloud});
-    if (config.output.empty()) return compare_meshes(config.model, config.cloud);
-    Stamp stamp(context, manifest_path(config.output));
-    stamp.input(config.model);
-    stamp.input(config.cloud);
-    stamp.outputs({config.output});
-    if (auto done = stamp.up_to_date()) return *done;
-    json result = compare_meshes(config.model, config.cloud);
-    write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return stamp.commit(std::move(result));
+    return recorded(config, "", context, [&] { return compare_meshes(config.model, config.cloud, config.per_point); });
 }
 
-/// A mesh in place of the model, a cloud beside it.
-bool are_meshes(const MeasureConfig& config) {
-    return input_kind(config.model) == InputKind::cloud &&
-           input_kind(config.cloud) == InputKind::cloud && is_mesh(config.model);
+json measure_clouds(const MeasureConfig& config, StageContext& context) {
+    const ComparedClouds clouds{config.model, config.cloud, config.per_point, config.tolerance, config.two_way};
+    return recorded(config, "", context, [&] { return compare_clouds(clouds, context); });
 }
 
 /// A difference picture without any is black: said in words.
@@ -184,40 +204,40 @@ json said_if_equal(const MeasureConfig& config, json result, StageContext& conte
 json measure_pictures(const MeasureConfig& config, StageContext& context) {
     context.headlines = {{"identical", ""},          {"max", ""},    {"rms", ""},   {"mean", ""},
                          {"above", "of the pixels"}, {"max_at", ""}, {"pixels", ""}};
-    refuse_to_overwrite(config.output, {config.model, config.cloud});
-    if (config.output.empty())
-        return said_if_equal(
-            config, compare_pictures(config.model, config.cloud, "", config.threshold), context);
-    Stamp stamp(context, manifest_path(config.output));
-    stamp.input(config.model);
-    stamp.input(config.cloud);
-    stamp.outputs({config.output});
-    if (auto done = stamp.up_to_date()) return said_if_equal(config, *done, context);
-    const bool draws = is_picture(config.output);
-    json result =
-        compare_pictures(config.model, config.cloud, draws ? config.output : "", config.threshold);
-    if (!draws) write_file_atomically(config.output, text_of(result, 2) + "\n");
-    return said_if_equal(config, stamp.commit(std::move(result)), context);
+    const std::string difference = is_picture(config.output) ? config.output : "";
+    return said_if_equal(config,
+                         recorded(config, "", context,
+                                  [&] { return compare_pictures(config.model, config.cloud, difference, config.threshold); }),
+                         context);
 }
 
-}  // namespace
-
-json run_measure(const MeasureConfig& config, StageContext& context) {
+/// What two files are, in place of model and cloud. A cloud beside itself is a mistake, and told so.
+Kind kind_of(const MeasureConfig& config) {
     const bool a = is_picture(config.model), b = is_picture(config.cloud);
     if (a != b)
         throw ConfigError(fmt::format("{}: a picture is compared with a picture; found {}",
                                       a ? config.model : config.cloud,
                                       a ? config.cloud : config.model));
-    const Kind kind = a ? Kind::pictures : are_meshes(config) ? Kind::meshes : Kind::points;
+    if (a) return Kind::pictures;
+    if (input_kind(config.model) != InputKind::cloud || input_kind(config.cloud) != InputKind::cloud) return Kind::points;
+    std::error_code none;
+    if (is_mesh(config.model)) return Kind::meshes;
+    return std::filesystem::equivalent(config.model, config.cloud, none) ? Kind::points : Kind::clouds;
+}
+
+}  // namespace
+
+json run_measure(const MeasureConfig& config, StageContext& context) {
+    const Kind kind = kind_of(config);
     refuse_without_effect(config, kind);
-    if (kind != Kind::pictures && is_picture(config.output))
-        throw ConfigError(fmt::format("{}: only of two pictures a picture is made; expected a name of a JSON file",
-                                      config.output));
+    check_outputs(config, kind);
     switch (kind) {
         case Kind::pictures:
             return measure_pictures(config, context);
         case Kind::meshes:
             return measure_meshes(config, context);
+        case Kind::clouds:
+            return measure_clouds(config, context);
         default:
             return measure_points(config, context);
     }

@@ -33,7 +33,7 @@ struct ScanConfig {
                           "monkey", "bumpy", "sculpture"});
         field.output("output", output, "cloud to write (.ply); truth and sensors go beside it");
         field("points", points, "number of points", 1, 1e10);
-        field("noise", noise, "standard deviation of the noise over the diagonal", 0, 0.1);
+        field("noise", noise, "standard deviation of the noise, over the diagonal L", 0, 0.1);
         field.choice("noise_model", noise_model, "noise along the ray, or per coordinate",
                      {"ray", "isotropic"});
         field("stations", stations, "scanner positions around the shape (pattern scan)", 1, 1000);

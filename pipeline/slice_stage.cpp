@@ -4,6 +4,7 @@
 #include "pipeline/cloud_survey.h"
 #include "pipeline/fit_division.h"
 #include "pipeline/folder_lock.h"
+#include "pipeline/input_frames.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/peak_memory.h"
@@ -126,6 +127,20 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             plan.coordinate_quantum, plan.diagonal));
 }
 
+/// Points that are nearly a line or a speck in their extent: because their clouds are of several frames, or by themselves.
+void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Reporter& reporter) {
+    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty()) return reporter.warn(text);
+    if (survey.n_points > 2 && survey.spread.is_line())
+        reporter.warn(names_of(config.inputs) +
+                              ": all points lie on one line: they have no surface, and the "
+                              "model may have nothing to draw");
+    if (survey.n_points > 2 && survey.spread.has_far_strays())
+        reporter.warn(fmt::format(
+            "{}: a few points lie so far from the others that these are a speck in the cloud's extent of {:.3g}, and the "
+            "model, made for that extent, may have nothing to draw of them: take the far points out",
+            names_of(config.inputs), survey.bounds.diagonal()));
+}
+
 nlohmann::json summary(const SlicePlan& plan) {
     return {{"points", plan.n_points},
             {"dropped", plan.n_dropped},
@@ -166,15 +181,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
-    if (survey.n_points > 2 && survey.spread.is_line())
-        context.reporter.warn(names_of(config.inputs) +
-                              ": all points lie on one line: they have no surface, and the "
-                              "model may have nothing to draw");
-    if (survey.n_points > 2 && survey.spread.has_far_strays())
-        context.reporter.warn(fmt::format(
-            "{}: a few points lie so far from the others that these are a speck in the cloud's extent of {:.3g}, and the "
-            "model, made for that extent, may have nothing to draw of them: take the far points out",
-            names_of(config.inputs), survey.bounds.diagonal()));
+    warn_of_extent(config, survey, context.reporter);
     BlockPlan blocks;
     SlicePlan plan = plan_from_survey(config, survey, blocks);
     report(plan, context.reporter);

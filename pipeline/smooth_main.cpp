@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
         {"smooth",
          "moves the points of a cloud, or the vertices of a mesh, onto a model's surface; "
          "attributes, "
-         "order and faces are kept, displacements are in the cloud's unit",
+         "order and faces are kept, displacements are in the cloud's unit; noise is the standard deviation of a point "
+         "about its neighbours, along the normal, over the diagonal L (median leaf)",
          {"slim smooth scan.slim scan.ply -o smooth.ply",
           "slim smooth mesh.slim mesh.ply -o smooth.ply --most 0.5",
           "slim smooth mesh.slim mesh.ply -o smooth.ply --mode points --json"},
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
           {"max_displacement", ""},
           {"moved", "points"},
           {"unsupported", "points, which stay"},
-          {"points", ""}}},
+          {"points", ""},
+          {"noise", "of L"}}},
         argc, argv, slim::run_smooth);
 }

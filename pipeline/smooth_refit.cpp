@@ -38,7 +38,7 @@ std::vector<LeafNoise> noise_of_leaves(const SmoothInput& input) {
 }
 
 void count_known(const std::vector<WideRadius>& radii, const std::vector<double>& sq_noise,
-                 SmoothRefit& out) {
+                 double diagonal, SmoothRefit& out) {
     std::vector<double> known;
     for (std::size_t i = 0; i < radii.size(); ++i) {
         if (!radii[i].in_cloud) continue;
@@ -48,7 +48,7 @@ void count_known(const std::vector<WideRadius>& radii, const std::vector<double>
             ++out.unknown;
     }
     out.known = known.size();
-    if (!known.empty()) out.noise = median(std::move(known));
+    if (!known.empty()) out.noise = median(std::move(known)) / diagonal;
 }
 
 /// Fits anew, unless `most_fits` is zero, and judges how much the fits, or else the model's own
@@ -83,7 +83,7 @@ void fit_anew(const SmoothInput& input, CloudSample sample, std::size_t most_fit
     const std::vector<double> sq_noise = local_noise(model, noise, radii, points);
     out.trust =
         leaf_trust(model, radii, sq_noise, out.surface ? out.surface->fits() : model, points);
-    count_known(radii, sq_noise, out);
+    count_known(radii, sq_noise, input.diagonal, out);
 }
 
 /// Says what there was no memory for.
@@ -136,10 +136,10 @@ SmoothRefit refit_cloud(const SmoothInput& input, StageContext& context) {
     return out;
 }
 
-void say_what_is_known(const nlohmann::json& result, const std::string& model,
+void say_what_is_known(const nlohmann::json& result, double diagonal, const std::string& model,
                        const std::string& cloud, Reporter& reporter) {
     const auto count = [&result](const char* key) { return result.value(key, std::size_t{0}); };
-    const std::size_t kept = count("leaves_kept"), leaves = kept + count("leaves_refitted") + count("leaves_stray");
+    const std::size_t leaves = count("leaves_kept") + count("leaves_refitted") + count("leaves_stray");
     const bool known = result.at("noise").is_number();
     if (const std::size_t unknown = count("leaves_noise_unknown"); unknown > 0)
         reporter.warn(
@@ -147,16 +147,15 @@ void say_what_is_known(const nlohmann::json& result, const std::string& model,
                         "points there go all the way to the "
                         "surface, be they noisy or not; --most limits how far",
                         cloud, unknown, leaves, model));
-    if (known && 2 * (kept - count("leaves_kept_for_memory")) > leaves)
-        reporter.info(
-            fmt::format("{} of {} leaves of {} are used as they were built: fits made anew of {} "
-                        "would be no nearer there, as is "
-                        "usual for a clean cloud, few points or edges. Points differ from their "
-                        "neighbours by a noise of {:.2g} in the "
-                        "median leaf (model units), and move no farther than that lets expect: "
-                        "noise that neighbours share stays. If "
-                        "they move farther than you want, build the model with a smaller --t-mdl",
-                        kept, leaves, model, cloud, result.at("noise").get<double>()));
+    const std::size_t moved = count("moved"), held = count("points_held_back");
+    if (!known || 2 * held <= moved) return;
+    const double noise = result.at("noise").get<double>();
+    reporter.info(fmt::format(
+        "{} of {} points went only part of the way (points_held_back): {} is farther from them than their noise explains, "
+        "{:.2g} of L ({:.2g} in the cloud's unit) in the median leaf, as of a clean cloud, beside edges, or where neighbours "
+        "share their noise, which stays. Single points may go farther than that (max_displacement): --most limits it, a "
+        "model with a smaller --t-mdl lies nearer",
+        held, moved, model, noise, noise * diagonal));
 }
 
 }  // namespace slim

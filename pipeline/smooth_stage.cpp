@@ -6,12 +6,14 @@
 #include "pipeline/apart.h"
 #include "pipeline/cloud_survey.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/mesh_input.h"
 #include "pipeline/smooth_refit.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
+#include "slim/smooth/feature_edges.h"
 #include "slim/smooth/refit_budget.h"
 #include "slim/smooth/smoothing.h"
 
@@ -73,6 +75,8 @@ struct Smoother {
     const BallIndex& index;
     Vec3d origin;
     double diagonal;
+    bool sharp;             // built with --sharp on
+    double contrary_share;  // of the cloud's normals, as the build found
 
     double text_step() const { return kTextStep * diagonal; }
     SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
@@ -164,11 +168,27 @@ json smooth_cloud(const Smoother& smoother) {
     return result;
 }
 
+/// The share of the mesh at feature edges that the model rounds off, and the advice where there are any; null: a model with
+/// sharp leaves, which follows them.
+json edges_rounded_off(const Smoother& smoother, const Mesh& mesh) {
+    if (smoother.sharp) return nullptr;
+    const ModelHeader& header = smoother.tree.header();
+    const EdgesSeen seen = feature_edges(mesh, {header.degree, header.mdl_threshold, header.diagonal,
+                                                header.noise_variance, smoother.contrary_share});
+    smoother.context.check_stop();
+    if (seen.are_features())
+        smoother.context.reporter.info(fmt::format(
+            "about {:.0f} % of {} lies at edges, which {} rounds off: a model built with --sharp on keeps them crisp",
+            100 * seen.share(), smoother.config.cloud, smoother.config.model));
+    return seen.share();
+}
+
 json smooth_faces(const Smoother& smoother) {
     const SmoothConfig& config = smoother.config;
     const auto n_steps = static_cast<std::uint64_t>(config.iterations);
     Mesh mesh = read_mesh(config.cloud, smoother.origin);
     const std::vector<Vec3d> from = mesh.position;
+    const json edges = edges_rounded_off(smoother, mesh);
     const auto out = rewrite_cloud(config.cloud, config.output, smoother.text_step());
     const SmoothedMesh smoothed =
         smooth_mesh(smoother.index, smoother.settings(), mesh, [&](int i) {
@@ -193,6 +213,7 @@ json smooth_faces(const Smoother& smoother) {
                         "--mode points",
                         counts.held, counts.points));
     json result = counts.to_json("mesh");
+    if (!edges.is_null()) result["at_edges"] = edges;
     result["faces"] = mesh.n_faces();
     result["faces_unsupported"] = smoothed.faces_unsupported;
     result["held"] = counts.held;
@@ -212,6 +233,13 @@ void check_paths(const SmoothConfig& config) {
     refuse_to_overwrite(config.output, {config.model, config.cloud});
 }
 
+/// What the model was fitted with; empty where it does not say.
+json rules_of(const ModelFile& model) {
+    const json provenance = json_or_discarded(model.provenance_json());
+    const json rules = provenance.is_object() ? provenance.value("rules", json::object()) : json::object();
+    return rules.is_object() ? rules : json::object();
+}
+
 json smoothed(const SmoothConfig& config, StageContext& context) {
     const ModelFile model = ModelFile::open(config.model);
     const SurfelTree tree = model.tree();
@@ -221,8 +249,15 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
         throw DataError(config.cloud +
                         ": has no faces that name their corners; expected a mesh for "
                         "--mode mesh");
-    const Smoother smoother{
-        config, context, tree, index, model.header().origin, model.header().diagonal};
+    const json rules = rules_of(model);
+    const Smoother smoother{config,
+                            context,
+                            tree,
+                            index,
+                            model.header().origin,
+                            model.header().diagonal,
+                            rules.value("sharp", false) || !tree.sharp().empty(),
+                            rules.value("contrary_share", 0.0)};
     const bool as_mesh = has_faces && config.mode != "points";
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
     const auto n = result.at("points").get<std::uint64_t>();
@@ -232,7 +267,7 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
             "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
             config.cloud, lost, n, config.model));
     else if (!as_mesh)
-        say_what_is_known(result, config.model, config.cloud, context.reporter);
+        say_what_is_known(result, smoother.diagonal, config.model, config.cloud, context.reporter);
     return result;
 }
 

@@ -63,6 +63,20 @@ std::string value_text(const std::string& key, const json& value) {
     return value.empty() ? "none" : text;
 }
 
+/// An object's keys in the order of a person: by name, numbers by size (levels 1, 2, ..., 10).
+std::vector<std::string> keys_in_order(const json& object) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.push_back(key);
+    const auto is_number = [](const std::string& key) {
+        return !key.empty() && key.find_first_not_of("0123456789") == std::string::npos;
+    };
+    if (std::all_of(keys.begin(), keys.end(), is_number))
+        std::sort(keys.begin(), keys.end(), [](const std::string& a, const std::string& b) {
+            return a.size() != b.size() ? a.size() < b.size() : a < b;
+        });
+    return keys;
+}
+
 /// The result as "key  value" lines; an object's members are indented below its key, those of
 /// several objects below "key 1 of 3".
 void append_summary(const json& result, const std::string& indent,
@@ -73,8 +87,9 @@ void append_summary(const json& result, const std::string& indent,
         if (const auto at = result.find(key); at != result.end() && !at->is_structured())
             out += fmt::format("{}{:<{}}  {}{}{}\n", indent, key, width, value_text(key, *at),
                                unit.empty() || at->is_null() ? "" : " ", at->is_null() ? "" : unit);
-    for (const auto& [key, value] : result.items()) {
+    for (const std::string& key : keys_in_order(result)) {
         const std::string& name = key;
+        const json& value = result.at(key);
         const bool is_headline = std::any_of(headlines.begin(), headlines.end(),
                                              [&](const Headline& h) { return h.key == name; });
         if (is_headline && !value.is_structured()) continue;

@@ -166,6 +166,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     const auto paths = fit_paths(config, plan);
     check_all_there(config, paths);
     refuse_to_replace_other(config.output);
+    refuse_other_ending(config.output);
     Stamp stamp(context, manifest_path(config.output));
     stamp.input(plan_path(config.work));  // the model's origin, bounds and inputs stand in no fit
     for (const auto& path : paths) stamp.input(path);

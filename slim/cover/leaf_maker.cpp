@@ -26,6 +26,10 @@ constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf th
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
 constexpr double kLittleNoise = 0.15;       // the same: up to it planes say enough for larger balls to be worth their time
+constexpr double kPlateFitted = 0.08;       // eps / rho of a leaf in noise that takes a larger ball past a plate's other side,
+constexpr double kPlateNoise = 1.2;         // eps^2 of it over the typical noise,
+constexpr double kPlateLean = 0.06;         // its lean (0.2 at a border),
+constexpr double kPlateSideways = 0.03;     // and the share of its points that face neither its way nor the other
 constexpr std::size_t kFewForAir = 8;       // points of a ball: of fewer there is no saying where a surface ends
 constexpr double kThickForAir = 0.1;        // eps / rho: thicker leaves have no surface to stand off from
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
@@ -111,6 +115,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
     const bool may_widen = c.choice.limited && is_resolved && c.n_sheets == 1 && !rules_.windows;
     if (may_widen && relative_noise() < kLittleNoise) widen(c, center, normal, work);
+    if (may_widen && are_edges_in_noise() && c.choice.degree < 3) widen_over_plate(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
 }
@@ -170,6 +175,29 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     }
 }
 
+/// The same in noise, where single points do not say what stands in the air, for leaves that the other side of a thin
+/// plate limits (notes/0015): past it where hardly any point faces sideways, as beyond an edge, and noise alone is left.
+void LeafMaker::widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
+    const int degree = rules_.ladder.choose_degree ? rules_.usual_degree() : c.choice.degree;
+    const auto n_wanted = static_cast<std::size_t>(2 * kWantedOfWide * n_coefficients(degree));  // of both sides
+    const auto radii = wider_radii(pyramid_.all(), center, c.choice.radius, ladder_.rung_radius(rules_.top_rung()),
+                                   n_wanted, work.wide);
+    for (const float radius : radii) {
+        BallPoints<double>& ball = work.exact.ball;
+        shrink_ball(work.wide, static_cast<double>(radius), ball);
+        if (share_sideways(ball, average_normal(ball, 1, normal).normal) > kPlateSideways) continue;
+        const CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
+                                                        rules_.noise_variance, ball, edges());
+        const double eps = leaf.fitted.fit_error;
+        if (!leaf.explains_center || length(leaf.lean) > kPlateLean || eps > kPlateFitted * static_cast<double>(radius) ||
+            eps * eps > kPlateNoise * rules_.typical_variance)
+            continue;
+        c.choice.radius = static_cast<double>(radius);
+        c.choice.widened = true;
+        return;
+    }
+}
+
 /// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013). It does not wait
 /// for the level of its size: nobody else would cover them.
 void LeafMaker::shrink_to_few(LeafCandidate& c, LeafWork& work) const {
@@ -196,6 +224,11 @@ bool LeafMaker::is_clean() const {
 Edges LeafMaker::edges() const {
     if (!rules_.sharp) return Edges::ignored;
     return is_clean() ? Edges::real : Edges::doubtful;
+}
+
+/// Whether edges are looked for in a cloud whose noise is more than a share of the spacing.
+bool LeafMaker::are_edges_in_noise() const {
+    return edges() == Edges::doubtful && relative_noise() >= kLittleNoise;
 }
 
 /// Whether a smooth leaf rounds a real edge or corner off (notes/0011). In noise a smaller ball would be thicker still,

@@ -61,6 +61,7 @@ private:
     Edges edges() const;
     bool is_clean() const;
     double relative_noise() const;
+    bool are_edges_in_noise() const;
     bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;
@@ -70,6 +71,7 @@ private:
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                 LeafWork& work) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    void widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;

@@ -47,6 +47,15 @@ std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, dou
     return out;
 }
 
+double share_sideways(const BallPoints<double>& ball, const Vec3d& normal) {
+    std::size_t sideways = 0, away = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double cosine = dot(normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
+        if (cosine < kLeastCos) ++(cosine < kOtherSideCos ? away : sideways);
+    }
+    return static_cast<double>(sideways) / static_cast<double>(std::max<std::size_t>(ball.n - away, 1));
+}
+
 bool is_well_fitted(const CoveringSurfel& leaf) {
     return leaf.explains_center && leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
 }

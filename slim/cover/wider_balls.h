@@ -17,6 +17,10 @@ namespace slim {
 std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, double least,
                                double most, std::size_t n_wanted, BallPoints<double>& ball);
 
+/// Of a ball's points, less those that face away from a unit normal, the share that faces neither its way nor the other:
+/// much of it beyond an edge, little of a plate's two sides.
+double share_sideways(const BallPoints<double>& ball, const Vec3d& normal);
+
 /// Whether the leaf of such a ball explains its centre and is fitted well, eps < 0.06 rho.
 bool is_well_fitted(const CoveringSurfel& leaf);
 

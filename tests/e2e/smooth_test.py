@@ -128,6 +128,9 @@ def meshes():
     start = out.index(b"end_header\n") + 11
     errors = [abs(z - x * x - y * y) for x, y, z, *_ in struct.iter_unpack("<dddffff", out[start:start + 40 * n * n])]
     check(sum(errors) / len(errors) < 0.0015, f"mean error of heights {sum(errors) / len(errors)}")  # noise: 0.0032
+    check(said["at_edges"] < 0.05, f"edges on a bowl: {said}")
+    moved = run("slim", "measure", "bowl.ply", "b.ply", "--per-point", "moved.ply", "--json").json()
+    check(moved["vertices"] == n * n and (folder / "moved.ply").read_bytes().endswith(whole[-13:]), f"moved: {moved}")
     check(smooth("bowl.ply", "b.ply", "--mode", "points").json()["mode"] == "points", "--mode points is ignored")
 
 

@@ -1,5 +1,6 @@
 #include "formats/ply_writer.h"
 
+#include "formats/ply_faces.h"
 #include "formats/truth_file.h"
 #include "tests/formats/file_support.h"
 
@@ -37,6 +38,24 @@ TEST(PlyWriter, WritesWhatTheReaderReads) {
         EXPECT_EQ(source->info().colors, (std::vector<std::string>{"red", "green", "blue"}));
         EXPECT_EQ(source->info().skipped, (std::vector<std::string>{"scalar_k1", "quality"}));
     }
+}
+
+TEST(PlyWriter, FacesFollowThePoints) {
+    const TempFolder folder;
+    for (const bool ascii : {false, true})
+        for (const bool large : {false, true}) {
+            PlyLayout layout;
+            layout.ascii = ascii, layout.large_faces = large, layout.n_faces = 2;
+            PlyWriter writer(folder.file("w.ply"), layout);
+            const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+            writer.write({positions, {}, {}, {}, {}});
+            const std::vector<std::uint32_t> a{0, 1, 2}, b{0, 1, 2, 3};
+            writer.write_face(a), writer.write_face(b);
+            writer.commit();
+            std::vector<std::vector<std::size_t>> faces;
+            read_ply_faces(folder.file("w.ply"), 4, [&](auto corners) { faces.emplace_back(corners.begin(), corners.end()); });
+            EXPECT_EQ(faces, (std::vector<std::vector<std::size_t>>{{0, 1, 2}, {0, 1, 2, 3}}));
+        }
 }
 
 TEST(PlyWriter, LeavesNothingWithoutACommit) {

@@ -74,6 +74,63 @@ TEST_F(BuildStage, AWorkFolderThatIsAskedForLaterIsThere) {
     EXPECT_TRUE(build(c).contains("up_to_date"));
 }
 
+TEST_F(BuildStage, AModelHasNoOtherFormatsEnding) {
+    const std::string cloud = write(sampled("sphere", 3000), "c.ply");
+    for (const char* name : {"m.ply", "m.PNG", "m.json", "m.slim.gz"}) {
+        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::usage) << name;
+        EXPECT_NE(message_.find("ending in .slim"), std::string::npos) << message_;
+        EXPECT_FALSE(fs::exists(file(name)));
+    }
+    for (const char* name : {"m", "t_0.01", "m.slim"}) EXPECT_NO_THROW(build(build_config(cloud, name))) << name;
+    EXPECT_GT(measure(file("t_0.01"), cloud)["leaves"], 0);
+}
+
+TEST_F(BuildStage, CloudsOfOtherFramesAreWarnedOfWithBothBoxes) {
+    Cloud far = sampled("sphere", 500);
+    BuildConfig c = build_config(write(far, "here.ply"), "m.slim");
+    for (Vec3d& p : far.positions) p += Vec3d{3, 0, 0};
+    c.inputs.push_back(write(far, "beside.ply"));
+    build(c);
+    EXPECT_TRUE(listener_.warnings.empty()) << listener_.warnings[0];
+    for (Vec3d& p : far.positions) p += Vec3d{403000, 3604900, 0};
+    c.inputs.push_back(write(far, "georeferenced.ply"));
+    build(c);
+    ASSERT_FALSE(listener_.warnings.empty());
+    const std::string& said = listener_.warnings[0];
+    for (const char* part : {"georeferenced.ply", "here.ply", "(403002", "(-0.99", "same frame?"})
+        EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
+}
+
+TEST_F(BuildStage, NoiseIsOverTheDiagonalForAllVerbs) {
+    const std::string cloud = write(sampled("torus", 20000, 1, 0.003), "c.ply");
+    const auto built = build(build_config(cloud, "m.slim"));
+    InfoConfig c;
+    c.file = file("m.slim");
+    const auto info = run_as("info", c, run_info, listener_);
+    EXPECT_DOUBLE_EQ(built["noise"].get<double>(), info["noise"].get<double>());
+    EXPECT_NEAR(info["noise"].get<double>(), 0.003, 0.0006);
+    const double diagonal = info["diagonal"];
+    EXPECT_NEAR(std::sqrt(built["noise_variance"].get<double>()) / diagonal, info["noise"].get<double>(), 1e-12);
+}
+
+TEST_F(BuildStage, InfoSaysThingsOnceAndLevelsInOrder) {
+    build(build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim"));
+    InfoConfig c;
+    c.file = file("m.slim");
+    StageContext context{listener_, 1, false, "info"};
+    const auto whole = run_info(c, context);
+    EXPECT_TRUE(whole["provenance"].contains("fits"));  // --json has it
+    for (const char* key : {"diagonal", "degree", "noise_variance", "forced", "t_mdl"}) {
+        std::size_t n = 0;
+        for (std::size_t at = 0; (at = context.text.find(std::string(key) + "  ", at)) != std::string::npos; ++at) ++n;
+        EXPECT_LE(n, 1u) << key << " in\n" << context.text;
+    }
+    EXPECT_NE(context.text.find("noise "), std::string::npos);
+    const std::string levels = summary_text({{"levels", {{"10", 5}, {"2", 7}, {"1", 9}}}}, {});
+    EXPECT_LT(levels.find("1   9"), levels.find("2   7")) << levels;
+    EXPECT_LT(levels.find("2   7"), levels.find("10  5")) << levels;
+}
+
 TEST_F(BuildStage, KeptNormalsTakeNoSensors) {
     BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
     c.normals = "keep", c.sensors = file("c.scans.json");

@@ -106,6 +106,7 @@ TEST(CommandLine, RefusesWhatMakesNoSense) {
     EXPECT_NE(refusal({"--degree", "7"}), "");
     EXPECT_NE(refusal({"--set", "degree"}), "");
     EXPECT_NE(refusal({"--threads", "-1"}), "");
+    EXPECT_NE(refusal({"--threads", "0"}).find("1 to "), std::string::npos) << refusal({"--threads", "0"});
     EXPECT_NE(refusal({"--threads", "many"}), "");
     EXPECT_NE(refusal({"-x"}), "");
 }

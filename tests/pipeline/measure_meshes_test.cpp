@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <string>
 
 namespace slim::test {
@@ -69,7 +70,6 @@ TEST_F(MeasureMeshes, WhatCannotBeComparedIsRefused) {
         EXPECT_NE(message_.find(key), std::string::npos) << message_;
     };
     refused([](MeasureConfig& c) { c.two_way = true; }, "two_way");
-    refused([&](MeasureConfig& c) { c.per_point = file("p.ply"); }, "per_point");
     refused([](MeasureConfig& c) { c.truth = "a.truth"; }, "truth");
     refused([](MeasureConfig& c) { c.samples = 10; }, "samples");
     refused([](MeasureConfig& c) { c.tolerance = 0.5; }, "tolerance");
@@ -78,6 +78,31 @@ TEST_F(MeasureMeshes, WhatCannotBeComparedIsRefused) {
     MeasureConfig c;
     c.output = a;
     EXPECT_EQ(code_of([&] { measure(a, square("b.ply", "1"), c); }), ExitCode::usage);
+}
+
+TEST_F(MeasureMeshes, FiguresOfEveryVertexWithTheFaces) {
+    const std::string a = square("a.ply", "0"), b = square("b.ply", "3");
+    MeasureConfig c;
+    c.per_point = file("p.ply");
+    measure(a, b, c);
+    const auto source = open_cloud(file("p.ply"));
+    EXPECT_EQ(source->info().n_faces, 2u);
+    EXPECT_EQ(read_all(file("p.ply"), 10).position[3], (Vec3d{0, 4, 3}));
+    const std::string bytes = read_bytes(file("p.ply"));
+    const std::size_t first = bytes.find("end_header\n") + 11, row = 3 * 8 + 3 * 4 + 3 * 4;  // double x y z, nx ny nz, scalars
+    ASSERT_EQ(bytes.size(), first + 4 * row + 2 * (1 + 3 * 4));
+    const auto scalar = [&](std::size_t vertex, std::size_t k) {
+        float value;
+        std::memcpy(&value, bytes.data() + first + vertex * row + 36 + 4 * k, 4);
+        return static_cast<double>(value);
+    };
+    const double turned = std::atan2(3, 2.4) * 180 / M_PI;
+    for (std::size_t v = 0; v < 4; ++v) {
+        EXPECT_EQ(scalar(v, 0), v == 3 ? 3 : 0) << v;
+        EXPECT_EQ(scalar(v, 2), scalar(v, 0)) << v;
+        // The second face turned; both have the same area, vertices 0 and 2 are of both.
+        EXPECT_NEAR(scalar(v, 1), v == 1 ? 0 : v == 3 ? turned : turned / 2, 1e-4) << v;
+    }
 }
 
 TEST_F(MeasureMeshes, AFileOfTheResultIsKept) {

@@ -39,6 +39,28 @@ TEST_F(SmoothStage, TheBoundaryOfAMeshStays) {
     EXPECT_EQ(n_moved, before.size() - 160);
 }
 
+TEST_F(SmoothStage, AdvisesSharpLeavesWhereAMeshHasEdgesThatTheModelRoundsOff) {
+    const std::string sphere = mesh(0.02);
+    build(build_config(sphere, "m.slim"));
+    listener_.infos.clear();
+    EXPECT_LT(smooth(sphere)["at_edges"], 0.03);
+    EXPECT_TRUE(listener_.infos.empty()) << listener_.infos[0];
+    for (const double noise : {0.0, 0.01}) {
+        const std::string in = cube(noise);
+        BuildConfig b = build_config(in, "m.slim");
+        build(b);
+        listener_.infos.clear();
+        EXPECT_GT(smooth(in)["at_edges"], 0.1);
+        ASSERT_EQ(listener_.infos.size(), 1u);
+        EXPECT_NE(listener_.infos[0].find("built with --sharp on"), std::string::npos) << listener_.infos[0];
+        b.sharp = "on";
+        build(b);
+        listener_.infos.clear();
+        EXPECT_FALSE(smooth(in).contains("at_edges"));
+        EXPECT_TRUE(listener_.infos.empty()) << listener_.infos[0];
+    }
+}
+
 TEST_F(SmoothStage, AMeshIsSmoothedAsPointsIfAsked) {
     const std::string in = mesh(0.02);
     build(build_config(in, "m.slim"));

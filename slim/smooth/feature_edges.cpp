@@ -1,0 +1,93 @@
+#include "slim/smooth/feature_edges.h"
+
+#include "slim/base/parallel.h"
+#include "slim/cover/leaf_maker.h"
+#include "slim/neighbors/point_pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kRound = 128, kMost = 512;
+constexpr std::size_t kLeastPoints = 60;  ///< of a fold of a scan fewer agree, of a part's edge more
+constexpr double kLeastShare = 0.08;      ///< parts: 12.7 % and more; scans and heads: 4.1 % and less (notes/0008)
+constexpr double kSure = 3;               ///< standard errors
+constexpr std::size_t kGrain = 8;
+
+/// Vertices with the normals of the faces about them, by area; those without any are left out.
+PointBlock vertices_of(const Mesh& mesh) {
+    std::vector<Vec3d> normal(mesh.position.size());
+    for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+        const auto corners = mesh.face(f);
+        Vec3d sum;
+        for (std::size_t k = 2; k < corners.size(); ++k)
+            sum += cross(mesh.position[corners[k - 1]] - mesh.position[corners[0]],
+                         mesh.position[corners[k]] - mesh.position[corners[0]]);
+        for (const std::uint32_t v : corners) normal[v] += sum;
+    }
+    PointBlock out;
+    for (std::size_t v = 0; v < normal.size(); ++v) {
+        const Vec3d n = normalized(normal[v]);
+        if (!is_finite(mesh.position[v]) || !is_finite(n) || !(sq_length(n) > 0)) continue;
+        out.position.push_back(mesh.position[v]);
+        out.normal.push_back(to_float(n));
+        out.id.push_back(v);
+    }
+    return out;
+}
+
+CoverRules rules_of(const SmoothModelRules& model) {
+    CoverRules rules;
+    rules.degree = model.degree;
+    rules.mdl_threshold = model.mdl_threshold;
+    rules.diagonal = model.diagonal;
+    rules.noise_variance = rules.typical_variance = model.noise_variance;
+    rules.ladder.contrary_share = model.contrary_share;
+    rules.sharp = true;
+    return rules;
+}
+
+bool is_sure(const EdgesSeen& seen) {
+    const double n = static_cast<double>(seen.asked), p = std::max(seen.share(), 1 / n);
+    return std::abs(seen.share() - kLeastShare) > kSure * std::sqrt(p * (1 - p) / n);
+}
+
+}  // namespace
+
+bool EdgesSeen::are_features() const { return share() > kLeastShare; }
+
+EdgesSeen feature_edges(const Mesh& mesh, const SmoothModelRules& model) {
+    constexpr std::uint64_t kSeed = 0;
+    EdgesSeen seen;
+    PointBlock points = vertices_of(mesh);
+    if (points.empty()) return seen;
+    Bbox box;
+    for (const Vec3d& p : points.position) box.extend(p);
+    sort_along_curve(points, box);
+    const PointPyramid pyramid(points, box, kSeed);
+    const CoverRules rules = rules_of(model);
+    const LeafMaker maker(points, rules, pyramid);
+    const std::size_t n = std::min(kMost, points.size());
+    std::vector<std::uint8_t> at_edge(n);
+    while (seen.asked < n && (seen.asked == 0 || !is_sure(seen))) {
+        const std::size_t first = seen.asked, last = std::min(n, first + kRound);
+        parallel_blocks(last - first, kGrain, [&](std::size_t begin, std::size_t end) {
+            LeafWork work;
+            for (std::size_t i = first + begin; i < first + end; ++i) {
+                LeafCandidate c;
+                c.point = pyramid.by_priority()[i];
+                maker.choose(c, work);
+                at_edge[i] = c.n_sheets > 1 && c.surfel.fitted.n_points >= kLeastPoints;
+            }
+        });
+        seen.asked = last;
+        seen.at_edges = static_cast<std::size_t>(std::count(at_edge.begin(), at_edge.end(), 1));
+    }
+    return seen;
+}
+
+}  // namespace slim
