@@ -2,6 +2,7 @@
 
 #include <experimental/simd>
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -149,6 +150,24 @@ inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c,
     for (std::size_t k = 0; k < kLanes; ++k)
         out[4 * k] = a[k], out[4 * k + 1] = b[k], out[4 * k + 2] = c[k], out[4 * k + 3] = d[k];
 #endif
+}
+
+/// Lane k of the result is op over the lanes of v[k]; op is one like max, of two vectors.
+template <class Op>
+[[gnu::always_inline]] inline FloatV reduce_each(std::array<FloatV, kLanes> v, const Op& op) {
+    using Raw [[gnu::vector_size(sizeof(FloatV))]] = float;
+    using Places [[gnu::vector_size(sizeof(FloatV))]] = int;
+    Places even{}, odd{};  // of two vectors side by side
+    for (int k = 0; k < kLanes; ++k) even[k] = 2 * k, odd[k] = 2 * k + 1;
+    // Each step halves what is left of every vector and joins two of them.
+#pragma GCC unroll 8
+    for (std::size_t n = kLanes / 2; n > 0; n /= 2)
+#pragma GCC unroll 16
+        for (std::size_t k = 0; k < n; ++k) {
+            const Raw a = std::bit_cast<Raw>(v[2 * k]), b = std::bit_cast<Raw>(v[2 * k + 1]);
+            v[k] = op(std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, even))), std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, odd))));
+        }
+    return v[0];
 }
 
 /// Lanes of T, as many as there are native ones of double.

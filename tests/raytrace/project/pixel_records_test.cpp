@@ -220,9 +220,8 @@ std::array<bool, kTileBlocks> listed_blocks(const PixelView& view, const Surfel&
     const Outlined full = outlined(view, s);
     std::array<bool, kTileBlocks> listed{};
     if (t.on_tile(full.rect).empty()) return listed;
-    std::array<std::uint8_t, kTileBlocks + kBlockColumns> blocks;
-    const int n = BlockSpans(full.outline, TileGrid(r, t), t.on_tile(full.rect)).list(blocks.data());
-    for (int k = 0; k < n; ++k) listed[blocks[static_cast<std::size_t>(k)]] = true;
+    const BlockMask blocks = BlockSpans(full.outline, TileGrid(r, t), t.on_tile(full.rect)).blocks();
+    for (int k = 0; k < kTileBlocks; ++k) listed[static_cast<std::size_t>(k)] = blocks.has(k);
     return listed;
 }
 
