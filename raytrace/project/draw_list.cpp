@@ -13,16 +13,23 @@
 namespace slim {
 namespace {
 
-/// Stable order of the keys: least significant digit first, 11 bits at a time.
-std::vector<std::uint32_t> sorted_order(const std::vector<std::uint32_t>& keys) {
-    constexpr std::uint32_t kDigits = 2048;
-    std::vector<std::uint32_t> order(keys.size()), other(keys.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    for (int shift = 0; shift < 33; shift += 11) {
-        std::vector<std::uint32_t> start(kDigits + 1, 0);
-        for (const std::uint32_t key : keys) ++start[((key >> shift) & (kDigits - 1)) + 1];
-        for (std::uint32_t d = 0; d < kDigits; ++d) start[d + 1] += start[d];
-        for (const std::uint32_t i : order) other[start[(keys[i] >> shift) & (kDigits - 1)]++] = i;
+/// The entries with a rectangle in stable order of their keys: least significant digit first, 11 bits at a time.
+std::vector<std::uint32_t> sorted_order(std::span<const std::uint32_t> keys, std::span<const ScreenRect> rects) {
+    constexpr int kBits = 11, kPasses = 3;
+    constexpr std::uint32_t kDigits = 1u << kBits;
+    const auto digit = [](std::uint32_t key, int pass) { return (key >> (kBits * pass)) & (kDigits - 1); };
+    std::vector<std::uint32_t> order, start(kPasses * (kDigits + 1), 0);
+    order.reserve(keys.size());
+    for (std::uint32_t i = 0; i < keys.size(); ++i) {
+        if (rects[i].empty()) continue;
+        order.push_back(i);
+        for (int pass = 0; pass < kPasses; ++pass) ++start[static_cast<std::uint32_t>(pass) * (kDigits + 1) + digit(keys[i], pass) + 1];
+    }
+    std::vector<std::uint32_t> other(order.size());
+    for (int pass = 0; pass < kPasses; ++pass) {
+        std::uint32_t* const next = start.data() + static_cast<std::uint32_t>(pass) * (kDigits + 1);
+        for (std::uint32_t d = 0; d < kDigits; ++d) next[d + 1] += next[d];
+        for (const std::uint32_t i : order) other[next[digit(keys[i], pass)]++] = i;
         order.swap(other);
     }
     return order;
@@ -115,10 +122,18 @@ public:
     RecordBatch(const PixelView& view, const PixelWindow& window, DrawList<Degree>& list)
         : view_(view), window_(window), list_(list) {}
 
-    /// Entry i of the list; `c` is the surfel's centre in camera coordinates.
-    void add(const Vec3d& c, const Surfel& s, std::size_t i) {
+    /// Entry i of the list, which is a node of the tree; `c` is the surfel's centre in camera coordinates.
+    void add(const Vec3d& c, const SurfelTree& tree, std::uint32_t node, std::size_t i) {
         entry_[batch_.size()] = i;
-        batch_.add(c, s);
+        const float* record = tree.record(node);
+        const Octahedral normal{record[4], record[5]};
+        if (tree.node(node).flags & kStandsIn) {
+            const Surfel s = drawn_surfel(tree, node);
+            batch_.add(c, s.support_radius, normal, std::span<const double>(s.polynomial.a));
+        } else {
+            const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
+            batch_.add(c, double{record[3]}, normal, std::span(record + 6, n));
+        }
         if (batch_.full()) work_out();
     }
     /// Those added since the last full batch.
@@ -127,8 +142,8 @@ public:
         const SurfelLanes s = batch_.lanes(view_);
         const RayForm form = ray_form(view_, s);
         const PatchBounds whole = patch_bounds(s, 1), core = patch_bounds(s, kHitTrim);
-        put_outlines(OutlinedRects(window_, form, s, whole), list_.full, list_.full_outline.get());
-        put_outlines(OutlinedRects(window_, form, s, core), list_.trimmed, list_.trimmed_outline.get());
+        put_outlines(OutlinedRects(window_, form, s, whole), list_.full, list_.full_outline);
+        put_outlines(OutlinedRects(window_, form, s, core), list_.trimmed, list_.trimmed_outline);
         put_depths(s, whole, core);
         std::array<PixelRecord<Degree>*, kSurfelLanes> records{};
         bool any = false;
@@ -139,9 +154,14 @@ public:
     }
 
 private:
-    void put_outlines(const OutlinedRects& lanes, std::vector<ScreenRect>& rects, Outline* outlines) const {
-        for (std::size_t k = 0; k < batch_.size(); ++k)
-            rects[entry_[k]] = lanes.rect(k), outlines[entry_[k]] = lanes.outline(k);
+    void put_outlines(const OutlinedRects& lanes, Entries<ScreenRect>& rects, Entries<Outline>& outlines) const {
+        std::array<Outline*, kSurfelLanes> to_outline;
+        std::array<ScreenRect*, kSurfelLanes> to_rect;
+        for (std::size_t k = 0; k < kSurfelLanes; ++k) {  // further lanes repeat the last one
+            const std::size_t i = entry_[std::min(k, batch_.size() - 1)];
+            to_outline[k] = &outlines[i], to_rect[k] = &rects[i];
+        }
+        lanes.put(to_outline, to_rect);
     }
     void put_depths(const SurfelLanes& s, const PatchBounds& whole, const PatchBounds& core) const {
         const Heading toward(s.e_w);
@@ -150,8 +170,10 @@ private:
             return stdx::min(s.radius, whole.support(toward, forth) + kBelongs * s.radius);
         };
         const DoubleV& z = s.center.z;
-        const DoubleV near_hit = z - core.support(toward, false);
-        const DoubleV near_blend = z - blended(false), far_blend = z + blended(true);
+        alignas(64) double near_hit[kSurfelLanes], near_blend[kSurfelLanes], far_blend[kSurfelLanes];
+        (z - core.support(toward, false)).copy_to(near_hit, stdx::vector_aligned);
+        (z - blended(false)).copy_to(near_blend, stdx::vector_aligned);
+        (z + blended(true)).copy_to(far_blend, stdx::vector_aligned);
         for (std::size_t k = 0; k < batch_.size(); ++k) {
             DrawItem& item = list_.items[entry_[k]];
             item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];
@@ -168,16 +190,20 @@ private:
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                 std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
-    const Surfel s = drawn_surfel(tree, node);
-    const Vec3d c = view.camera_from_local(s.center);
+    const Vec3d c = view.camera_from_local(tree.center(node));
+    const std::uint8_t flags = tree.node(node).flags;
+    const double radius = tree.support_radius(node) * (flags & kStandsIn ? kStandInScale : 1);
     DrawItem& item = list.items[i];
-    item.z_center = c.z;
-    item.node = node, item.rims = s.rims;
-    if (s.sharp || is_extreme(view, c, s.support_radius)) {
+    item.z_center = item.near_hit = c.z;
+    item.node = node, item.general = kFast, item.rims = tree.node(node).rims();
+    if ((flags & kSharp) || is_extreme(view, c, radius)) {
         item.general = 0;
-        return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
+        bound_ball(view, window, c, radius, item, list.full[i], list.trimmed[i]);
+    } else if (c.z + radius >= view.near_plane) {
+        batch.add(c, tree, node, i);
+    } else {
+        list.full[i] = {};
     }
-    if (c.z + s.support_radius >= view.near_plane) batch.add(c, s, i);
 }
 
 /// What the general kernels draw, in order.
@@ -204,13 +230,7 @@ SharpRecord sharp_record(const PixelView& view, const Surfel& s, std::uint32_t n
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                            std::span<const std::uint32_t> cut) {
-    DrawList<Degree> list;
-    list.items.resize(cut.size());
-    list.full.resize(cut.size());
-    list.trimmed.resize(cut.size());
-    list.full_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
-    list.trimmed_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
-    list.records = std::make_unique_for_overwrite<PixelRecord<Degree>[]>(cut.size());
+    DrawList<Degree> list(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
@@ -225,8 +245,7 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
             near = z_root + static_cast<double>(key);  // the order is that of near_hit to the last bit
         }
     });
-    list.order = sorted_order(keys);
-    std::erase_if(list.order, [&](std::uint32_t i) { return list.full[i].empty(); });
+    list.order = sorted_order(keys, list.full.span());
     add_general(view, tree, list);
     return list;
 }

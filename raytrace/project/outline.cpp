@@ -80,12 +80,11 @@ using Ints = LanesOfDouble<int>;
 
 /// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end): first ones and
 /// those after the last.
-void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int* first, int* last) {
+void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints& first, Ints& last) {
     const auto within = [&](const DoubleV& x) {
         return stdx::static_simd_cast<Ints>(stdx::min(stdx::max(x, DoubleV(double(begin))), DoubleV(double(end))));
     };
-    within(stdx::ceil(lo - 0.5 - kPixelGuard)).copy_to(first, stdx::element_aligned);
-    within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0).copy_to(last, stdx::element_aligned);
+    first = within(stdx::ceil(lo - 0.5 - kPixelGuard)), last = within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0);
 }
 
 }  // namespace
@@ -102,12 +101,24 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int*
     const DoubleV shift = c.b1 / c.c2 * e.s.half;
     const std::array<DoubleV, 7> numbers{c.b0 * inverse, c.b1 * inverse, c.c0 * inverse, c.c1 * inverse,
                                          c.c2 * inverse, e.t.middle + shift, e.t.middle - shift};
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-        floats_of(numbers[k]).copy_to(numbers_[k], stdx::element_aligned);
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers_[k] = floats_of(numbers[k]);
     const DoubleV per_px = 1.0 / form.step, half_x = e.s.half * per_px, half_y = e.t.half * per_px;
     const DoubleV x = form.origin_x + e.s.middle * per_px, y = form.origin_y + e.t.middle * per_px;
     pixel_ranges(x - half_x, x + half_x, window.x, window.x + window.width, sides_[0], sides_[2]);
     pixel_ranges(y - half_y, y + half_y, window.y, window.y + window.height, sides_[1], sides_[3]);
+}
+
+void OutlinedRects::put(const std::array<Outline*, kSurfelLanes>& outlines,
+                        const std::array<ScreenRect*, kSurfelLanes>& rects) const {
+    static_assert(sizeof(Outline) == 8 * sizeof(float) && sizeof(ScreenRect) == 4 * sizeof(int));
+    const auto& n = numbers_;
+    const auto in_outline = [&](std::size_t lane) { return reinterpret_cast<float*>(outlines[lane]); };
+    store_fours(n[0], n[1], n[2], n[3], in_outline);
+    store_fours(n[4], n[5], n[6], FloatsOfDouble(0.0f), [&](std::size_t lane) { return in_outline(lane) + 4; });
+    alignas(64) int sides[4][kSurfelLanes];
+    for (std::size_t k = 0; k < 4; ++k) sides_[k].copy_to(sides[k], stdx::vector_aligned);
+    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane)
+        *rects[lane] = {sides[0][lane], sides[1][lane], sides[2][lane], sides[3][lane]};
 }
 
 }  // namespace slim

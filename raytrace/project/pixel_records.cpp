@@ -93,21 +93,24 @@ void put_hessian(const SurfelLanes& s, RecordLanes<Degree>& r) {
     }
 }
 
-/// Lane k to *out[k].
+/// Lane k to *out[k], unless that is null.
 template <int Degree>
 void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
-    // Records of floats and of lanes have the same members in the same order.
-    constexpr std::size_t kNumbers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
-    static_assert(kNumbers * sizeof(float) <= sizeof(PixelRecord<Degree>));
-    static_assert(sizeof(Floats) == kSurfelLanes * sizeof(float));
-    std::array<float, kNumbers * kSurfelLanes> from;
-    std::memcpy(from.data(), &lanes, sizeof from);
-    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane) {
-        if (!out[lane]) continue;
-        std::array<float, kNumbers> numbers;
-        for (std::size_t k = 0; k < kNumbers; ++k) numbers[k] = from[k * kSurfelLanes + lane];
-        std::memcpy(static_cast<void*>(out[lane]), numbers.data(), sizeof numbers);
-    }
+    // Records of floats and of lanes have the same members in the same order, and room for some more.
+    constexpr std::size_t kNumbers = sizeof(PixelRecord<Degree>) / sizeof(float), kMembers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
+    static_assert(kNumbers % 4 == 0 && sizeof(Floats) == kSurfelLanes * sizeof(float));
+    PixelRecord<Degree> nowhere;
+    std::array<float*, kSurfelLanes> to;
+    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane)
+        to[lane] = reinterpret_cast<float*>(out[lane] ? out[lane] : &nowhere);
+    const auto member = [&](std::size_t k) {
+        Floats x(0.0f);
+        if (k < kMembers) std::memcpy(&x, reinterpret_cast<const char*>(&lanes) + k * sizeof(Floats), sizeof x);
+        return x;
+    };
+#pragma GCC unroll 64
+    for (std::size_t k = 0; k < kNumbers; k += 4)
+        store_fours(member(k), member(k + 1), member(k + 2), member(k + 3), [&](std::size_t lane) { return to[lane] + k; });
 }
 
 }  // namespace

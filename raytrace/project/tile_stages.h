@@ -232,7 +232,7 @@ template <int Degree>
     for (std::size_t e = 0; e < entries.size(); ++e) {
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
-        fetch_surfel(list, list.trimmed_outline.get(), list.trimmed.data(), entries, e);
+        fetch_surfel(list, list.trimmed_outline.data(), list.trimmed.data(), entries, e);
         if (t.depths.at(item.near_hit) > far) break;
         const auto entry = static_cast<float>(e);
         if (item.general != kFast) {
@@ -276,11 +276,11 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     std::uint32_t chosen[kSome];
     for (std::size_t begin = 0; begin < entries.size(); begin += kSome) {
         const auto some = entries.subspan(begin, std::min(kSome, entries.size() - begin));
-        const std::span<const std::uint32_t> left(chosen, reaching(list.items, some, t, chosen));
+        const std::span<const std::uint32_t> left(chosen, reaching(list.items.span(), some, t, chosen));
         for (std::size_t e = 0; e < left.size(); ++e) {
             const std::uint32_t i = left[e];
             const DrawItem& item = list.items[i];
-            fetch_surfel(list, list.full_outline.get(), list.full.data(), left, e);
+            fetch_surfel(list, list.full_outline.data(), list.full.data(), left, e);
             if (item.general != kFast) {
                 flush();
                 draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,

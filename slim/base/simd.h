@@ -174,6 +174,33 @@ template <class Op>
 template <class T>
 using LanesOfDouble = stdx::simd<T, stdx::simd_abi::deduce_t<T, stdx::native_simd<double>::size()>>;
 
+/// Writes a[k] b[k] c[k] d[k] to to(k), a place for four floats, for every lane k.
+template <class To>
+[[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a, const LanesOfDouble<float>& b, const LanesOfDouble<float>& c,
+                                               const LanesOfDouble<float>& d, const To& to) {
+#ifdef __AVX512VL__
+    const auto lo = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+        return _mm256_castps_pd(_mm256_unpacklo_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
+    };
+    const auto hi = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+        return _mm256_castps_pd(_mm256_unpackhi_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
+    };
+    const __m256d ab_lo = lo(a, b), ab_hi = hi(a, b), cd_lo = lo(c, d), cd_hi = hi(c, d);
+    // Half h of the k-th is lane 4 h + k.
+    const __m256 fours[] = {_mm256_castpd_ps(_mm256_unpacklo_pd(ab_lo, cd_lo)), _mm256_castpd_ps(_mm256_unpackhi_pd(ab_lo, cd_lo)),
+                            _mm256_castpd_ps(_mm256_unpacklo_pd(ab_hi, cd_hi)), _mm256_castpd_ps(_mm256_unpackhi_pd(ab_hi, cd_hi))};
+    for (std::size_t k = 0; k < 4; ++k) {
+        _mm_storeu_ps(to(k), _mm256_castps256_ps128(fours[k]));
+        _mm_storeu_ps(to(k + 4), _mm256_extractf128_ps(fours[k], 1));
+    }
+#else
+    for (std::size_t k = 0; k < LanesOfDouble<float>::size(); ++k) {
+        float* out = to(k);
+        out[0] = a[k], out[1] = b[k], out[2] = c[k], out[3] = d[k];
+    }
+#endif
+}
+
 /// Writes the lanes of v whose bit is set side by side to out, which has room for all lanes; what
 /// it holds after the chosen ones is not defined. T is float, double or std::uint32_t.
 template <class T>
