@@ -5,88 +5,98 @@
 #include "raytrace/project/tile_buffers.h"
 #include "slim/base/simd.h"
 
-#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
-#include <type_traits>
+#include <cstdint>
 
 namespace slim {
 
-/// Where s and t lie on a tile: s = start_s + x / to_px, t = start_t + y / to_px, x and y counted from its first pixel.
-struct TileGrid {
-    float start_s, start_t, step;
-
-    template <class Record>
-    TileGrid(const Record& r, const TileBuffers& t)
-        : start_s(r.base_x + (static_cast<float>(t.x0) - r.pixel_x) * r.step),
-          start_t(r.base_y + (static_cast<float>(t.y0) - r.pixel_y) * r.step), step(r.step) {}
-};
-
-/// The blocks of a tile that an outline touches; lanes are rows of blocks.
+/// The blocks of a tile that some outlines touch, worked out side by side.
 class BlockSpans {
 public:
-    /// `rect` is in the tile's own pixels.
-    [[gnu::always_inline]] BlockSpans(const Outline& o, const TileGrid& grid, const ScreenRect& rect) {
-        const int row_0 = rect.y0 / kBlockHeight, row_1 = (rect.y1 + kBlockHeight - 1) / kBlockHeight;
-        for (int row = row_0 / kRows * kRows; row < row_1; row += kRows) {
-            const Ints at = Ints([](auto k) { return static_cast<int>(k); }) + row;
-            const auto outside = at < row_0 || at >= row_1;
-            Ints bits = columns(o, grid, rect, static_cast<float>(row));
-            stdx::where(outside, bits) = 0;
-            put(static_cast<std::size_t>(row), bits);
+    /// A surfel's outline, and the pixels of the picture that it may hold, in one lane.
+    template <class Record>
+    [[gnu::always_inline]] void set(std::size_t lane, const Record& r, const Outline& o, const ScreenRect& rect) {
+        std::size_t field = 0;
+        const auto put = [&](float x) { numbers_[field++][lane] = x; };
+        put(o.b0), put(o.b1), put(o.c0), put(o.c1), put(o.c2), put(o.left_t), put(o.right_t);
+        put(r.pixel_x), put(r.pixel_y), put(r.base_x), put(r.base_y), put(r.step);
+        sides_[0][lane] = rect.x0, sides_[1][lane] = rect.y0, sides_[2][lane] = rect.x1, sides_[3][lane] = rect.y1;
+    }
+
+    /// Of all lanes.
+    [[gnu::always_inline]] void find(const TileBuffers& t) {
+        constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
+        const Curve o(numbers_);
+        // s = start_s + x step, t = start_t + y step, x and y counted from the tile's first pixel.
+        const FloatV pixel_x = number(7), pixel_y = number(8), step = number(11), to_px = 1.0f / step;
+        const FloatV start_s = number(9) + (static_cast<float>(t.x0) - pixel_x) * step;
+        const FloatV start_t = number(10) + (static_cast<float>(t.y0) - pixel_y) * step;
+        const Ints x_begin = stdx::max(side(0), Ints(t.clip.x0)) - t.x0, y_begin = stdx::max(side(1), Ints(t.clip.y0)) - t.y0;
+        const Ints x_end = stdx::min(side(2), Ints(t.clip.x1)) - t.x0, y_end = stdx::min(side(3), Ints(t.clip.y1)) - t.y0;
+        const auto empty = x_begin >= x_end;
+        const FloatV begin = stdx::static_simd_cast<FloatV>(x_begin), last = stdx::static_simd_cast<FloatV>(x_end) - 1.0f;
+        for (int part = 0; part < kParts; ++part) {
+            Ints bits(0);
+            for (int k = 0; k < 4; ++k) {
+                const int y = (4 * part + k) * kBlockHeight;
+                const FloatV t_0 = static_cast<float>(y) * step + start_t, t_1 = t_0 + (kBlockHeight - 1) * step;
+                const Reach left(o, o.left_t, t_0, t_1), right(o, o.right_t, t_0, t_1);
+                const FloatV lo = (left.middle - left.half() - start_s) * to_px + (1 - kGuard);
+                FloatV hi = (right.middle + right.half() - start_s) * to_px + kGuard;
+                stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
+                // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
+                // (NaN) all is in.
+                const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
+                const auto x_1 = stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
+                const Ints first = x_0 >> kShift, end = stdx::max(first, (x_1 + (kBlockWidth - 1)) >> kShift);
+                Ints columns = (Ints(1) << end) - (Ints(1) << first);
+                stdx::where(empty || y_begin >= y + kBlockHeight || y_end <= y, columns) = 0;
+                bits |= columns << (8 * k);
+            }
+            bits.copy_to(bits_[static_cast<std::size_t>(part)].data(), stdx::vector_aligned);
         }
     }
-    const BlockMask& blocks() const { return blocks_; }
+    [[gnu::always_inline]] BlockMask blocks(std::size_t lane) const {
+        BlockMask mask;
+        for (std::size_t part = 0; part < kParts; ++part)
+            mask.add(32 * part, static_cast<std::uint32_t>(bits_[part][lane]));
+        return mask;
+    }
 
 private:
-    using Lanes = std::conditional_t<kBlockRows <= kLanes / 2, LanesOfDouble<float>, FloatV>;
-    using Ints = stdx::rebind_simd_t<int, Lanes>;
-    static constexpr int kRows = static_cast<int>(Lanes::size());
-    static_assert(kBlockRows % kRows == 0);
-    BlockMask blocks_;
+    using Ints = stdx::rebind_simd_t<int, FloatV>;
+    static_assert(kBlockColumns == 8 && kBlockRows % 4 == 0);
+    static constexpr int kParts = kBlockRows / 4, kShift = std::countr_zero(static_cast<unsigned>(kBlockWidth));
+    using Numbers = float[12][kLanes];
+    alignas(64) Numbers numbers_{};
+    alignas(64) int sides_[4][kLanes]{};
+    alignas(64) std::array<std::array<int, kLanes>, kParts> bits_;  ///< four rows of blocks each
 
+    FloatV number(std::size_t k) const { return FloatV(numbers_[k], stdx::vector_aligned); }
+    Ints side(std::size_t k) const { return Ints(sides_[k], stdx::vector_aligned); }
+
+    /// As in Outline.
+    struct Curve {
+        FloatV b0, b1, c0, c1, c2, left_t, right_t;
+        [[gnu::always_inline]] explicit Curve(const Numbers& n) {
+            std::size_t k = 0;
+            for (FloatV* x : {&b0, &b1, &c0, &c1, &c2, &left_t, &right_t}) x->copy_from(n[k++], stdx::vector_aligned);
+        }
+    };
     /// The most that the outline reaches to one side over some rows of pixels: where it is widest, or at the row nearest
     /// to there. Beyond the outline's own rows no column is in.
     struct Reach {
-        Lanes middle, sq_half;
-        [[gnu::always_inline]] Reach(const Outline& o, float widest, const Lanes& t_0, const Lanes& t_1) {
-            const Lanes t = stdx::min(stdx::max(Lanes(widest), t_0), t_1);
-            const Lanes b = o.b0 + o.b1 * t;
+        FloatV middle, sq_half;
+        [[gnu::always_inline]] Reach(const Curve& o, const FloatV& widest, const FloatV& t_0, const FloatV& t_1) {
+            const FloatV t = stdx::min(stdx::max(widest, t_0), t_1);
+            const FloatV b = o.b0 + o.b1 * t;
             middle = -b;
             sq_half = b * b - (o.c0 + t * (2.0f * o.c1 + o.c2 * t));
         }
-        [[gnu::always_inline]] Lanes half() const { return stdx::sqrt(stdx::max(sq_half, Lanes(0.0f))); }
+        [[gnu::always_inline]] FloatV half() const { return stdx::sqrt(stdx::max(sq_half, FloatV(0.0f))); }
     };
-
-    /// Bits of the columns of blocks in some rows of blocks.
-    [[gnu::always_inline]] static Ints columns(const Outline& o, const TileGrid& grid, const ScreenRect& rect, float row) {
-        constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
-        const Lanes lane([](auto k) { return static_cast<float>(static_cast<int>(k) * kBlockHeight); });
-        const Lanes y = lane + row * kBlockHeight;
-        const Lanes t_0 = y * grid.step + grid.start_t, t_1 = t_0 + (kBlockHeight - 1) * grid.step;
-        const Reach left(o, o.left_t, t_0, t_1), right(o, o.right_t, t_0, t_1);
-        const float to_px = 1 / grid.step;
-        const Lanes lo = (left.middle - left.half() - grid.start_s) * to_px + (1 - kGuard);
-        Lanes hi = (right.middle + right.half() - grid.start_s) * to_px + kGuard;
-        stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
-        // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
-        // (NaN) all is in.
-        const Lanes begin(static_cast<float>(rect.x0)), last(static_cast<float>(rect.x1 - 1));
-        const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
-        const auto x_1 = stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
-        const Ints first = x_0 / kBlockWidth, end = stdx::max(first, (x_1 + (kBlockWidth - 1)) / kBlockWidth);
-        return (Ints(1) << end) - (Ints(1) << first);
-    }
-    [[gnu::always_inline]] void put(std::size_t row, const Ints& bits) {
-#ifdef __AVX512VL__
-        if constexpr (kRows == 8) {
-            const __m128i bytes = _mm256_cvtepi32_epi8(static_cast<__m256i>(bits));
-            blocks_.add(row * 8, static_cast<std::uint64_t>(_mm_cvtsi128_si64(bytes)));
-            return;
-        }
-#endif
-        for (std::size_t k = 0; k < static_cast<std::size_t>(kRows); ++k)
-            blocks_.add((row + k) * 8, static_cast<std::uint64_t>(static_cast<int>(bits[k])));
-    }
 };
 
 }  // namespace slim

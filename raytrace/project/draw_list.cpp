@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -199,6 +200,8 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
     if ((flags & kSharp) || is_extreme(view, c, radius)) {
         item.general = 0;
         bound_ball(view, window, c, radius, item, list.full[i], list.trimmed[i]);
+        // Read beside those of other surfels, and not used.
+        list.records[i] = {}, list.full_outline[i] = list.trimmed_outline[i] = {};
     } else if (c.z + radius >= view.near_plane) {
         batch.add(c, tree, node, i);
     } else {
@@ -232,6 +235,7 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
                            std::span<const std::uint32_t> cut) {
     DrawList<Degree> list(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
+    std::atomic<bool> any_general = false;
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -243,10 +247,11 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
             const float key = float_below(near - z_root);
             keys[i] = ordered_bits(key);
             near = z_root + static_cast<double>(key);  // the order is that of near_hit to the last bit
+            if (list.items[i].general != kFast) any_general = true;
         }
     });
     list.order = sorted_order(keys, list.full.span());
-    add_general(view, tree, list);
+    if (any_general) add_general(view, tree, list);
     return list;
 }
 

@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
 namespace slim {
 
@@ -48,18 +47,14 @@ struct TileDepths {
 
     /// zeta of z - z_ref, and back.
     template <class T>
-    T zeta(const T& z) const { return z / (T(1) + z * T(static_cast<scalar_of<T>>(per_ref))); }
+    T zeta(const T& z) const { return z / (T(1) + z * constant<T>(per_ref)); }
     template <class T>
-    T relative(const T& zeta) const { return zeta / (T(1) - zeta * T(static_cast<scalar_of<T>>(per_ref))); }
+    T relative(const T& zeta) const { return zeta / (T(1) - zeta * constant<T>(per_ref)); }
 
     /// zeta of a camera z, or of the near plane if that is farther.
     float at(double z) const { return static_cast<float>(zeta(std::max(z - z_ref, near))); }
     /// The camera z of a zeta.
     double z_of(float at_zeta) const { return z_ref + relative(static_cast<double>(at_zeta)); }
-
-private:
-    template <class T>
-    using scalar_of = std::conditional_t<std::is_floating_point_v<T>, T, float>;
 };
 
 /// Everything of one tile while it is drawn; lives on the stack of its thread.

@@ -2,6 +2,7 @@
 
 #include "raytrace/intersect/pixel_kernel.h"
 #include "raytrace/project/block_spans.h"
+#include "raytrace/project/depth_batch.h"
 #include "raytrace/project/draw_list.h"
 #include "raytrace/project/general_stages.h"
 #include "raytrace/project/tile_buffers.h"
@@ -14,25 +15,12 @@
 #include <new>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 namespace slim {
 
 // What works on a surfel's lanes is one function, flattened, and all it calls is always inline: g++ 12 leaves out some calls as
 // kernels grow, and passes the lanes through memory.
-
-/// A surfel's depths in the tile's coordinate: zeta = zeta_c + tau / per_zeta.
-struct DepthScale {
-    float zeta_c, per_zeta, per_tau;
-
-    DepthScale(const DrawItem& item, double radius, const TileDepths& d) {
-        const double ratio = 1 + (item.z_center - d.z_ref) * d.per_ref;  // z_c / z_ref
-        zeta_c = static_cast<float>((item.z_center - d.z_ref) / ratio);
-        per_tau = static_cast<float>(radius / (ratio * ratio));
-        per_zeta = static_cast<float>(ratio * ratio / radius);
-    }
-    [[gnu::always_inline]] FloatV tau_of(const FloatV& zeta) const { return (zeta - zeta_c) * per_zeta; }
-    [[gnu::always_inline]] FloatV zeta_of(const FloatV& tau) const { return zeta_c + per_tau * tau; }
-};
 
 /// One surfel on one tile.
 template <int Degree>
@@ -43,8 +31,8 @@ struct SurfelOnTile {
     DepthScale depth;
     float x, y;  ///< of the tile, from the record's own pixel: whole numbers, s and t to the last bit wherever the tile begins
 
-    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, const TileBuffers& t)
-        : record(r), rim(item.rims), depth(item, static_cast<double>(r.radius), t.depths),
+    SurfelOnTile(const PixelRecord<Degree>& r, PackedRims rims, const DepthScale& scale, const TileBuffers& t)
+        : record(r), rim(rims), depth(scale),
           x(static_cast<float>(t.x0) - r.pixel_x), y(static_cast<float>(t.y0) - r.pixel_y) {}
 
     [[gnu::always_inline]] FloatV s_of(int block) const {
@@ -57,14 +45,6 @@ struct SurfelOnTile {
         return Row(record, (lane_rows() + top) * record.step + record.base_y, sq_radius);
     }
 };
-
-/// The blocks of a tile that an outline touches.
-template <class Record>
-[[gnu::always_inline]] inline BlockMask touched_blocks(const Record& r, const ScreenRect& rect, const Outline& outline,
-                                                       const TileBuffers& t) {
-    const ScreenRect on = t.on_tile(rect);
-    return on.empty() ? BlockMask() : BlockSpans(outline, TileGrid(r, t), on).blocks();
-}
 
 /// What is to be done on a tile next: some surfels, and the blocks of each.
 template <class Work>
@@ -126,11 +106,11 @@ struct FirstWork {
     TauRange range;
     float entry;
 
-    FirstWork(const PixelRecord<Degree>& r, const DrawItem& item, float at_entry, const TileBuffers& t)
-        : surfel(r, item, t), nearest(t.depths.at(item.near_hit - 1e-5 * static_cast<double>(r.radius))),
+    FirstWork(const SurfelOnTile<Degree>& on_tile, float at_nearest, float near_plane, float at_entry)
+        : surfel(on_tile), nearest(at_nearest),
           // tau is below 1 / (1 / R - kappa) in the ball.
-          range{(t.depths.at(0) - surfel.depth.zeta_c) * surfel.depth.per_zeta,
-                1 / (static_cast<float>(1 / kHitTrim) - r.kappa)},
+          range{(near_plane - surfel.depth.zeta_c) * surfel.depth.per_zeta,
+                1 / (static_cast<float>(1 / kHitTrim) - surfel.record.kappa)},
           entry(at_entry) {}
 };
 
@@ -189,10 +169,10 @@ struct BlendWork {
     SurfelOnTile<Degree> surfel;
     float reach;
 
-    BlendWork(const PixelRecord<Degree>& r, const DrawItem& item, const TileBuffers& t)
-        : surfel(r, item, t),
+    explicit BlendWork(const SurfelOnTile<Degree>& on_tile)
+        : surfel(on_tile),
           // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
-          reach(1.001f * static_cast<float>(kBelongs) / ((1 - r.kappa) * (1 - r.kappa))) {}
+          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.record.kappa) * (1 - surfel.record.kappa))) {}
 };
 
 /// Stage 2 of some surfels.
@@ -204,13 +184,10 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     });
 }
 
-/// Asks for what a stage will read of a later surfel.
+/// Asks for what a stage will read of a surfel.
 template <int Degree>
-void fetch_surfel(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects,
-                  std::span<const std::uint32_t> entries, std::size_t e) {
-    constexpr std::size_t kAhead = 3, kLine = 64;
-    if (e + kAhead >= entries.size()) return;
-    const std::uint32_t i = entries[e + kAhead];
+void fetch_surfel(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects, std::uint32_t i) {
+    constexpr std::size_t kLine = 64;
     __builtin_prefetch(&list.items[i]);
     __builtin_prefetch(rects + i);
     __builtin_prefetch(outlines + i);
@@ -218,11 +195,45 @@ void fetch_surfel(const DrawList<Degree>& list, const Outline* outlines, const S
     for (std::size_t k = 0; k < sizeof(PixelRecord<Degree>); k += kLine) __builtin_prefetch(record + k);
 }
 
+/// Some surfels of a tile, as many as there are lanes: where they are on it.
+template <int Degree>
+struct TileSurfels {
+    BlockSpans spans;
+    DepthBatch depths;
+
+    /// depths_of(item, radius): the further depths.
+    template <class DepthsOf>
+    [[gnu::always_inline]] void find(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects,
+                                     std::span<const std::uint32_t> entries, std::size_t begin, const TileBuffers& t,
+                                     const DepthsOf& depths_of) {
+        const std::size_t end = std::min(begin + kLanes, entries.size()), n = std::min(end + kLanes, entries.size());
+        for (std::size_t e = end; e < n; ++e) fetch_surfel(list, outlines, rects, entries[e]);
+        for (std::size_t e = begin; e < end; ++e) {
+            const std::uint32_t i = entries[e];
+            const DrawItem& item = list.items[i];
+            const PixelRecord<Degree>& r = list.records[i];
+            const auto radius = static_cast<double>(r.radius);
+            const auto [first, second] = depths_of(item, radius);
+            spans.set(e - begin, r, outlines[i], rects[i]);
+            depths.set(e - begin, item.z_center, radius, first, second);
+        }
+        spans.find(t);
+        depths.find(t.depths);
+    }
+};
+
+/// Two depths of a surfel.
+struct DepthPair {
+    double first, second;
+};
+
 /// Stage 1 of a tile: its surfels, nearest first, until the rest are hidden.
 template <int Degree>
 [[gnu::flatten]] void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                 const TileSums& sums, TileBuffers& t) {
+                                  const TileSums& sums, TileBuffers& t) {
+    TileSurfels<Degree> some;
     BlockBatch<FirstWork<Degree>> batch;
+    const float near_plane = t.depths.at(0);
     float far = t.bound_pixels();
     const auto flush = [&] {
         draw_first<Degree>(batch, sums, t);
@@ -230,70 +241,74 @@ template <int Degree>
         far = t.bound_pixels();
     };
     for (std::size_t e = 0; e < entries.size(); ++e) {
+        const std::size_t lane = e % kLanes;
+        if (lane == 0)
+            some.find(list, list.trimmed_outline.data(), list.trimmed.data(), entries, e, t,
+                      [](const DrawItem& item, double radius) { return DepthPair{item.near_hit - 1e-5 * radius, item.near_hit}; });
+        if (some.depths.second(lane) > far) break;
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
-        fetch_surfel(list, list.trimmed_outline.data(), list.trimmed.data(), entries, e);
-        if (t.depths.at(item.near_hit) > far) break;
         const auto entry = static_cast<float>(e);
         if (item.general != kFast) {
             flush();
             draw_first_general<Degree>(list.general[item.general], item.rims, list.trimmed[i], entry, sums, t);
             continue;
         }
-        const PixelRecord<Degree>& r = list.records[i];
-        const FirstWork<Degree> work(r, item, entry, t);
-        BlockMask blocks = touched_blocks(r, list.trimmed[i], list.trimmed_outline[i], t);
-        blocks &= t.beyond(work.nearest);
+        const float nearest = some.depths.first(lane);
+        BlockMask blocks = some.spans.blocks(lane);
+        blocks &= t.beyond(nearest);
         if (!blocks.any()) continue;
-        batch.add(work, blocks);
+        const SurfelOnTile<Degree> surfel(list.records[i], item.rims, some.depths.scale(lane), t);
+        batch.add(FirstWork<Degree>(surfel, nearest, near_plane, entry), blocks);
         if (batch.full()) flush();
     }
     flush();
 }
 
-/// Entries of a tile that reach something seen.
-inline std::size_t reaching(std::span<const DrawItem> items, std::span<const std::uint32_t> entries, const TileBuffers& t, std::uint32_t* out) {
+/// Entries of a tile that reach something seen, in their order.
+inline std::vector<std::uint32_t> reaching(std::span<const DrawItem> items, std::span<const std::uint32_t> entries, const TileBuffers& t) {
     const double near = t.depths.z_of(t.near), far = t.depths.z_of(t.far);
+    std::vector<std::uint32_t> out(entries.size());
     std::size_t n = 0;
     for (const std::uint32_t i : entries) {
         out[n] = i;  // no branch: there is no telling
         n += static_cast<std::size_t>((items[i].near_blend <= far) & (items[i].far_blend >= near));
     }
-    return n;
+    out.resize(n);
+    return out;
 }
 
 /// Stage 2 of a tile: its surfels that reach what is seen.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten]] void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                 const TileSums& sums, TileBuffers& t) {
+                                  const TileSums& sums, TileBuffers& t) {
     if (!t.bound_hits()) return;
+    TileSurfels<Degree> some;
     BlockBatch<BlendWork<Degree>> batch;
     const auto flush = [&] {
         draw_blend<Degree, kWantHessian, kSharpModel, kWantThird>(batch, sums, t);
         batch.clear();
     };
-    constexpr std::size_t kSome = 256;
-    std::uint32_t chosen[kSome];
-    for (std::size_t begin = 0; begin < entries.size(); begin += kSome) {
-        const auto some = entries.subspan(begin, std::min(kSome, entries.size() - begin));
-        const std::span<const std::uint32_t> left(chosen, reaching(list.items.span(), some, t, chosen));
-        for (std::size_t e = 0; e < left.size(); ++e) {
-            const std::uint32_t i = left[e];
-            const DrawItem& item = list.items[i];
-            fetch_surfel(list, list.full_outline.data(), list.full.data(), left, e);
-            if (item.general != kFast) {
-                flush();
-                draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
-                                                                                  list.full[i], sums, t);
-                continue;
-            }
-            const PixelRecord<Degree>& r = list.records[i];
-            BlockMask blocks = touched_blocks(r, list.full[i], list.full_outline[i], t);
-            blocks &= t.within(t.depths.at(item.near_blend), t.depths.at(item.far_blend));
-            if (!blocks.any()) continue;
-            batch.add(BlendWork<Degree>(r, item, t), blocks);
-            if (batch.full()) flush();
+    const std::vector<std::uint32_t> left = reaching(list.items.span(), entries, t);
+    for (std::size_t e = 0; e < left.size(); ++e) {
+        const std::size_t lane = e % kLanes;
+        if (lane == 0)
+            some.find(list, list.full_outline.data(), list.full.data(), left, e, t,
+                      [](const DrawItem& item, double) { return DepthPair{item.near_blend, item.far_blend}; });
+        const std::uint32_t i = left[e];
+        const DrawItem& item = list.items[i];
+        if (item.general != kFast) {
+            flush();
+            draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
+                                                                              list.full[i], sums, t);
+            continue;
         }
+        BlockMask blocks = some.spans.blocks(lane);
+        blocks &= t.within(some.depths.first(lane), some.depths.second(lane));
+        if (!blocks.any()) continue;
+        const SurfelOnTile<Degree> surfel(list.records[i], item.rims, some.depths.scale(lane), t);
+        batch.add(BlendWork<Degree>(surfel), blocks);
+        if (batch.full()) flush();
     }
     flush();
 }
