@@ -15,14 +15,14 @@ namespace slim {
 /// The blocks of a tile that some outlines touch, worked out side by side.
 class BlockSpans {
 public:
-    /// A surfel's outline, and the pixels of the picture that it may hold, in one lane.
-    template <class Record>
-    [[gnu::always_inline]] void set(std::size_t lane, const Record& r, const Outline& o, const ScreenRect& rect) {
+    /// A surfel's in one lane.
+    [[gnu::always_inline]] void set(std::size_t lane, const Footprint& f) {
+        const Outline& o = f.outline;
         std::size_t field = 0;
         const auto put = [&](float x) { numbers_[field++][lane] = x; };
         put(o.b0), put(o.b1), put(o.c0), put(o.c1), put(o.c2), put(o.left_t), put(o.right_t);
-        put(r.pixel_x), put(r.pixel_y), put(r.base_x), put(r.base_y), put(r.step);
-        sides_[0][lane] = rect.x0, sides_[1][lane] = rect.y0, sides_[2][lane] = rect.x1, sides_[3][lane] = rect.y1;
+        put(f.pixel_x), put(f.pixel_y), put(f.base_x), put(f.base_y), put(f.step);
+        sides_[0][lane] = f.rect.x0, sides_[1][lane] = f.rect.y0, sides_[2][lane] = f.rect.x1, sides_[3][lane] = f.rect.y1;
     }
 
     /// Of all lanes.

@@ -49,11 +49,11 @@ float float_below(double x) {
 }
 
 /// Scales of a record's pixel grid at the depth where its rays are taken.
-struct PixelGrid {
+struct GridScale {
     double z_base, unit_per_px;
 };
 
-PixelGrid grid_of(const PixelView& view, double z_center, double radius) {
+GridScale grid_of(const PixelView& view, double z_center, double radius) {
     if (view.orthographic) return {z_center, 1 / view.px_per_unit};
     // Near the eye the depth of the centre is no safe place for b0; the eye itself then is.
     const double z = z_center > 4 * radius ? z_center : 0;
@@ -76,7 +76,7 @@ std::array<float, 3> to_camera(const PixelView& view, const Vec3d& axis) {
 DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t sheet,
                         std::uint32_t node) {
     const Vec3d c = view.camera_from_local(s.center);
-    const PixelGrid grid = grid_of(view, c.z, s.support_radius);
+    const GridScale grid = grid_of(view, c.z, s.support_radius);
     const double px = nearest_pixel(view.center_x, c.x, grid.unit_per_px);
     const double py = nearest_pixel(view.center_y, c.y, grid.unit_per_px);
     const double inv_radius = 1 / s.support_radius;
@@ -109,9 +109,10 @@ bool is_extreme(const PixelView& view, const Vec3d& c, double radius) {
 
 /// A sharp surfel reaches anywhere in its ball.
 void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
-                DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
-    full = screen_rect(view, window, c, radius);
-    trimmed = screen_rect(view, window, c, kHitTrim * radius);
+                DrawItem& item, Footprint& whole, Footprint& core) {
+    whole = core = {};
+    whole.rect = screen_rect(view, window, c, radius);
+    core.rect = screen_rect(view, window, c, kHitTrim * radius);
     item.near_hit = c.z - kHitTrim * radius;
     item.near_blend = c.z - radius, item.far_blend = c.z + radius;
 }
@@ -128,12 +129,16 @@ public:
         entry_[batch_.size()] = i;
         const float* record = tree.record(node);
         const Octahedral normal{record[4], record[5]};
+        const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
         if (tree.node(node).flags & kStandsIn) {
             const Surfel s = drawn_surfel(tree, node);
-            batch_.add(c, s.support_radius, normal, std::span<const double>(s.polynomial.a));
+            batch_.add(c, s.support_radius, normal, std::span<const double, kStored>(s.polynomial.a.data(), kStored));
+        } else if (n == kStored) {
+            batch_.add(c, double{record[3]}, normal, std::span<const float, kStored>(record + 6, kStored));
         } else {
-            const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
-            batch_.add(c, double{record[3]}, normal, std::span(record + 6, n));
+            std::array<float, kStored> a{};
+            std::copy_n(record + 6, std::min(n, kStored), a.begin());
+            batch_.add(c, double{record[3]}, normal, std::span<const float, kStored>(a));
         }
         if (batch_.full()) work_out();
     }
@@ -143,28 +148,28 @@ public:
         const SurfelLanes s = batch_.lanes(view_);
         const RayForm form = ray_form(view_, s);
         const PatchBounds whole = patch_bounds(s, 1), core = patch_bounds(s, kHitTrim);
-        put_outlines(OutlinedRects(window_, form, s, whole), list_.full, list_.full_outline);
-        put_outlines(OutlinedRects(window_, form, s, core), list_.trimmed, list_.trimmed_outline);
-        put_depths(s, whole, core);
+        const PixelGrid grid(form);
+        std::array<Footprint*, kSurfelLanes> to_whole, to_core;
+        for (std::size_t k = 0; k < kSurfelLanes; ++k) {  // further lanes repeat the last one
+            const std::size_t i = entry_[std::min(k, batch_.size() - 1)];
+            to_whole[k] = &list_.whole[i], to_core[k] = &list_.core[i];
+        }
+        Footprints(window_, form, grid, s, whole).put(to_whole);
+        Footprints(window_, form, grid, s, core).put(to_core);
+        put_depths(s, form, whole, core);
         std::array<PixelRecord<Degree>*, kSurfelLanes> records{};
         bool any = false;
         for (std::size_t k = 0; k < batch_.size(); ++k)
-            if (!list_.full[entry_[k]].empty()) records[k] = &list_.records[entry_[k]], any = true;
-        if (any) fill_pixel_records<Degree>(s, form, records);
+            if (!to_whole[k]->rect.empty()) records[k] = &list_.records[entry_[k]], any = true;
+        if (any) fill_pixel_records<Degree>(s, form, grid, records);
         batch_.clear();
     }
 
 private:
-    void put_outlines(const OutlinedRects& lanes, Entries<ScreenRect>& rects, Entries<Outline>& outlines) const {
-        std::array<Outline*, kSurfelLanes> to_outline;
-        std::array<ScreenRect*, kSurfelLanes> to_rect;
-        for (std::size_t k = 0; k < kSurfelLanes; ++k) {  // further lanes repeat the last one
-            const std::size_t i = entry_[std::min(k, batch_.size() - 1)];
-            to_outline[k] = &outlines[i], to_rect[k] = &rects[i];
-        }
-        lanes.put(to_outline, to_rect);
-    }
-    void put_depths(const SurfelLanes& s, const PatchBounds& whole, const PatchBounds& core) const {
+    /// Coefficients that a record of the model's own degree has.
+    static constexpr auto kStored = static_cast<std::size_t>(floats_per_surfel(Degree) - 6);
+
+    void put_depths(const SurfelLanes& s, const RayForm& form, const PatchBounds& whole, const PatchBounds& core) const {
         const Heading toward(s.e_w);
         // q^ lies in the ball and no farther than kBelongs from the surface.
         const auto blended = [&](bool forth) {
@@ -175,8 +180,12 @@ private:
         (z - core.support(toward, false)).copy_to(near_hit, stdx::vector_aligned);
         (z - blended(false)).copy_to(near_blend, stdx::vector_aligned);
         (z + blended(true)).copy_to(far_blend, stdx::vector_aligned);
+        alignas(64) float radius[kSurfelLanes], kappa[kSurfelLanes];
+        floats_of(s.radius).copy_to(radius, stdx::vector_aligned);
+        floats_of(form.kappa).copy_to(kappa, stdx::vector_aligned);
         for (std::size_t k = 0; k < batch_.size(); ++k) {
             DrawItem& item = list_.items[entry_[k]];
+            item.radius = radius[k], item.kappa = kappa[k];
             item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];
         }
     }
@@ -196,16 +205,15 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
     const double radius = tree.support_radius(node) * (flags & kStandsIn ? kStandInScale : 1);
     DrawItem& item = list.items[i];
     item.z_center = item.near_hit = c.z;
+    item.radius = static_cast<float>(radius), item.kappa = 0;
     item.node = node, item.general = kFast, item.rims = tree.node(node).rims();
     if ((flags & kSharp) || is_extreme(view, c, radius)) {
         item.general = 0;
-        bound_ball(view, window, c, radius, item, list.full[i], list.trimmed[i]);
-        // Read beside those of other surfels, and not used.
-        list.records[i] = {}, list.full_outline[i] = list.trimmed_outline[i] = {};
+        bound_ball(view, window, c, radius, item, list.whole[i], list.core[i]);
     } else if (c.z + radius >= view.near_plane) {
         batch.add(c, tree, node, i);
     } else {
-        list.full[i] = {};
+        list.whole[i].rect = {};
     }
 }
 
@@ -243,6 +251,7 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
         for (std::size_t i = begin; i < end; ++i) fill_entry(view, window, tree, cut[i], i, list, batch);
         batch.work_out();
         for (std::size_t i = begin; i < end; ++i) {
+            list.rects[i] = list.whole[i].rect;
             double& near = list.items[i].near_hit;
             const float key = float_below(near - z_root);
             keys[i] = ordered_bits(key);
@@ -250,7 +259,7 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
             if (list.items[i].general != kFast) any_general = true;
         }
     });
-    list.order = sorted_order(keys, list.full.span());
+    list.order = sorted_order(keys, list.rects.span());
     if (any_general) add_general(view, tree, list);
     return list;
 }

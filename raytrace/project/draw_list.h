@@ -43,10 +43,11 @@ private:
 };
 
 /// What is known of a surfel of the cut besides its polynomials.
-struct DrawItem {
+struct alignas(64) DrawItem {
     double z_center;
     double near_hit;               ///< no first hit has a smaller camera z
     double near_blend, far_blend;  ///< where a q^ that it takes part in lies
+    float radius, kappa;           ///< as in PixelRecord
     std::uint32_t node;
     std::uint32_t general;         ///< entry in DrawList::general, or kFast
     PackedRims rims;
@@ -55,12 +56,11 @@ struct DrawItem {
 /// The cut, ready to draw, entry by entry.
 template <int Degree>
 struct DrawList {
-    explicit DrawList(std::size_t n) : items(n), full(n), trimmed(n), full_outline(n), trimmed_outline(n), records(n) {}
+    explicit DrawList(std::size_t n) : items(n), rects(n), whole(n), core(n), records(n) {}
 
     Entries<DrawItem> items;
-    Entries<ScreenRect> full;     ///< of the surface in the support ball
-    Entries<ScreenRect> trimmed;  ///< of the surface in the ball shrunken by kHitTrim
-    Entries<Outline> full_outline, trimmed_outline;  ///< of the same, where there is a record
+    Entries<ScreenRect> rects;             ///< those of `whole`
+    Entries<Footprint> whole, core;  ///< of the surface in the support ball, and in the ball shrunken by kHitTrim
     Entries<PixelRecord<Degree>> records;  ///< of what is on the screen and not general
     /// Sharp surfels, and those near the eye or far off the axis.
     std::vector<SharpRecord> general;

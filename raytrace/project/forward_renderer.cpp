@@ -125,7 +125,7 @@ void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& 
     const DrawList<Degree> list = draw_list<Degree>(view, grid, tree, cut);
     stats.surfels_drawn = list.order.size();
     stats.decode_ms = clock.lap_ms();
-    const TileBins bins = tile_bins(grid, list.full.span(), list.order);
+    const TileBins bins = tile_bins(grid, list.rects.span(), list.order);
     stats.tile_entries = bins.entries.size();
     stats.bin_ms = clock.lap_ms();
     const bool with_directions = !list.general.empty() || out.has(kPositionChannel);

@@ -1,6 +1,7 @@
 #include "raytrace/project/outline.h"
 
 #include <array>
+#include <cstddef>
 
 namespace slim {
 namespace {
@@ -89,8 +90,8 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints
 
 }  // namespace
 
-[[gnu::flatten]] OutlinedRects::OutlinedRects(const PixelWindow& window, const RayForm& form, const SurfelLanes& s,
-                                              const PatchBounds& p) {
+[[gnu::flatten]] Footprints::Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid,
+                                        const SurfelLanes& s, const PatchBounds& p) {
     const DoubleV inverse_radius = 1.0 / s.radius, w = dot(s.e_w, form.mu);
     const DoubleV sq_cos = w * w / sq_length(form.mu);
     const Conic c(seen(form, s.e_w, least_ellipsoid(p.low * inverse_radius, p.high * inverse_radius,
@@ -102,23 +103,24 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints
     const std::array<DoubleV, 7> numbers{c.b0 * inverse, c.b1 * inverse, c.c0 * inverse, c.c1 * inverse,
                                          c.c2 * inverse, e.t.middle + shift, e.t.middle - shift};
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers_[k] = floats_of(numbers[k]);
+    numbers_[7] = grid.pixel_x, numbers_[8] = grid.pixel_y;
+    numbers_[9] = grid.base_x, numbers_[10] = grid.base_y, numbers_[11] = grid.step;
     const DoubleV per_px = 1.0 / form.step, half_x = e.s.half * per_px, half_y = e.t.half * per_px;
     const DoubleV x = form.origin_x + e.s.middle * per_px, y = form.origin_y + e.t.middle * per_px;
     pixel_ranges(x - half_x, x + half_x, window.x, window.x + window.width, sides_[0], sides_[2]);
     pixel_ranges(y - half_y, y + half_y, window.y, window.y + window.height, sides_[1], sides_[3]);
 }
 
-void OutlinedRects::put(const std::array<Outline*, kSurfelLanes>& outlines,
-                        const std::array<ScreenRect*, kSurfelLanes>& rects) const {
-    static_assert(sizeof(Outline) == 8 * sizeof(float) && sizeof(ScreenRect) == 4 * sizeof(int));
+void Footprints::put(const std::array<Footprint*, kSurfelLanes>& out) const {
+    static_assert(sizeof(Footprint) == 16 * sizeof(float) && offsetof(Footprint, rect) == 12 * sizeof(float));
     const auto& n = numbers_;
-    const auto in_outline = [&](std::size_t lane) { return reinterpret_cast<float*>(outlines[lane]); };
-    store_fours(n[0], n[1], n[2], n[3], in_outline);
-    store_fours(n[4], n[5], n[6], FloatsOfDouble(0.0f), [&](std::size_t lane) { return in_outline(lane) + 4; });
+    for (std::size_t k = 0; k < n.size(); k += 4)
+        store_fours(n[k], n[k + 1], n[k + 2], n[k + 3],
+                    [&](std::size_t lane) { return reinterpret_cast<float*>(out[lane]) + k; });
     alignas(64) int sides[4][kSurfelLanes];
     for (std::size_t k = 0; k < 4; ++k) sides_[k].copy_to(sides[k], stdx::vector_aligned);
     for (std::size_t lane = 0; lane < kSurfelLanes; ++lane)
-        *rects[lane] = {sides[0][lane], sides[1][lane], sides[2][lane], sides[3][lane]};
+        out[lane]->rect = {sides[0][lane], sides[1][lane], sides[2][lane], sides[3][lane]};
 }
 
 }  // namespace slim

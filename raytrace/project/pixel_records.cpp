@@ -19,12 +19,9 @@ DoubleV nearest_pixel(const DoubleV& at) {
 }
 
 template <class Record>
-void put_grid(const RayForm& form, Record& r) {
-    const DoubleV px = nearest_pixel(form.origin_x), py = nearest_pixel(form.origin_y);
-    r.pixel_x = floats_of(px), r.pixel_y = floats_of(py);
-    r.base_x = floats_of((px + 0.5 - form.origin_x) * form.step);
-    r.base_y = floats_of((py + 0.5 - form.origin_y) * form.step);
-    r.step = floats_of(form.step);
+void put_grid(const RayForm& form, const PixelGrid& grid, Record& r) {
+    r.pixel_x = grid.pixel_x, r.pixel_y = grid.pixel_y;
+    r.base_x = grid.base_x, r.base_y = grid.base_y, r.step = grid.step;
     r.kappa = floats_of(form.kappa);
     r.ball_s = floats_of(2.0 * form.mu.x);
     r.ball_t = floats_of(2.0 * form.mu.y);
@@ -125,11 +122,19 @@ RayForm ray_form(const PixelView& view, const SurfelLanes& s) {
             c.z / (view.focal_px * s.radius)};
 }
 
+PixelGrid::PixelGrid(const RayForm& form) {
+    const DoubleV px = nearest_pixel(form.origin_x), py = nearest_pixel(form.origin_y);
+    pixel_x = floats_of(px), pixel_y = floats_of(py);
+    base_x = floats_of((px + 0.5 - form.origin_x) * form.step);
+    base_y = floats_of((py + 0.5 - form.origin_y) * form.step);
+    step = floats_of(form.step);
+}
+
 template <int Degree>
-[[gnu::flatten]] void fill_pixel_records(const SurfelLanes& s, const RayForm& form,
+[[gnu::flatten]] void fill_pixel_records(const SurfelLanes& s, const RayForm& form, const PixelGrid& grid,
                                          const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
     RecordLanes<Degree> r;
-    put_grid(form, r);
+    put_grid(form, grid, r);
     r.radius = floats_of(s.radius);
     r.inv_radius = floats_of(1.0 / s.radius);
     if constexpr (Degree != 2) r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
@@ -146,11 +151,11 @@ template <int Degree>
     scatter(r, out);
 }
 
-template void fill_pixel_records<1>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<1>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<1>*, kSurfelLanes>&);
-template void fill_pixel_records<2>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<2>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<2>*, kSurfelLanes>&);
-template void fill_pixel_records<3>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<3>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<3>*, kSurfelLanes>&);
 
 }  // namespace slim

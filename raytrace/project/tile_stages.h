@@ -29,11 +29,18 @@ struct SurfelOnTile {
     const PixelRecord<Degree>& record;
     RimLanes rim;
     DepthScale depth;
+    float kappa;
     float x, y;  ///< of the tile, from the record's own pixel: whole numbers, s and t to the last bit wherever the tile begins
 
-    SurfelOnTile(const PixelRecord<Degree>& r, PackedRims rims, const DepthScale& scale, const TileBuffers& t)
-        : record(r), rim(rims), depth(scale),
-          x(static_cast<float>(t.x0) - r.pixel_x), y(static_cast<float>(t.y0) - r.pixel_y) {}
+    /// Reads nothing of the record yet.
+    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, const Footprint& f, const DepthScale& scale,
+                 const TileBuffers& t)
+        : record(r), rim(item.rims), depth(scale), kappa(item.kappa),
+          x(static_cast<float>(t.x0) - f.pixel_x), y(static_cast<float>(t.y0) - f.pixel_y) {
+        constexpr std::size_t kLine = 64;
+        const auto* line = reinterpret_cast<const char*>(&record);
+        for (std::size_t k = 0; k < sizeof record; k += kLine) __builtin_prefetch(line + k);
+    }
 
     [[gnu::always_inline]] FloatV s_of(int block) const {
         const float left = x + static_cast<float>(block % kBlockColumns * kBlockWidth);
@@ -110,7 +117,7 @@ struct FirstWork {
         : surfel(on_tile), nearest(at_nearest),
           // tau is below 1 / (1 / R - kappa) in the ball.
           range{(near_plane - surfel.depth.zeta_c) * surfel.depth.per_zeta,
-                1 / (static_cast<float>(1 / kHitTrim) - surfel.record.kappa)},
+                1 / (static_cast<float>(1 / kHitTrim) - surfel.kappa)},
           entry(at_entry) {}
 };
 
@@ -172,7 +179,7 @@ struct BlendWork {
     explicit BlendWork(const SurfelOnTile<Degree>& on_tile)
         : surfel(on_tile),
           // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
-          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.record.kappa) * (1 - surfel.record.kappa))) {}
+          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.kappa) * (1 - surfel.kappa))) {}
 };
 
 /// Stage 2 of some surfels.
@@ -184,38 +191,27 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     });
 }
 
-/// Asks for what a stage will read of a surfel.
-template <int Degree>
-void fetch_surfel(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects, std::uint32_t i) {
-    constexpr std::size_t kLine = 64;
-    __builtin_prefetch(&list.items[i]);
-    __builtin_prefetch(rects + i);
-    __builtin_prefetch(outlines + i);
-    const auto* record = reinterpret_cast<const char*>(&list.records[i]);
-    for (std::size_t k = 0; k < sizeof(PixelRecord<Degree>); k += kLine) __builtin_prefetch(record + k);
-}
-
 /// Some surfels of a tile, as many as there are lanes: where they are on it.
 template <int Degree>
 struct TileSurfels {
     BlockSpans spans;
     DepthBatch depths;
 
-    /// depths_of(item, radius): the further depths.
+    /// Those of the tile's entries from some on. depths_of(item): the further depths. Asks for what the next ones need.
     template <class DepthsOf>
-    [[gnu::always_inline]] void find(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects,
+    [[gnu::always_inline]] void find(const DrawList<Degree>& list, const Footprint* footprints,
                                      std::span<const std::uint32_t> entries, std::size_t begin, const TileBuffers& t,
                                      const DepthsOf& depths_of) {
         const std::size_t end = std::min(begin + kLanes, entries.size()), n = std::min(end + kLanes, entries.size());
-        for (std::size_t e = end; e < n; ++e) fetch_surfel(list, outlines, rects, entries[e]);
+        for (std::size_t e = end; e < n; ++e) {
+            __builtin_prefetch(&list.items[entries[e]]);
+            __builtin_prefetch(footprints + entries[e]);
+        }
         for (std::size_t e = begin; e < end; ++e) {
-            const std::uint32_t i = entries[e];
-            const DrawItem& item = list.items[i];
-            const PixelRecord<Degree>& r = list.records[i];
-            const auto radius = static_cast<double>(r.radius);
-            const auto [first, second] = depths_of(item, radius);
-            spans.set(e - begin, r, outlines[i], rects[i]);
-            depths.set(e - begin, item.z_center, radius, first, second);
+            const DrawItem& item = list.items[entries[e]];
+            const auto [first, second] = depths_of(item);
+            spans.set(e - begin, footprints[entries[e]]);
+            depths.set(e - begin, item.z_center, static_cast<double>(item.radius), first, second);
         }
         spans.find(t);
         depths.find(t.depths);
@@ -243,22 +239,23 @@ template <int Degree>
     for (std::size_t e = 0; e < entries.size(); ++e) {
         const std::size_t lane = e % kLanes;
         if (lane == 0)
-            some.find(list, list.trimmed_outline.data(), list.trimmed.data(), entries, e, t,
-                      [](const DrawItem& item, double radius) { return DepthPair{item.near_hit - 1e-5 * radius, item.near_hit}; });
+            some.find(list, list.core.data(), entries, e, t, [](const DrawItem& item) {
+                return DepthPair{item.near_hit - 1e-5 * static_cast<double>(item.radius), item.near_hit};
+            });
         if (some.depths.second(lane) > far) break;
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
         const auto entry = static_cast<float>(e);
         if (item.general != kFast) {
             flush();
-            draw_first_general<Degree>(list.general[item.general], item.rims, list.trimmed[i], entry, sums, t);
+            draw_first_general<Degree>(list.general[item.general], item.rims, list.core[i].rect, entry, sums, t);
             continue;
         }
         const float nearest = some.depths.first(lane);
         BlockMask blocks = some.spans.blocks(lane);
         blocks &= t.beyond(nearest);
         if (!blocks.any()) continue;
-        const SurfelOnTile<Degree> surfel(list.records[i], item.rims, some.depths.scale(lane), t);
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.core[i], some.depths.scale(lane), t);
         batch.add(FirstWork<Degree>(surfel, nearest, near_plane, entry), blocks);
         if (batch.full()) flush();
     }
@@ -293,20 +290,20 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     for (std::size_t e = 0; e < left.size(); ++e) {
         const std::size_t lane = e % kLanes;
         if (lane == 0)
-            some.find(list, list.full_outline.data(), list.full.data(), left, e, t,
-                      [](const DrawItem& item, double) { return DepthPair{item.near_blend, item.far_blend}; });
+            some.find(list, list.whole.data(), left, e, t,
+                      [](const DrawItem& item) { return DepthPair{item.near_blend, item.far_blend}; });
         const std::uint32_t i = left[e];
         const DrawItem& item = list.items[i];
         if (item.general != kFast) {
             flush();
             draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
-                                                                              list.full[i], sums, t);
+                                                                              list.whole[i].rect, sums, t);
             continue;
         }
         BlockMask blocks = some.spans.blocks(lane);
         blocks &= t.within(some.depths.first(lane), some.depths.second(lane));
         if (!blocks.any()) continue;
-        const SurfelOnTile<Degree> surfel(list.records[i], item.rims, some.depths.scale(lane), t);
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i], some.depths.scale(lane), t);
         batch.add(BlendWork<Degree>(surfel), blocks);
         if (batch.full()) flush();
     }
