@@ -1,5 +1,7 @@
 #include "raytrace/project/outline.h"
 
+#include "slim/base/lane_turns.h"
+
 #include <array>
 #include <cstddef>
 

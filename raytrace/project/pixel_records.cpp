@@ -1,6 +1,7 @@
 #include "raytrace/project/pixel_records.h"
 
 #include "raytrace/project/linear_forms.h"
+#include "slim/base/lane_turns.h"
 
 #include <algorithm>
 #include <cstring>

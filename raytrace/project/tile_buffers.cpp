@@ -1,6 +1,7 @@
 #include "raytrace/project/tile_buffers.h"
 
 #include "raytrace/project/surfel_lanes.h"
+#include "slim/base/lane_turns.h"
 
 #include <algorithm>
 #include <array>

@@ -59,7 +59,6 @@ class BlockBatch {
 public:
     BlockBatch() {}
     bool full() const { return n_ == BlockList::kMostSurfels; }
-    bool empty() const { return n_ == 0; }
     void clear() { n_ = 0, list_.clear(); }
     /// Not when full.
     void add(const Work& work, const BlockMask& blocks) {
