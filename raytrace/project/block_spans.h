@@ -1,85 +1,102 @@
 #pragma once
 
+#include "raytrace/project/block_mask.h"
 #include "raytrace/project/outline.h"
 #include "raytrace/project/tile_buffers.h"
 #include "slim/base/simd.h"
 
-#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace slim {
 
-/// Where s and t lie on a tile: s = start_s + x / to_px, t = start_t + y / to_px, x and y counted from its first pixel.
-struct TileGrid {
-    float start_s, start_t, step;
-
-    template <class Record>
-    TileGrid(const Record& r, const TileBuffers& t)
-        : start_s(r.base_x + (static_cast<float>(t.x0) - r.pixel_x) * r.step),
-          start_t(r.base_y + (static_cast<float>(t.y0) - r.pixel_y) * r.step), step(r.step) {}
-};
-
-/// Columns [first, end) of the blocks that an outline touches, for each row of blocks of a tile.
+/// The blocks of a tile that some outlines touch, worked out side by side.
 class BlockSpans {
 public:
-    static constexpr int kRows = std::max(kBlockRows, kLanes);
-    int row_0, row_1;  ///< rows of blocks [row_0, row_1)
-
-    /// `rect` is in the tile's own pixels.
-    [[gnu::always_inline]] BlockSpans(const Outline& o, const TileGrid& grid, const ScreenRect& rect)
-        : row_0(rect.y0 / kBlockHeight), row_1((rect.y1 + kBlockHeight - 1) / kBlockHeight) {
-        for (int row = row_0 / kLanes * kLanes; row < row_1; row += kLanes) fill(o, grid, rect, row);
+    /// A surfel's in one lane.
+    [[gnu::always_inline]] void set(std::size_t lane, const Footprint& f) {
+        const Outline& o = f.outline;
+        std::size_t field = 0;
+        const auto put = [&](float x) { numbers_[field++][lane] = x; };
+        put(o.b0), put(o.b1), put(o.c0), put(o.c1), put(o.c2), put(o.left_t), put(o.right_t);
+        put(f.pixel_x), put(f.pixel_y), put(f.base_x), put(f.base_y), put(f.step);
+        sides_[0][lane] = f.rect.x0, sides_[1][lane] = f.rect.y0, sides_[2][lane] = f.rect.x1, sides_[3][lane] = f.rect.y1;
     }
 
-    /// Writes the blocks' numbers side by side and returns how many they are. `out` has room for all of a tile and a row more:
-    /// a row is written whole, whatever its span, since a loop over spans costs more in wrong guesses of its end.
-    int list(std::uint8_t* out) const {
-        std::uint8_t* next = out;
-        for (int row = row_0; row < row_1; ++row) {
-            const int start = row * kBlockColumns + first[row];
-            for (int k = 0; k < kBlockColumns; ++k) next[k] = static_cast<std::uint8_t>(start + k);
-            next += std::max(0, end[row] - first[row]);
+    /// Of all lanes.
+    [[gnu::always_inline]] void find(const TileBuffers& t) {
+        constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
+        const Curve o(numbers_);
+        // s = start_s + x step, t = start_t + y step, x and y counted from the tile's first pixel.
+        const FloatV pixel_x = number(7), pixel_y = number(8), step = number(11), to_px = 1.0f / step;
+        const FloatV start_s = number(9) + (static_cast<float>(t.x0) - pixel_x) * step;
+        const FloatV start_t = number(10) + (static_cast<float>(t.y0) - pixel_y) * step;
+        const Ints x_begin = stdx::max(side(0), Ints(t.clip.x0)) - t.x0, y_begin = stdx::max(side(1), Ints(t.clip.y0)) - t.y0;
+        const Ints x_end = stdx::min(side(2), Ints(t.clip.x1)) - t.x0, y_end = stdx::min(side(3), Ints(t.clip.y1)) - t.y0;
+        const auto empty = x_begin >= x_end;
+        const FloatV begin = stdx::static_simd_cast<FloatV>(x_begin), last = stdx::static_simd_cast<FloatV>(x_end) - 1.0f;
+        for (int part = 0; part < kParts; ++part) {
+            Ints bits(0);
+            for (int k = 0; k < 4; ++k) {
+                const int y = (4 * part + k) * kBlockHeight;
+                const FloatV t_0 = static_cast<float>(y) * step + start_t, t_1 = t_0 + (kBlockHeight - 1) * step;
+                const Reach left(o, o.left_t, t_0, t_1), right(o, o.right_t, t_0, t_1);
+                const FloatV lo = (left.middle - left.half() - start_s) * to_px + (1 - kGuard);
+                FloatV hi = (right.middle + right.half() - start_s) * to_px + kGuard;
+                stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
+                // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
+                // (NaN) all is in.
+                const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
+                const auto x_1 = stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
+                const Ints first = x_0 >> kShift, end = stdx::max(first, (x_1 + (kBlockWidth - 1)) >> kShift);
+                Ints columns = (Ints(1) << end) - (Ints(1) << first);
+                stdx::where(empty || y_begin >= y + kBlockHeight || y_end <= y, columns) = 0;
+                bits |= columns << (8 * k);
+            }
+            bits.copy_to(bits_[static_cast<std::size_t>(part)].data(), stdx::vector_aligned);
         }
-        return static_cast<int>(next - out);
+    }
+    [[gnu::always_inline]] BlockMask blocks(std::size_t lane) const {
+        BlockMask mask;
+        for (std::size_t part = 0; part < kParts; ++part)
+            mask.add(32 * part, static_cast<std::uint32_t>(bits_[part][lane]));
+        return mask;
     }
 
 private:
-    alignas(64) int first[kRows], end[kRows];
-
     using Ints = stdx::rebind_simd_t<int, FloatV>;
+    static_assert(kBlockColumns == 8 && kBlockRows % 4 == 0);
+    static constexpr int kParts = kBlockRows / 4, kShift = std::countr_zero(static_cast<unsigned>(kBlockWidth));
+    using Numbers = float[12][kLanes];
+    alignas(64) Numbers numbers_{};
+    alignas(64) int sides_[4][kLanes]{};
+    alignas(64) std::array<std::array<int, kLanes>, kParts> bits_;  ///< four rows of blocks each
 
+    FloatV number(std::size_t k) const { return FloatV(numbers_[k], stdx::vector_aligned); }
+    Ints side(std::size_t k) const { return Ints(sides_[k], stdx::vector_aligned); }
+
+    /// As in Outline.
+    struct Curve {
+        FloatV b0, b1, c0, c1, c2, left_t, right_t;
+        [[gnu::always_inline]] explicit Curve(const Numbers& n) {
+            std::size_t k = 0;
+            for (FloatV* x : {&b0, &b1, &c0, &c1, &c2, &left_t, &right_t}) x->copy_from(n[k++], stdx::vector_aligned);
+        }
+    };
     /// The most that the outline reaches to one side over some rows of pixels: where it is widest, or at the row nearest
     /// to there. Beyond the outline's own rows no column is in.
     struct Reach {
         FloatV middle, sq_half;
-        [[gnu::always_inline]] Reach(const Outline& o, float widest, const FloatV& t_0, const FloatV& t_1) {
-            const FloatV t = stdx::min(stdx::max(FloatV(widest), t_0), t_1);
+        [[gnu::always_inline]] Reach(const Curve& o, const FloatV& widest, const FloatV& t_0, const FloatV& t_1) {
+            const FloatV t = stdx::min(stdx::max(widest, t_0), t_1);
             const FloatV b = o.b0 + o.b1 * t;
             middle = -b;
             sq_half = b * b - (o.c0 + t * (2.0f * o.c1 + o.c2 * t));
         }
         [[gnu::always_inline]] FloatV half() const { return stdx::sqrt(stdx::max(sq_half, FloatV(0.0f))); }
     };
-
-    [[gnu::always_inline]] void fill(const Outline& o, const TileGrid& grid, const ScreenRect& rect, int row) {
-        constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
-        const FloatV lane([](auto k) { return static_cast<float>(static_cast<int>(k) * kBlockHeight); });
-        const FloatV y = lane + static_cast<float>(row * kBlockHeight);
-        const FloatV t_0 = y * grid.step + grid.start_t, t_1 = t_0 + (kBlockHeight - 1) * grid.step;
-        const Reach left(o, o.left_t, t_0, t_1), right(o, o.right_t, t_0, t_1);
-        const float to_px = 1 / grid.step;
-        const FloatV lo = (left.middle - left.half() - grid.start_s) * to_px + (1 - kGuard);
-        FloatV hi = (right.middle + right.half() - grid.start_s) * to_px + kGuard;
-        stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
-        // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
-        // (NaN) all is in.
-        const FloatV begin(static_cast<float>(rect.x0)), last(static_cast<float>(rect.x1 - 1));
-        const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
-        const auto x_1 =
-            stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
-        (x_0 / kBlockWidth).copy_to(first + row, stdx::vector_aligned);
-        ((x_1 + (kBlockWidth - 1)) / kBlockWidth).copy_to(end + row, stdx::vector_aligned);
-    }
 };
 
 }  // namespace slim

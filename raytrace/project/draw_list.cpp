@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -13,16 +14,23 @@
 namespace slim {
 namespace {
 
-/// Stable order of the keys: least significant digit first, 11 bits at a time.
-std::vector<std::uint32_t> sorted_order(const std::vector<std::uint32_t>& keys) {
-    constexpr std::uint32_t kDigits = 2048;
-    std::vector<std::uint32_t> order(keys.size()), other(keys.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    for (int shift = 0; shift < 33; shift += 11) {
-        std::vector<std::uint32_t> start(kDigits + 1, 0);
-        for (const std::uint32_t key : keys) ++start[((key >> shift) & (kDigits - 1)) + 1];
-        for (std::uint32_t d = 0; d < kDigits; ++d) start[d + 1] += start[d];
-        for (const std::uint32_t i : order) other[start[(keys[i] >> shift) & (kDigits - 1)]++] = i;
+/// The entries with a rectangle in stable order of their keys: least significant digit first, 11 bits at a time.
+std::vector<std::uint32_t> sorted_order(std::span<const std::uint32_t> keys, std::span<const ScreenRect> rects) {
+    constexpr int kBits = 11, kPasses = 3;
+    constexpr std::uint32_t kDigits = 1u << kBits;
+    const auto digit = [](std::uint32_t key, int pass) { return (key >> (kBits * pass)) & (kDigits - 1); };
+    std::vector<std::uint32_t> order, start(kPasses * (kDigits + 1), 0);
+    order.reserve(keys.size());
+    for (std::uint32_t i = 0; i < keys.size(); ++i) {
+        if (rects[i].empty()) continue;
+        order.push_back(i);
+        for (int pass = 0; pass < kPasses; ++pass) ++start[static_cast<std::uint32_t>(pass) * (kDigits + 1) + digit(keys[i], pass) + 1];
+    }
+    std::vector<std::uint32_t> other(order.size());
+    for (int pass = 0; pass < kPasses; ++pass) {
+        std::uint32_t* const next = start.data() + static_cast<std::uint32_t>(pass) * (kDigits + 1);
+        for (std::uint32_t d = 0; d < kDigits; ++d) next[d + 1] += next[d];
+        for (const std::uint32_t i : order) other[next[digit(keys[i], pass)]++] = i;
         order.swap(other);
     }
     return order;
@@ -41,11 +49,11 @@ float float_below(double x) {
 }
 
 /// Scales of a record's pixel grid at the depth where its rays are taken.
-struct PixelGrid {
+struct GridScale {
     double z_base, unit_per_px;
 };
 
-PixelGrid grid_of(const PixelView& view, double z_center, double radius) {
+GridScale grid_of(const PixelView& view, double z_center, double radius) {
     if (view.orthographic) return {z_center, 1 / view.px_per_unit};
     // Near the eye the depth of the centre is no safe place for b0; the eye itself then is.
     const double z = z_center > 4 * radius ? z_center : 0;
@@ -68,7 +76,7 @@ std::array<float, 3> to_camera(const PixelView& view, const Vec3d& axis) {
 DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t sheet,
                         std::uint32_t node) {
     const Vec3d c = view.camera_from_local(s.center);
-    const PixelGrid grid = grid_of(view, c.z, s.support_radius);
+    const GridScale grid = grid_of(view, c.z, s.support_radius);
     const double px = nearest_pixel(view.center_x, c.x, grid.unit_per_px);
     const double py = nearest_pixel(view.center_y, c.y, grid.unit_per_px);
     const double inv_radius = 1 / s.support_radius;
@@ -101,9 +109,10 @@ bool is_extreme(const PixelView& view, const Vec3d& c, double radius) {
 
 /// A sharp surfel reaches anywhere in its ball.
 void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
-                DrawItem& item, ScreenRect& full, ScreenRect& trimmed) {
-    full = screen_rect(view, window, c, radius);
-    trimmed = screen_rect(view, window, c, kHitTrim * radius);
+                DrawItem& item, Footprint& whole, Footprint& core) {
+    whole = core = {};
+    whole.rect = screen_rect(view, window, c, radius);
+    core.rect = screen_rect(view, window, c, kHitTrim * radius);
     item.near_hit = c.z - kHitTrim * radius;
     item.near_blend = c.z - radius, item.far_blend = c.z + radius;
 }
@@ -115,10 +124,22 @@ public:
     RecordBatch(const PixelView& view, const PixelWindow& window, DrawList<Degree>& list)
         : view_(view), window_(window), list_(list) {}
 
-    /// Entry i of the list; `c` is the surfel's centre in camera coordinates.
-    void add(const Vec3d& c, const Surfel& s, std::size_t i) {
+    /// Entry i of the list, which is a node of the tree; `c` is the surfel's centre in camera coordinates.
+    void add(const Vec3d& c, const SurfelTree& tree, std::uint32_t node, std::size_t i) {
         entry_[batch_.size()] = i;
-        batch_.add(c, s);
+        const float* record = tree.record(node);
+        const Octahedral normal{record[4], record[5]};
+        const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
+        if (tree.node(node).flags & kStandsIn) {
+            const Surfel s = drawn_surfel(tree, node);
+            batch_.add(c, s.support_radius, normal, std::span<const double, kStored>(s.polynomial.a.data(), kStored));
+        } else if (n == kStored) {
+            batch_.add(c, double{record[3]}, normal, std::span<const float, kStored>(record + 6, kStored));
+        } else {
+            std::array<float, kStored> a{};
+            std::copy_n(record + 6, std::min(n, kStored), a.begin());
+            batch_.add(c, double{record[3]}, normal, std::span<const float, kStored>(a));
+        }
         if (batch_.full()) work_out();
     }
     /// Those added since the last full batch.
@@ -127,33 +148,44 @@ public:
         const SurfelLanes s = batch_.lanes(view_);
         const RayForm form = ray_form(view_, s);
         const PatchBounds whole = patch_bounds(s, 1), core = patch_bounds(s, kHitTrim);
-        put_outlines(OutlinedRects(window_, form, s, whole), list_.full, list_.full_outline.get());
-        put_outlines(OutlinedRects(window_, form, s, core), list_.trimmed, list_.trimmed_outline.get());
-        put_depths(s, whole, core);
+        const PixelGrid grid(form);
+        std::array<Footprint*, kSurfelLanes> to_whole, to_core;
+        for (std::size_t k = 0; k < kSurfelLanes; ++k) {  // further lanes repeat the last one
+            const std::size_t i = entry_[std::min(k, batch_.size() - 1)];
+            to_whole[k] = &list_.whole[i], to_core[k] = &list_.core[i];
+        }
+        Footprints(window_, form, grid, s, whole).put(to_whole);
+        Footprints(window_, form, grid, s, core).put(to_core);
+        put_depths(s, form, whole, core);
         std::array<PixelRecord<Degree>*, kSurfelLanes> records{};
         bool any = false;
         for (std::size_t k = 0; k < batch_.size(); ++k)
-            if (!list_.full[entry_[k]].empty()) records[k] = &list_.records[entry_[k]], any = true;
-        if (any) fill_pixel_records<Degree>(s, form, records);
+            if (!to_whole[k]->rect.empty()) records[k] = &list_.records[entry_[k]], any = true;
+        if (any) fill_pixel_records<Degree>(s, form, grid, records);
         batch_.clear();
     }
 
 private:
-    void put_outlines(const OutlinedRects& lanes, std::vector<ScreenRect>& rects, Outline* outlines) const {
-        for (std::size_t k = 0; k < batch_.size(); ++k)
-            rects[entry_[k]] = lanes.rect(k), outlines[entry_[k]] = lanes.outline(k);
-    }
-    void put_depths(const SurfelLanes& s, const PatchBounds& whole, const PatchBounds& core) const {
+    /// Coefficients that a record of the model's own degree has.
+    static constexpr auto kStored = static_cast<std::size_t>(floats_per_surfel(Degree) - 6);
+
+    void put_depths(const SurfelLanes& s, const RayForm& form, const PatchBounds& whole, const PatchBounds& core) const {
         const Heading toward(s.e_w);
         // q^ lies in the ball and no farther than kBelongs from the surface.
         const auto blended = [&](bool forth) {
             return stdx::min(s.radius, whole.support(toward, forth) + kBelongs * s.radius);
         };
         const DoubleV& z = s.center.z;
-        const DoubleV near_hit = z - core.support(toward, false);
-        const DoubleV near_blend = z - blended(false), far_blend = z + blended(true);
+        alignas(64) double near_hit[kSurfelLanes], near_blend[kSurfelLanes], far_blend[kSurfelLanes];
+        (z - core.support(toward, false)).copy_to(near_hit, stdx::vector_aligned);
+        (z - blended(false)).copy_to(near_blend, stdx::vector_aligned);
+        (z + blended(true)).copy_to(far_blend, stdx::vector_aligned);
+        alignas(64) float radius[kSurfelLanes], kappa[kSurfelLanes];
+        floats_of(s.radius).copy_to(radius, stdx::vector_aligned);
+        floats_of(form.kappa).copy_to(kappa, stdx::vector_aligned);
         for (std::size_t k = 0; k < batch_.size(); ++k) {
             DrawItem& item = list_.items[entry_[k]];
+            item.radius = radius[k], item.kappa = kappa[k];
             item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];
         }
     }
@@ -168,16 +200,21 @@ private:
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                 std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
-    const Surfel s = drawn_surfel(tree, node);
-    const Vec3d c = view.camera_from_local(s.center);
+    const Vec3d c = view.camera_from_local(tree.center(node));
+    const std::uint8_t flags = tree.node(node).flags;
+    const double radius = tree.support_radius(node) * (flags & kStandsIn ? kStandInScale : 1);
     DrawItem& item = list.items[i];
-    item.z_center = c.z;
-    item.node = node, item.rims = s.rims;
-    if (s.sharp || is_extreme(view, c, s.support_radius)) {
+    item.z_center = item.near_hit = c.z;
+    item.radius = static_cast<float>(radius), item.kappa = 0;
+    item.node = node, item.general = kFast, item.rims = tree.node(node).rims();
+    if ((flags & kSharp) || is_extreme(view, c, radius)) {
         item.general = 0;
-        return bound_ball(view, window, c, s.support_radius, item, list.full[i], list.trimmed[i]);
+        bound_ball(view, window, c, radius, item, list.whole[i], list.core[i]);
+    } else if (c.z + radius >= view.near_plane) {
+        batch.add(c, tree, node, i);
+    } else {
+        list.whole[i].rect = {};
     }
-    if (c.z + s.support_radius >= view.near_plane) batch.add(c, s, i);
 }
 
 /// What the general kernels draw, in order.
@@ -204,14 +241,9 @@ SharpRecord sharp_record(const PixelView& view, const Surfel& s, std::uint32_t n
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
                            std::span<const std::uint32_t> cut) {
-    DrawList<Degree> list;
-    list.items.resize(cut.size());
-    list.full.resize(cut.size());
-    list.trimmed.resize(cut.size());
-    list.full_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
-    list.trimmed_outline = std::make_unique_for_overwrite<Outline[]>(cut.size());
-    list.records = std::make_unique_for_overwrite<PixelRecord<Degree>[]>(cut.size());
+    DrawList<Degree> list(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
+    std::atomic<bool> any_general = false;
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -219,15 +251,16 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
         for (std::size_t i = begin; i < end; ++i) fill_entry(view, window, tree, cut[i], i, list, batch);
         batch.work_out();
         for (std::size_t i = begin; i < end; ++i) {
+            list.rects[i] = list.whole[i].rect;
             double& near = list.items[i].near_hit;
             const float key = float_below(near - z_root);
             keys[i] = ordered_bits(key);
             near = z_root + static_cast<double>(key);  // the order is that of near_hit to the last bit
+            if (list.items[i].general != kFast) any_general = true;
         }
     });
-    list.order = sorted_order(keys);
-    std::erase_if(list.order, [&](std::uint32_t i) { return list.full[i].empty(); });
-    add_general(view, tree, list);
+    list.order = sorted_order(keys, list.rects.span());
+    if (any_general) add_general(view, tree, list);
     return list;
 }
 

@@ -9,9 +9,11 @@
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace slim {
@@ -21,24 +23,45 @@ SharpRecord sharp_record(const PixelView& view, const Surfel& surfel, std::uint3
 
 inline constexpr std::uint32_t kFast = 0xffffffffu;
 
+/// One of something for each entry of a draw list, not set beforehand.
+template <class T>
+class Entries {
+public:
+    explicit Entries(std::size_t n) : data_(std::allocator<T>().allocate(n), {n}) {}
+    T& operator[](std::size_t i) { return data_.get()[i]; }
+    const T& operator[](std::size_t i) const { return data_.get()[i]; }
+    const T* data() const { return data_.get(); }
+    std::span<const T> span() const { return {data_.get(), data_.get_deleter().n}; }
+
+private:
+    static_assert(std::is_trivially_copyable_v<T>);
+    struct Free {
+        std::size_t n;
+        void operator()(T* p) const { std::allocator<T>().deallocate(p, n); }
+    };
+    std::unique_ptr<T, Free> data_;
+};
+
 /// What is known of a surfel of the cut besides its polynomials.
-struct DrawItem {
+struct alignas(64) DrawItem {
     double z_center;
     double near_hit;               ///< no first hit has a smaller camera z
     double near_blend, far_blend;  ///< where a q^ that it takes part in lies
+    float radius, kappa;           ///< as in PixelRecord
     std::uint32_t node;
-    std::uint32_t general = kFast;  ///< entry in DrawList::general
+    std::uint32_t general;         ///< entry in DrawList::general, or kFast
     PackedRims rims;
 };
 
 /// The cut, ready to draw, entry by entry.
 template <int Degree>
 struct DrawList {
-    std::vector<DrawItem> items;
-    std::vector<ScreenRect> full;     ///< of the surface in the support ball
-    std::vector<ScreenRect> trimmed;  ///< of the surface in the ball shrunken by kHitTrim
-    std::unique_ptr<Outline[]> full_outline, trimmed_outline;  ///< of the same, where there is a record
-    std::unique_ptr<PixelRecord<Degree>[]> records;  ///< of what is on the screen and not general
+    explicit DrawList(std::size_t n) : items(n), rects(n), whole(n), core(n), records(n) {}
+
+    Entries<DrawItem> items;
+    Entries<ScreenRect> rects;             ///< those of `whole`
+    Entries<Footprint> whole, core;  ///< of the surface in the support ball, and in the ball shrunken by kHitTrim
+    Entries<PixelRecord<Degree>> records;  ///< of what is on the screen and not general
     /// Sharp surfels, and those near the eye or far off the axis.
     std::vector<SharpRecord> general;
     std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit, ties in the cut's order

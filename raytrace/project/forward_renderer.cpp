@@ -55,7 +55,7 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
-    resolve_tile(scene.view, scene.window, scene.tree, scene.list.items, entries, scene.sums, t, out);
+    resolve_tile(scene.view, scene.window, scene.tree, scene.list.items.span(), entries, scene.sums, t, out);
 }
 
 template <int Degree>
@@ -125,7 +125,7 @@ void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& 
     const DrawList<Degree> list = draw_list<Degree>(view, grid, tree, cut);
     stats.surfels_drawn = list.order.size();
     stats.decode_ms = clock.lap_ms();
-    const TileBins bins = tile_bins(grid, list.full, list.order);
+    const TileBins bins = tile_bins(grid, list.rects.span(), list.order);
     stats.tile_entries = bins.entries.size();
     stats.bin_ms = clock.lap_ms();
     const bool with_directions = !list.general.empty() || out.has(kPositionChannel);

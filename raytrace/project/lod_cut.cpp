@@ -46,10 +46,10 @@ ViewVolume::ViewVolume(const PixelView& view, const PixelWindow& window) {
     planes_[4] = {{0, 0, 1}, -view.near_plane};
 }
 
-bool ViewVolume::may_see(const Vec3d& center, double radius) const {
-    for (const Plane& p : planes_)
-        if (dot(p.normal, center) + p.offset < -radius) return false;
-    return true;
+double ViewVolume::depth_within(const Vec3d& center) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Plane& p : planes_) least = std::min(least, dot(p.normal, center) + p.offset);
+    return least;
 }
 
 double projected_diameter(const PixelView& view, const Vec3d& center, double radius) {
@@ -91,65 +91,80 @@ PixelWindow with_margin(const PixelView& view, PixelWindow w, double lod_px) {
 /// Walks down from some nodes.
 class CutWalk {
 public:
-    CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume, const CutRules& rules)
-        : tree_(tree), view_(view), volume_(volume), rules_(rules) {}
+    CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume, const CutRules& rules,
+            bool keep_visited)
+        : tree_(tree), view_(view), volume_(volume), rules_(rules), keep_visited_(keep_visited) {}
 
-    std::vector<std::uint32_t> cut, visited;
-    std::uint64_t loose_hidden = 0;
+    std::vector<std::uint32_t> cut, visited;  ///< visited: only if asked for
+    std::uint64_t n_visited = 0, loose_hidden = 0;
 
     const SurfelTree& tree() const { return tree_; }
 
+    /// A node to enter; `within`: all of its parent's ball is seen, so that no test of the volume is needed.
+    struct Node {
+        std::uint32_t index;
+        bool within;
+    };
     /// All below a node and itself, depth first.
-    void walk(std::uint32_t root) {
-        std::vector<std::uint32_t> stack{root};
+    void walk(Node root) {
+        std::vector<Node> stack{root};
         while (!stack.empty()) {
-            const std::uint32_t i = stack.back();
+            Node n = stack.back();
             stack.pop_back();
-            const TreeNode& node = tree_.node(i);
-            if (enters(i))
-                for (std::uint32_t c = node.n_children; c-- > 0;) stack.push_back(node.first_child + c);
+            const TreeNode& node = tree_.node(n.index);
+            if (enters(n))
+                for (std::uint32_t c = node.n_children; c-- > 0;) stack.push_back({node.first_child + c, n.within});
         }
     }
-    /// Takes a node to the cut, or says whether to go on to its children.
-    bool enters(std::uint32_t i) {
-        if (visited.size() >= tree_.n_nodes())
+    /// Takes a node to the cut, or says whether to go on to its children, and whether those are within.
+    bool enters(Node& n) {
+        const std::uint32_t i = n.index;
+        if (n_visited >= tree_.n_nodes())
             throw FormatError("tree node " + std::to_string(i) + ": has another parent too");
-        visited.push_back(i);
+        ++n_visited;
+        if (keep_visited_) visited.push_back(i);
         const TreeNode& node = tree_.node(i);
+        if (n.within && node.is_leaf()) return take(i), false;
         const Vec3d center = view_.camera_from_local(tree_.center(i));
         const double radius = tree_.support_radius(i);
-        if (!volume_.may_see(center, std::max<double>(node.bound_radius, radius))) return false;
-        const double diameter = projected_diameter(view_, center, radius);
-        if (node.is_leaf() || (i != 0 && is_enough(node, radius, diameter, rules_.lod_px))) {
-            if (!volume_.may_see(center, radius)) return false;
-            if (rules_.loose || !node.is_loose()) cut.push_back(i);
-            else
-                ++loose_hidden;
+        const double depth = n.within ? std::numeric_limits<double>::infinity() : volume_.depth_within(center);
+        const double all_below = std::max<double>(node.bound_radius, radius);
+        if (depth < -all_below) return false;
+        if (node.is_leaf() || (i != 0 && is_enough(node, radius, projected_diameter(view_, center, radius), rules_.lod_px))) {
+            if (depth >= -radius) take(i);
             return false;
         }
         if (node.n_children == 0) return false;
         check_children(tree_, i);
+        n.within = depth >= all_below;
         return true;
     }
 
 private:
+    void take(std::uint32_t i) {
+        if (rules_.loose || !tree_.node(i).is_loose()) cut.push_back(i);
+        else
+            ++loose_hidden;
+    }
+
     const SurfelTree& tree_;
     const PixelView& view_;
     const ViewVolume& volume_;
     const CutRules& rules_;
+    bool keep_visited_;
 };
 
 /// A part of the walk in its place of the order: ended, or with a node that is still to be entered.
 struct Branch {
     CutWalk walk;
-    std::optional<std::uint32_t> node;
+    std::optional<CutWalk::Node> node;
 };
 
 /// The root's, level by level until they are many.
 std::vector<Branch> branches_of(const CutWalk& none) {
     constexpr std::size_t kMany = 64;
     constexpr int kDeepest = 12;
-    std::vector<Branch> branches{{none, 0}};
+    std::vector<Branch> branches{{none, CutWalk::Node{0, false}}};
     for (int level = 0; level < kDeepest && branches.size() < kMany; ++level) {
         std::vector<Branch> below;
         bool deeper = false;
@@ -158,11 +173,12 @@ std::vector<Branch> branches_of(const CutWalk& none) {
                 below.push_back(std::move(b));
                 continue;
             }
-            const TreeNode& node = none.tree().node(*b.node);
-            const bool enters = b.walk.enters(*b.node);
+            CutWalk::Node n = *b.node;
+            const TreeNode& node = none.tree().node(n.index);
+            const bool enters = b.walk.enters(n);
             below.push_back({std::move(b.walk), std::nullopt});
             for (std::uint32_t c = 0; enters && c < node.n_children; ++c)
-                below.push_back({none, node.first_child + c});
+                below.push_back({none, CutWalk::Node{node.first_child + c, n.within}});
             deeper = deeper || enters;
         }
         branches = std::move(below);
@@ -179,14 +195,14 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
     std::vector<std::uint32_t> cut;
     if (tree.n_nodes() == 0) return cut;
     const ViewVolume volume(view, with_margin(view, window, rules.lod_px));
-    const CutWalk none(tree, view, volume, rules);
+    const CutWalk none(tree, view, volume, rules, counts.visited != nullptr);
     std::vector<Branch> branches = branches_of(none);
     parallel_blocks(branches.size(), 1, [&](std::size_t k, std::size_t) {
         if (branches[k].node) branches[k].walk.walk(*branches[k].node);
     });
     std::uint64_t visited = 0;
-    for (const Branch& b : branches) visited += b.walk.visited.size();
-    if (visited > tree.n_nodes()) CutWalk(none).walk(0);  // says which node is met twice
+    for (const Branch& b : branches) visited += b.walk.n_visited;
+    if (visited > tree.n_nodes()) CutWalk(none).walk({0, false});  // says which node is met twice
     counts.nodes_visited += visited;
     for (const Branch& b : branches) {
         const CutWalk& walk = b.walk;

@@ -15,7 +15,9 @@ public:
     ViewVolume(const PixelView& view, const PixelWindow& window);
 
     /// False only if no point of the ball is seen (conservative).
-    bool may_see(const Vec3d& center, double radius) const;
+    bool may_see(const Vec3d& center, double radius) const { return depth_within(center) >= -radius; }
+    /// How far a point lies within the plane that it is least within; negative outside.
+    double depth_within(const Vec3d& center) const;
 
 private:
     struct Plane {

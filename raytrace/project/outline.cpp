@@ -1,6 +1,9 @@
 #include "raytrace/project/outline.h"
 
+#include "slim/base/lane_turns.h"
+
 #include <array>
+#include <cstddef>
 
 namespace slim {
 namespace {
@@ -80,18 +83,17 @@ using Ints = LanesOfDouble<int>;
 
 /// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end): first ones and
 /// those after the last.
-void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int* first, int* last) {
+void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints& first, Ints& last) {
     const auto within = [&](const DoubleV& x) {
         return stdx::static_simd_cast<Ints>(stdx::min(stdx::max(x, DoubleV(double(begin))), DoubleV(double(end))));
     };
-    within(stdx::ceil(lo - 0.5 - kPixelGuard)).copy_to(first, stdx::element_aligned);
-    within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0).copy_to(last, stdx::element_aligned);
+    first = within(stdx::ceil(lo - 0.5 - kPixelGuard)), last = within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0);
 }
 
 }  // namespace
 
-[[gnu::flatten]] OutlinedRects::OutlinedRects(const PixelWindow& window, const RayForm& form, const SurfelLanes& s,
-                                              const PatchBounds& p) {
+[[gnu::flatten]] Footprints::Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid,
+                                        const SurfelLanes& s, const PatchBounds& p) {
     const DoubleV inverse_radius = 1.0 / s.radius, w = dot(s.e_w, form.mu);
     const DoubleV sq_cos = w * w / sq_length(form.mu);
     const Conic c(seen(form, s.e_w, least_ellipsoid(p.low * inverse_radius, p.high * inverse_radius,
@@ -102,12 +104,25 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, int*
     const DoubleV shift = c.b1 / c.c2 * e.s.half;
     const std::array<DoubleV, 7> numbers{c.b0 * inverse, c.b1 * inverse, c.c0 * inverse, c.c1 * inverse,
                                          c.c2 * inverse, e.t.middle + shift, e.t.middle - shift};
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-        floats_of(numbers[k]).copy_to(numbers_[k], stdx::element_aligned);
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers_[k] = floats_of(numbers[k]);
+    numbers_[7] = grid.pixel_x, numbers_[8] = grid.pixel_y;
+    numbers_[9] = grid.base_x, numbers_[10] = grid.base_y, numbers_[11] = grid.step;
     const DoubleV per_px = 1.0 / form.step, half_x = e.s.half * per_px, half_y = e.t.half * per_px;
     const DoubleV x = form.origin_x + e.s.middle * per_px, y = form.origin_y + e.t.middle * per_px;
     pixel_ranges(x - half_x, x + half_x, window.x, window.x + window.width, sides_[0], sides_[2]);
     pixel_ranges(y - half_y, y + half_y, window.y, window.y + window.height, sides_[1], sides_[3]);
+}
+
+void Footprints::put(const std::array<Footprint*, kSurfelLanes>& out) const {
+    static_assert(sizeof(Footprint) == 16 * sizeof(float) && offsetof(Footprint, rect) == 12 * sizeof(float));
+    const auto& n = numbers_;
+    for (std::size_t k = 0; k < n.size(); k += 4)
+        store_fours(n[k], n[k + 1], n[k + 2], n[k + 3],
+                    [&](std::size_t lane) { return reinterpret_cast<float*>(out[lane]) + k; });
+    alignas(64) int sides[4][kSurfelLanes];
+    for (std::size_t k = 0; k < 4; ++k) sides_[k].copy_to(sides[k], stdx::vector_aligned);
+    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane)
+        out[lane]->rect = {sides[0][lane], sides[1][lane], sides[2][lane], sides[3][lane]};
 }
 
 }  // namespace slim

@@ -4,6 +4,7 @@
 #include "raytrace/project/pixel_records.h"
 #include "raytrace/project/screen_rect.h"
 
+#include <array>
 #include <cstddef>
 
 namespace slim {
@@ -15,24 +16,25 @@ struct Outline {
     float left_t, right_t;  ///< t where it reaches farthest to either side
 };
 
-/// The outlines of some patches and the pixels of the window whose centres they may hold.
-class OutlinedRects {
+/// What a tile asks of a surfel first, in one line of the cache.
+struct alignas(64) Footprint {
+    Outline outline;
+    float pixel_x, pixel_y, base_x, base_y, step;  ///< as in PixelRecord
+    ScreenRect rect;  ///< the pixels of the window whose centres the outline may hold
+};
+
+/// The footprints of some patches.
+class Footprints {
 public:
     /// Of the least ellipsoids of revolution about the patches, as seen. For centres farther off than 4 radii.
-    OutlinedRects(const PixelWindow& window, const RayForm& form, const SurfelLanes& surfels,
-                  const PatchBounds& patches);
-    Outline outline(std::size_t lane) const {
-        const auto of = [&](std::size_t k) { return numbers_[k][lane]; };
-        return {of(0), of(1), of(2), of(3), of(4), of(5), of(6)};
-    }
-    ScreenRect rect(std::size_t lane) const {
-        const auto of = [&](std::size_t k) { return sides_[k][lane]; };
-        return {of(0), of(1), of(2), of(3)};
-    }
+    Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid, const SurfelLanes& surfels,
+               const PatchBounds& patches);
+    /// Lane k to *out[k].
+    void put(const std::array<Footprint*, kSurfelLanes>& out) const;
 
 private:
-    alignas(64) float numbers_[7][kSurfelLanes];  ///< as in Outline
-    alignas(64) int sides_[4][kSurfelLanes];      ///< as in ScreenRect
+    std::array<FloatsOfDouble, 12> numbers_;   ///< as in Footprint
+    std::array<LanesOfDouble<int>, 4> sides_;  ///< as in ScreenRect
 };
 
 }  // namespace slim

@@ -1,6 +1,7 @@
 #include "raytrace/project/pixel_records.h"
 
 #include "raytrace/project/linear_forms.h"
+#include "slim/base/lane_turns.h"
 
 #include <algorithm>
 #include <cstring>
@@ -19,12 +20,9 @@ DoubleV nearest_pixel(const DoubleV& at) {
 }
 
 template <class Record>
-void put_grid(const RayForm& form, Record& r) {
-    const DoubleV px = nearest_pixel(form.origin_x), py = nearest_pixel(form.origin_y);
-    r.pixel_x = floats_of(px), r.pixel_y = floats_of(py);
-    r.base_x = floats_of((px + 0.5 - form.origin_x) * form.step);
-    r.base_y = floats_of((py + 0.5 - form.origin_y) * form.step);
-    r.step = floats_of(form.step);
+void put_grid(const RayForm& form, const PixelGrid& grid, Record& r) {
+    r.pixel_x = grid.pixel_x, r.pixel_y = grid.pixel_y;
+    r.base_x = grid.base_x, r.base_y = grid.base_y, r.step = grid.step;
     r.kappa = floats_of(form.kappa);
     r.ball_s = floats_of(2.0 * form.mu.x);
     r.ball_t = floats_of(2.0 * form.mu.y);
@@ -93,21 +91,24 @@ void put_hessian(const SurfelLanes& s, RecordLanes<Degree>& r) {
     }
 }
 
-/// Lane k to *out[k].
+/// Lane k to *out[k], unless that is null.
 template <int Degree>
 void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
-    // Records of floats and of lanes have the same members in the same order.
-    constexpr std::size_t kNumbers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
-    static_assert(kNumbers * sizeof(float) <= sizeof(PixelRecord<Degree>));
-    static_assert(sizeof(Floats) == kSurfelLanes * sizeof(float));
-    std::array<float, kNumbers * kSurfelLanes> from;
-    std::memcpy(from.data(), &lanes, sizeof from);
-    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane) {
-        if (!out[lane]) continue;
-        std::array<float, kNumbers> numbers;
-        for (std::size_t k = 0; k < kNumbers; ++k) numbers[k] = from[k * kSurfelLanes + lane];
-        std::memcpy(static_cast<void*>(out[lane]), numbers.data(), sizeof numbers);
-    }
+    // Records of floats and of lanes have the same members in the same order, and room for some more.
+    constexpr std::size_t kNumbers = sizeof(PixelRecord<Degree>) / sizeof(float), kMembers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
+    static_assert(kNumbers % 4 == 0 && sizeof(Floats) == kSurfelLanes * sizeof(float));
+    PixelRecord<Degree> nowhere;
+    std::array<float*, kSurfelLanes> to;
+    for (std::size_t lane = 0; lane < kSurfelLanes; ++lane)
+        to[lane] = reinterpret_cast<float*>(out[lane] ? out[lane] : &nowhere);
+    const auto member = [&](std::size_t k) {
+        Floats x(0.0f);
+        if (k < kMembers) std::memcpy(&x, reinterpret_cast<const char*>(&lanes) + k * sizeof(Floats), sizeof x);
+        return x;
+    };
+#pragma GCC unroll 64
+    for (std::size_t k = 0; k < kNumbers; k += 4)
+        store_fours(member(k), member(k + 1), member(k + 2), member(k + 3), [&](std::size_t lane) { return to[lane] + k; });
 }
 
 }  // namespace
@@ -122,11 +123,19 @@ RayForm ray_form(const PixelView& view, const SurfelLanes& s) {
             c.z / (view.focal_px * s.radius)};
 }
 
+PixelGrid::PixelGrid(const RayForm& form) {
+    const DoubleV px = nearest_pixel(form.origin_x), py = nearest_pixel(form.origin_y);
+    pixel_x = floats_of(px), pixel_y = floats_of(py);
+    base_x = floats_of((px + 0.5 - form.origin_x) * form.step);
+    base_y = floats_of((py + 0.5 - form.origin_y) * form.step);
+    step = floats_of(form.step);
+}
+
 template <int Degree>
-[[gnu::flatten]] void fill_pixel_records(const SurfelLanes& s, const RayForm& form,
+[[gnu::flatten]] void fill_pixel_records(const SurfelLanes& s, const RayForm& form, const PixelGrid& grid,
                                          const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
     RecordLanes<Degree> r;
-    put_grid(form, r);
+    put_grid(form, grid, r);
     r.radius = floats_of(s.radius);
     r.inv_radius = floats_of(1.0 / s.radius);
     if constexpr (Degree != 2) r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
@@ -143,11 +152,11 @@ template <int Degree>
     scatter(r, out);
 }
 
-template void fill_pixel_records<1>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<1>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<1>*, kSurfelLanes>&);
-template void fill_pixel_records<2>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<2>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<2>*, kSurfelLanes>&);
-template void fill_pixel_records<3>(const SurfelLanes&, const RayForm&,
+template void fill_pixel_records<3>(const SurfelLanes&, const RayForm&, const PixelGrid&,
                                     const std::array<PixelRecord<3>*, kSurfelLanes>&);
 
 }  // namespace slim

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "raytrace/camera.h"
+#include "slim/base/frame.h"
 #include "slim/base/simd.h"
 #include "slim/base/vec.h"
 #include "slim/model/surfel.h"
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 namespace slim {
 
@@ -34,22 +36,21 @@ public:
     std::size_t size() const { return n_; }
     bool full() const { return n_ == kSurfelLanes; }
     void clear() { n_ = 0; }
-    /// `c` is the surfel's centre in camera coordinates. Not when full.
-    void add(const Vec3d& c, const Surfel& s) {
+    /// `c` is the surfel's centre in camera coordinates; coefficients beyond those given are zero, as many for all. Not when full.
+    template <class Float, std::size_t N>
+    void add(const Vec3d& c, double radius, const Octahedral& normal, std::span<const Float, N> coefficients) {
         std::size_t field = 0;
         const auto put = [&](double x) { v_[field++][n_] = x; };
-        const auto put_vec = [&](const Vec3d& v) { put(v.x), put(v.y), put(v.z); };
-        put_vec(c), put(s.support_radius);
-        put_vec(s.frame.u_axis), put_vec(s.frame.v_axis), put_vec(s.frame.normal);
-        for (const double a : s.polynomial.a) put(a);
+        put(c.x), put(c.y), put(c.z), put(radius), put(double{normal.s}), put(double{normal.t});
+        for (const Float a : coefficients) put(double{a});
         ++n_;
     }
     /// Not of none; lanes without a surfel repeat the last one.
     SurfelLanes lanes(const PixelView& view);
 
 private:
-    static constexpr std::size_t kFields = 13 + kMaxCoefficients;
-    alignas(64) double v_[kFields][kSurfelLanes];
+    static constexpr std::size_t kFields = 6 + kMaxCoefficients;
+    alignas(64) double v_[kFields][kSurfelLanes]{};
     std::size_t n_ = 0;
 };
 

@@ -1,8 +1,10 @@
 #include "raytrace/project/tile_buffers.h"
 
 #include "raytrace/project/surfel_lanes.h"
+#include "slim/base/lane_turns.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace slim {
@@ -19,6 +21,13 @@ void fill_depth(TileBuffers& t) {
     if (whole) return;
     for (int y = t.clip.y0; y < t.clip.y1; ++y)
         for (int x = t.clip.x0; x < t.clip.x1; ++x) t.z.v[pixel_entry(x - t.x0, y - t.y0)] = kInfinity;
+}
+
+/// Of as many blocks as there are lanes.
+std::array<FloatV, kLanes> depths_of(const TilePlane& z, std::size_t first_block) {
+    std::array<FloatV, kLanes> depths;
+    for (std::size_t k = 0; k < kLanes; ++k) depths[k] = z.load((first_block + k) * kLanes);
+    return depths;
 }
 
 }  // namespace
@@ -67,19 +76,26 @@ void TileBuffers::fill_directions(const PixelView& view) {
     }
 }
 
-float TileBuffers::farthest() const {
+float TileBuffers::bound_pixels() {
     FloatV most(-kInfinity);
-    for (std::size_t i = 0; i < kTilePixels; i += kLanes) most = stdx::max(most, z.load(i));
+    for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
+        const FloatV of_block = reduce_each(depths_of(z, k), [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
+        of_block.copy_to(block_far + k, stdx::vector_aligned);
+        most = stdx::max(most, of_block);
+    }
     return stdx::hmax(most);
 }
 
 bool TileBuffers::bound_hits() {
     FloatV least(kInfinity), most(-kInfinity);
-    for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
-        const FloatV depth = z.load(i);
-        const auto hit = has_hit(depth);
-        least = stdx::min(least, select<FloatV>(hit, depth, least));
-        most = stdx::max(most, select<FloatV>(hit, depth, most));
+    for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
+        auto depth = depths_of(z, k);
+        for (FloatV& d : depth) d = select<FloatV>(has_hit(d), d, FloatV(kInfinity));
+        const FloatV first = reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::min(a, b); });
+        for (FloatV& d : depth) d = select<FloatV>(has_hit(d), d, FloatV(-kInfinity));
+        const FloatV last = reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
+        first.copy_to(block_near + k, stdx::vector_aligned), last.copy_to(block_far + k, stdx::vector_aligned);
+        least = stdx::min(least, first), most = stdx::max(most, last);
     }
     near = stdx::hmin(least), far = stdx::hmax(most);
     return near <= far;

@@ -3,6 +3,7 @@
 #include "raytrace/camera.h"
 #include "raytrace/frame.h"
 #include "raytrace/intersect/ray_kernel.h"
+#include "raytrace/project/block_mask.h"
 #include "raytrace/project/tile_blocks.h"
 #include "slim/base/simd.h"
 
@@ -10,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
 namespace slim {
 
@@ -47,16 +47,14 @@ struct TileDepths {
 
     /// zeta of z - z_ref, and back.
     template <class T>
-    T zeta(const T& z) const { return z / (T(1) + z * T(static_cast<scalar_of<T>>(per_ref))); }
+    T zeta(const T& z) const { return z / (T(1) + z * constant<T>(per_ref)); }
     template <class T>
-    T relative(const T& zeta) const { return zeta / (T(1) - zeta * T(static_cast<scalar_of<T>>(per_ref))); }
+    T relative(const T& zeta) const { return zeta / (T(1) - zeta * constant<T>(per_ref)); }
 
     /// zeta of a camera z, or of the near plane if that is farther.
     float at(double z) const { return static_cast<float>(zeta(std::max(z - z_ref, near))); }
-
-private:
-    template <class T>
-    using scalar_of = std::conditional_t<std::is_floating_point_v<T>, T, float>;
+    /// The camera z of a zeta.
+    double z_of(float at_zeta) const { return z_ref + relative(static_cast<double>(at_zeta)); }
 };
 
 /// Everything of one tile while it is drawn; lives on the stack of its thread.
@@ -66,6 +64,7 @@ struct TileBuffers {
     TileDepths depths;
     float near_z = 0;                    ///< the near plane's z - z_ref
     float near = 0, far = 0;             ///< zeta of q^ within the tile, after bound_hits
+    alignas(64) float block_near[kTileBlocks], block_far[kTileBlocks];  ///< and within each block
     TilePlane z;                         ///< zeta of q^: +inf before a hit, -inf outside the window
     TilePlane gx, gy, gz;                ///< gradient of the surfel that set it
     TilePlane weight;                    ///< sum G
@@ -88,14 +87,33 @@ struct TileBuffers {
                 std::min(r.y1, clip.y1) - y0};
     }
     PixelRays<FloatV> rays(int block_row, int block_column) const;
-    /// The greatest zeta of all pixels: +inf as long as one has no hit.
-    float farthest() const;
-    /// Fills near and far from q^. Returns whether the tile has a hit.
+    /// Fills block_far with the greatest zeta of all pixels, +inf as long as one has no hit; returns that of the tile.
+    float bound_pixels();
+    /// Fills near and far from q^, of the tile and of its blocks. Returns whether the tile has a hit.
     bool bound_hits();
+    /// Blocks in which something is farther than this, and those in which something lies between.
+    BlockMask beyond(float zeta) const;
+    BlockMask within(float least, float most) const;
 };
 
 [[gnu::always_inline]] inline FloatV::mask_type has_hit(const FloatV& z) {
     return stdx::abs(z) < std::numeric_limits<float>::infinity();
+}
+
+[[gnu::always_inline]] inline BlockMask TileBuffers::beyond(float zeta) const {
+    BlockMask blocks;
+    for (std::size_t k = 0; k < kTileBlocks; k += kLanes)
+        blocks.add(k, lane_bits(FloatV(block_far + k, stdx::vector_aligned) > zeta));
+    return blocks;
+}
+
+[[gnu::always_inline]] inline BlockMask TileBuffers::within(float least, float most) const {
+    BlockMask blocks;
+    for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
+        const FloatV block_least(block_near + k, stdx::vector_aligned), block_most(block_far + k, stdx::vector_aligned);
+        blocks.add(k, lane_bits(block_most >= least && block_least <= most));
+    }
+    return blocks;
 }
 
 inline PixelRays<FloatV> TileBuffers::rays(int block_row, int block_column) const {

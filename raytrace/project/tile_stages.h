@@ -2,6 +2,7 @@
 
 #include "raytrace/intersect/pixel_kernel.h"
 #include "raytrace/project/block_spans.h"
+#include "raytrace/project/depth_batch.h"
 #include "raytrace/project/draw_list.h"
 #include "raytrace/project/general_stages.h"
 #include "raytrace/project/tile_buffers.h"
@@ -13,25 +14,13 @@
 #include <limits>
 #include <new>
 #include <span>
+#include <type_traits>
+#include <vector>
 
 namespace slim {
 
 // What works on a surfel's lanes is one function, flattened, and all it calls is always inline: g++ 12 leaves out some calls as
 // kernels grow, and passes the lanes through memory.
-
-/// A surfel's depths in the tile's coordinate: zeta = zeta_c + tau / per_zeta.
-struct DepthScale {
-    float zeta_c, per_zeta, per_tau;
-
-    DepthScale(const DrawItem& item, double radius, const TileDepths& d) {
-        const double ratio = 1 + (item.z_center - d.z_ref) * d.per_ref;  // z_c / z_ref
-        zeta_c = static_cast<float>((item.z_center - d.z_ref) / ratio);
-        per_tau = static_cast<float>(radius / (ratio * ratio));
-        per_zeta = static_cast<float>(ratio * ratio / radius);
-    }
-    [[gnu::always_inline]] FloatV tau_of(const FloatV& zeta) const { return (zeta - zeta_c) * per_zeta; }
-    [[gnu::always_inline]] FloatV zeta_of(const FloatV& tau) const { return zeta_c + per_tau * tau; }
-};
 
 /// One surfel on one tile.
 template <int Degree>
@@ -40,39 +29,55 @@ struct SurfelOnTile {
     const PixelRecord<Degree>& record;
     RimLanes rim;
     DepthScale depth;
-    TileBuffers& t;
+    float kappa;
+    float x, y;  ///< of the tile, from the record's own pixel: whole numbers, s and t to the last bit wherever the tile begins
 
-    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, TileBuffers& tile)
-        : record(r), rim(item.rims), depth(item, static_cast<double>(r.radius), tile.depths), t(tile) {}
-
-    /// Calls visit(row, s, entry) for the blocks that an outline touches; sq_radius is that of the ball in `row`.
-    template <class Visit>
-    [[gnu::always_inline]] void for_each_block(const ScreenRect& rect, const Outline& outline, float sq_radius,
-                                               Visit&& visit) const {
-        const ScreenRect on = t.on_tile(rect);
-        if (on.empty()) return;
-        const TileGrid grid(record, t);
-        const BlockSpans spans(outline, grid, on);
-        std::uint8_t blocks[kTileBlocks + kBlockColumns];
-        const int n = spans.list(blocks);
-        // Unions keep what they hold from being set beforehand.
-        union Rows {
-            Row row[kBlockRows];
-            Rows() {}
-        } rows;
-        // Counted from the record's own pixel, whole numbers: s and t to the last bit wherever the tile begins.
-        const FloatV left = lane_columns() + (static_cast<float>(t.x0) - record.pixel_x);
-        const FloatV top = lane_rows() + (static_cast<float>(t.y0) - record.pixel_y);
-        for (int y = spans.row_0; y < spans.row_1; ++y)
-            new (rows.row + y) Row(record, (top + static_cast<float>(y * kBlockHeight)) * record.step + record.base_y,
-                                   sq_radius);
-        for (int k = 0; k < n; ++k) {
-            const int block = blocks[k];
-            const FloatV x = left + static_cast<float>(block % kBlockColumns * kBlockWidth);
-            visit(rows.row[block / kBlockColumns], x * record.step + record.base_x,
-                  static_cast<std::size_t>(block * kLanes));
-        }
+    /// Reads nothing of the record yet.
+    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, const Footprint& f, const DepthScale& scale,
+                 const TileBuffers& t)
+        : record(r), rim(item.rims), depth(scale), kappa(item.kappa),
+          x(static_cast<float>(t.x0) - f.pixel_x), y(static_cast<float>(t.y0) - f.pixel_y) {
+        constexpr std::size_t kLine = 64;
+        const auto* line = reinterpret_cast<const char*>(&record);
+        for (std::size_t k = 0; k < sizeof record; k += kLine) __builtin_prefetch(line + k);
     }
+
+    [[gnu::always_inline]] FloatV s_of(int block) const {
+        const float left = x + static_cast<float>(block % kBlockColumns * kBlockWidth);
+        return (lane_columns() + left) * record.step + record.base_x;
+    }
+    /// sq_radius is that of the ball.
+    [[gnu::always_inline]] Row row_of(int block, float sq_radius) const {
+        const float top = y + static_cast<float>(block / kBlockColumns * kBlockHeight);
+        return Row(record, (lane_rows() + top) * record.step + record.base_y, sq_radius);
+    }
+};
+
+/// What is to be done on a tile next: some surfels, and the blocks of each.
+template <class Work>
+class BlockBatch {
+public:
+    BlockBatch() {}
+    bool full() const { return n_ == BlockList::kMostSurfels; }
+    void clear() { n_ = 0, list_.clear(); }
+    /// Not when full.
+    void add(const Work& work, const BlockMask& blocks) {
+        new (work_ + n_) Work(work);
+        list_.add(n_++, blocks);
+    }
+    /// visit(work, block): surfels in their order.
+    template <class Visit>
+    [[gnu::always_inline]] void for_each(Visit&& visit) const {
+        for (int k = 0; k < list_.size(); ++k) visit(work_[list_.surfel(k)], list_.block(k));
+    }
+
+private:
+    static_assert(std::is_trivially_destructible_v<Work>);
+    int n_ = 0;
+    BlockList list_;
+    union {  // keeps what it holds from being set beforehand
+        Work work_[BlockList::kMostSurfels];
+    };
 };
 
 /// Bounds of the roots that count.
@@ -84,8 +89,7 @@ struct TauRange {
 template <int Degree>
 [[gnu::always_inline]] inline void first_hits(const SurfelOnTile<Degree>& surfel, const RowOf<Degree, FloatV>& row,
                                               const FloatV& s, std::size_t i, const TauRange& range, float entry,
-                                              const TileSums& sums) {
-    TileBuffers& t = surfel.t;
+                                              const TileSums& sums, TileBuffers& t) {
     const auto root = first_in_ball<Degree, FloatV>(row.polynomial(s), row.ball(s), range.most, range.least);
     const FloatV zeta = surfel.depth.zeta_of(root.t);
     // No way out where none is: the next step's cost is less than that of a wrong guess.
@@ -98,32 +102,41 @@ template <int Degree>
     keep_nearer(t, i, entry, nearer, zeta, row.gradient(s, root.t, share), sums);
 }
 
-/// Stage 1 of one surfel; blocks all of which is nearer than it are passed over.
+inline constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
+
+/// A surfel in stage 1.
 template <int Degree>
-[[gnu::flatten, gnu::noinline]] void draw_first(const PixelRecord<Degree>& r, const DrawItem& item,
-                                                const ScreenRect& rect, const Outline& outline, float entry,
-                                                const TileSums& sums, TileBuffers& t) {
-    constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
-    const SurfelOnTile<Degree> surfel(r, item, t);
-    const float nearest = t.depths.at(item.near_hit - 1e-5 * static_cast<double>(r.radius));
-    // tau is below 1 / (1 / R - kappa) in the ball.
-    const TauRange range{(t.depths.at(0) - surfel.depth.zeta_c) * surfel.depth.per_zeta,
-                         1 / (static_cast<float>(1 / kHitTrim) - r.kappa)};
-    surfel.for_each_block(rect, outline, kSqTrim,
-                          [&](const auto& row, const FloatV& s, std::size_t i) __attribute__((always_inline)) {
-        if (stdx::none_of(t.z.load(i) > nearest)) return;
+struct FirstWork {
+    SurfelOnTile<Degree> surfel;
+    float nearest;  ///< blocks all of which is nearer are passed over
+    TauRange range;
+    float entry;
+
+    FirstWork(const SurfelOnTile<Degree>& on_tile, float at_nearest, float near_plane, float at_entry)
+        : surfel(on_tile), nearest(at_nearest),
+          // tau is below 1 / (1 / R - kappa) in the ball.
+          range{(near_plane - surfel.depth.zeta_c) * surfel.depth.per_zeta,
+                1 / (static_cast<float>(1 / kHitTrim) - surfel.kappa)},
+          entry(at_entry) {}
+};
+
+/// Stage 1 of some surfels, nearest first.
+template <int Degree>
+[[gnu::flatten, gnu::noinline]] void draw_first(const BlockBatch<FirstWork<Degree>>& batch, const TileSums& sums, TileBuffers& t) {
+    batch.for_each([&](const FirstWork<Degree>& work, int block) __attribute__((always_inline)) {
+        const auto i = static_cast<std::size_t>(block * kLanes);
+        if (stdx::none_of(t.z.load(i) > work.nearest)) return;
         t.counts.root_tests += kLanes;
-        first_hits<Degree>(surfel, row, s, i, range, entry, sums);
+        first_hits<Degree>(work.surfel, work.surfel.row_of(block, kSqTrim), work.surfel.s_of(block), i, work.range, work.entry, sums, t);
     });
 }
 
 /// Stage 2 of some pixels: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::always_inline]] inline void blend(const SurfelOnTile<Degree>& surfel, const RowOf<Degree, FloatV>& row,
-                                         const FloatV& s, std::size_t i, float reach, const TileSums& sums) {
+                                         const FloatV& s, std::size_t i, float reach, const TileSums& sums, TileBuffers& t) {
     constexpr float kFarthest = static_cast<float>(kBelongs), kSqFarthest = kFarthest * kFarthest;
     const PixelRecord<Degree>& r = surfel.record;
-    TileBuffers& t = surfel.t;
     const FloatV guess = surfel.depth.tau_of(t.z.load(i));
     const BallLanes<FloatV> ball = row.ball(s), around = about(ball, guess);
     t.counts.distance_tests += kLanes;
@@ -156,71 +169,144 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
                 });
 }
 
-/// Stage 2 of one surfel.
+/// A surfel in stage 2.
+template <int Degree>
+struct BlendWork {
+    SurfelOnTile<Degree> surfel;
+    float reach;
+
+    explicit BlendWork(const SurfelOnTile<Degree>& on_tile)
+        : surfel(on_tile),
+          // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
+          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.kappa) * (1 - surfel.kappa))) {}
+};
+
+/// Stage 2 of some surfels.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::flatten, gnu::noinline]] void draw_blend(const PixelRecord<Degree>& r, const DrawItem& item,
-                                                const ScreenRect& rect, const Outline& outline, const TileSums& sums,
-                                                TileBuffers& t) {
-    const SurfelOnTile<Degree> surfel(r, item, t);
-    // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
-    const float reach = 1.001f * static_cast<float>(kBelongs) / ((1 - r.kappa) * (1 - r.kappa));
-    surfel.for_each_block(rect, outline, 1,
-                          [&](const auto& row, const FloatV& s, std::size_t i) __attribute__((always_inline)) {
-        blend<Degree, kWantHessian, kSharpModel, kWantThird>(surfel, row, s, i, reach, sums);
+[[gnu::flatten, gnu::noinline]] void draw_blend(const BlockBatch<BlendWork<Degree>>& batch, const TileSums& sums, TileBuffers& t) {
+    batch.for_each([&](const BlendWork<Degree>& work, int block) __attribute__((always_inline)) {
+        blend<Degree, kWantHessian, kSharpModel, kWantThird>(work.surfel, work.surfel.row_of(block, 1), work.surfel.s_of(block),
+                                                             static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
     });
 }
 
-/// Asks for what draw_first or draw_blend will read of a later surfel.
+/// Some surfels of a tile, as many as there are lanes: where they are on it.
 template <int Degree>
-void fetch_surfel(const DrawList<Degree>& list, const Outline* outlines, const ScreenRect* rects,
-                  std::span<const std::uint32_t> entries, std::size_t e) {
-    constexpr std::size_t kAhead = 2, kLine = 64;
-    if (e + kAhead >= entries.size()) return;
-    const std::uint32_t i = entries[e + kAhead];
-    __builtin_prefetch(&list.items[i]);
-    __builtin_prefetch(rects + i);
-    __builtin_prefetch(outlines + i);
-    const auto* record = reinterpret_cast<const char*>(&list.records[i]);
-    for (std::size_t k = 0; k < sizeof(PixelRecord<Degree>); k += kLine) __builtin_prefetch(record + k);
-}
+struct TileSurfels {
+    BlockSpans spans;
+    DepthBatch depths;
+
+    /// Those of the tile's entries from some on. depths_of(item): the further depths. Asks for what the next ones need.
+    template <class DepthsOf>
+    [[gnu::always_inline]] void find(const DrawList<Degree>& list, const Footprint* footprints,
+                                     std::span<const std::uint32_t> entries, std::size_t begin, const TileBuffers& t,
+                                     const DepthsOf& depths_of) {
+        const std::size_t end = std::min(begin + kLanes, entries.size()), n = std::min(end + kLanes, entries.size());
+        for (std::size_t e = end; e < n; ++e) {
+            __builtin_prefetch(&list.items[entries[e]]);
+            __builtin_prefetch(footprints + entries[e]);
+        }
+        for (std::size_t e = begin; e < end; ++e) {
+            const DrawItem& item = list.items[entries[e]];
+            const auto [first, second] = depths_of(item);
+            spans.set(e - begin, footprints[entries[e]]);
+            depths.set(e - begin, item.z_center, static_cast<double>(item.radius), first, second);
+        }
+        spans.find(t);
+        depths.find(t.depths);
+    }
+};
+
+/// Two depths of a surfel.
+struct DepthPair {
+    double first, second;
+};
 
 /// Stage 1 of a tile: its surfels, nearest first, until the rest are hidden.
 template <int Degree>
-void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                 const TileSums& sums, TileBuffers& t) {
-    constexpr std::size_t kLookEvery = 8;
-    float far = std::numeric_limits<float>::infinity();
+[[gnu::flatten]] void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
+                                  const TileSums& sums, TileBuffers& t) {
+    TileSurfels<Degree> some;
+    BlockBatch<FirstWork<Degree>> batch;
+    const float near_plane = t.depths.at(0);
+    float far = t.bound_pixels();
+    const auto flush = [&] {
+        draw_first<Degree>(batch, sums, t);
+        batch.clear();
+        far = t.bound_pixels();
+    };
     for (std::size_t e = 0; e < entries.size(); ++e) {
+        const std::size_t lane = e % kLanes;
+        if (lane == 0)
+            some.find(list, list.core.data(), entries, e, t, [](const DrawItem& item) {
+                return DepthPair{item.near_hit - 1e-5 * static_cast<double>(item.radius), item.near_hit};
+            });
+        if (some.depths.second(lane) > far) break;
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
-        fetch_surfel(list, list.trimmed_outline.get(), list.trimmed.data(), entries, e);
-        if (e % kLookEvery == kLookEvery - 1) far = t.farthest();
-        if (t.depths.at(item.near_hit) > far) return;
         const auto entry = static_cast<float>(e);
-        if (item.general != kFast)
-            draw_first_general<Degree>(list.general[item.general], item.rims, list.trimmed[i], entry, sums, t);
-        else
-            draw_first<Degree>(list.records[i], item, list.trimmed[i], list.trimmed_outline[i], entry, sums, t);
+        if (item.general != kFast) {
+            flush();
+            draw_first_general<Degree>(list.general[item.general], item.rims, list.core[i].rect, entry, sums, t);
+            continue;
+        }
+        const float nearest = some.depths.first(lane);
+        BlockMask blocks = some.spans.blocks(lane);
+        blocks &= t.beyond(nearest);
+        if (!blocks.any()) continue;
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.core[i], some.depths.scale(lane), t);
+        batch.add(FirstWork<Degree>(surfel, nearest, near_plane, entry), blocks);
+        if (batch.full()) flush();
     }
+    flush();
+}
+
+/// Entries of a tile that reach something seen, in their order.
+inline std::vector<std::uint32_t> reaching(std::span<const DrawItem> items, std::span<const std::uint32_t> entries, const TileBuffers& t) {
+    const double near = t.depths.z_of(t.near), far = t.depths.z_of(t.far);
+    std::vector<std::uint32_t> out(entries.size());
+    std::size_t n = 0;
+    for (const std::uint32_t i : entries) {
+        out[n] = i;  // no branch: there is no telling
+        n += static_cast<std::size_t>((items[i].near_blend <= far) & (items[i].far_blend >= near));
+    }
+    out.resize(n);
+    return out;
 }
 
 /// Stage 2 of a tile: its surfels that reach what is seen.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                 const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten]] void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
+                                  const TileSums& sums, TileBuffers& t) {
     if (!t.bound_hits()) return;
-    for (std::size_t e = 0; e < entries.size(); ++e) {
-        const std::uint32_t i = entries[e];
+    TileSurfels<Degree> some;
+    BlockBatch<BlendWork<Degree>> batch;
+    const auto flush = [&] {
+        draw_blend<Degree, kWantHessian, kSharpModel, kWantThird>(batch, sums, t);
+        batch.clear();
+    };
+    const std::vector<std::uint32_t> left = reaching(list.items.span(), entries, t);
+    for (std::size_t e = 0; e < left.size(); ++e) {
+        const std::size_t lane = e % kLanes;
+        if (lane == 0)
+            some.find(list, list.whole.data(), left, e, t,
+                      [](const DrawItem& item) { return DepthPair{item.near_blend, item.far_blend}; });
+        const std::uint32_t i = left[e];
         const DrawItem& item = list.items[i];
-        fetch_surfel(list, list.full_outline.get(), list.full.data(), entries, e);
-        if (t.depths.at(item.near_blend) > t.far || t.depths.at(item.far_blend) < t.near) continue;
-        if (item.general != kFast)
+        if (item.general != kFast) {
+            flush();
             draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
-                                                                              list.full[i], sums, t);
-        else
-            draw_blend<Degree, kWantHessian, kSharpModel, kWantThird>(list.records[i], item, list.full[i],
-                                                                      list.full_outline[i], sums, t);
+                                                                              list.whole[i].rect, sums, t);
+            continue;
+        }
+        BlockMask blocks = some.spans.blocks(lane);
+        blocks &= t.within(some.depths.first(lane), some.depths.second(lane));
+        if (!blocks.any()) continue;
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i], some.depths.scale(lane), t);
+        batch.add(BlendWork<Degree>(surfel), blocks);
+        if (batch.full()) flush();
     }
+    flush();
 }
 
 }  // namespace slim

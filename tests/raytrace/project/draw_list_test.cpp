@@ -90,6 +90,33 @@ TEST(LodCut, DescendsWhileTheProjectedBallIsLarger) {
     EXPECT_EQ(lod_cut(model.view(), view, window, {0, false}, met).size(), 900u);
 }
 
+TEST(LodCut, TakesTheLeavesThatAWindowSees) {
+    const auto data = test::two_level_sphere(1, 100, 900);
+    const SurfelTree tree = data.view();
+    for (const bool orthographic : {false, true}) {
+        Camera camera;
+        camera.orthographic = orthographic, camera.width = 4, camera.eye = {0, 0, 5};
+        const PixelView view = pixel_view(camera, 400, 400);
+        for (const PixelWindow window : {PixelWindow{0, 0, 400, 400}, {0, 0, 200, 130}, {150, 150, 60, 60}, {190, 100, 3, 3}}) {
+            std::vector<std::uint32_t> seen;
+            for (std::uint32_t i = 1; i < tree.n_nodes(); ++i)
+                if (tree.node(i).is_leaf() &&
+                    ViewVolume(view, window).may_see(view.camera_from_local(tree.center(i)), tree.support_radius(i)))
+                    seen.push_back(i);
+            CutCounts met;
+            std::vector<std::uint32_t> visited;
+            met.visited = &visited;
+            auto cut = lod_cut(tree, view, window, {0, false}, met);
+            EXPECT_EQ(visited.size(), met.nodes_visited);
+            std::sort(cut.begin(), cut.end());
+            EXPECT_EQ(cut, seen) << window.width;
+            CutCounts again;  // where nobody asks for the nodes
+            EXPECT_EQ(lod_cut(tree, view, window, {0, false}, again).size(), seen.size());
+            EXPECT_EQ(again.nodes_visited, met.nodes_visited);
+        }
+    }
+}
+
 TEST(LodCut, LeavesLooseSurfelsOutUnlessAsked) {
     auto model = test::two_level_sphere(1, 100, 900);
     const auto first = model.nodes[1].first_child;

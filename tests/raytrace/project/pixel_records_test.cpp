@@ -5,12 +5,17 @@
 #include "raytrace/project/outline.h"
 #include "slim/base/hash.h"
 #include "slim/blend/ray_surfel.h"
+#include "slim/model/surfel_tree.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -26,7 +31,7 @@ Surfel random_surfel(std::uint64_t seed, int degree, double nearest) {
     const double z = nearest + 1 + uniform(seed, 0);
     s.center = {0.5 * z * uniform(seed, 1), 0.5 * z * uniform(seed, 2), z};
     s.support_radius = 0.1 + 0.05 * uniform(seed, 3);
-    s.frame = frame_from_normal(normalized(Vec3d{uniform(seed, 4), uniform(seed, 5), uniform(seed, 6)}));
+    s.frame = frame_from_normal(round_normal(normalized(Vec3d{uniform(seed, 4), uniform(seed, 5), uniform(seed, 6)})));
     const auto n = static_cast<std::uint64_t>(degree <= 1 ? 1 : n_coefficients(degree));
     for (std::uint64_t k = 0; k < n; ++k) s.polynomial.a[k] = (k < 3 ? 0.1 : 0.3) * uniform(seed, 10 + k);
     s.degree = degree;
@@ -62,10 +67,15 @@ struct Direct {
     }
 };
 
+void add(const PixelView& view, const Surfel& s, SurfelBatch& batch) {
+    batch.add(view.camera_from_local(s.center), s.support_radius, octahedral_from_normal(s.frame.normal),
+              std::span<const double, kMaxCoefficients>(s.polynomial.a));
+}
+
 /// A surfel as a batch of its own: all lanes repeat it.
 SurfelLanes lanes_of(const PixelView& view, const Surfel& s) {
     SurfelBatch batch;
-    batch.add(view.camera_from_local(s.center), s);
+    add(view, s, batch);
     return batch.lanes(view);
 }
 
@@ -76,7 +86,8 @@ PixelRecord<Degree> record_of(const PixelView& view, const Surfel& s) {
     std::array<PixelRecord<Degree>*, kSurfelLanes> out{};
     out.back() = &r;
     const SurfelLanes lanes = lanes_of(view, s);
-    fill_pixel_records(lanes, ray_form(view, lanes), out);
+    const RayForm form = ray_form(view, lanes);
+    fill_pixel_records(lanes, form, PixelGrid(form), out);
     return r;
 }
 
@@ -135,15 +146,17 @@ bool meets_patch(const PixelView& view, const Surfel& s, int x, int y) {
     return ray_roots(ray_polynomial(local, s.polynomial), -half, half).n > 0;
 }
 
-struct Outlined {
-    Outline outline;
-    ScreenRect rect;
-};
-Outlined outlined(const PixelView& view, const Surfel& s) {
-    const SurfelLanes lanes = lanes_of(view, s);
-    const OutlinedRects rects({0, 0, 200, 200}, ray_form(view, lanes), lanes, patch_bounds(lanes, 1));
-    return {rects.outline(kSurfelLanes - 1), rects.rect(kSurfelLanes - 1)};
+/// The footprints of some patches in a window of 200 x 200.
+std::array<Footprint, kSurfelLanes> footprints(const PixelView& view, const SurfelLanes& lanes) {
+    std::array<Footprint, kSurfelLanes> out;
+    std::array<Footprint*, kSurfelLanes> to;
+    for (std::size_t k = 0; k < kSurfelLanes; ++k) to[k] = &out[k];
+    const RayForm form = ray_form(view, lanes);
+    Footprints({0, 0, 200, 200}, form, PixelGrid(form), lanes, patch_bounds(lanes, 1)).put(to);
+    return out;
 }
+
+Footprint footprint(const PixelView& view, const Surfel& s) { return footprints(view, lanes_of(view, s)).back(); }
 
 bool holds(const ScreenRect& r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
@@ -153,14 +166,15 @@ TEST(PixelRecord, EveryLaneIsItsOwnSurfel) {
     std::vector<Surfel> surfels;
     while (!batch.full()) {
         surfels.push_back(random_surfel(surfels.size(), 3, 1));
-        batch.add(view.camera_from_local(surfels.back().center), surfels.back());
+        add(view, surfels.back(), batch);
     }
     const SurfelLanes lanes = batch.lanes(view);
     std::vector<PixelRecord<3>> records(kSurfelLanes);
     std::array<PixelRecord<3>*, kSurfelLanes> out{};
     for (std::size_t k = 0; k < kSurfelLanes; ++k) out[k] = &records[k];
-    fill_pixel_records(lanes, ray_form(view, lanes), out);
-    const OutlinedRects rects({0, 0, 200, 200}, ray_form(view, lanes), lanes, patch_bounds(lanes, 1));
+    const RayForm form = ray_form(view, lanes);
+    fill_pixel_records(lanes, form, PixelGrid(form), out);
+    const auto feet = footprints(view, lanes);
     for (std::size_t k = 0; k < kSurfelLanes; ++k) {
         const auto alone = record_of<3>(view, surfels[k]);
         EXPECT_EQ(records[k].base_x, alone.base_x);
@@ -168,8 +182,11 @@ TEST(PixelRecord, EveryLaneIsItsOwnSurfel) {
         EXPECT_EQ(records[k].v_axis, alone.v_axis);
         EXPECT_EQ(records[k].hessian, alone.hessian);
         EXPECT_EQ(records[k].a, alone.a);
-        EXPECT_EQ(rects.rect(k).x0, outlined(view, surfels[k]).rect.x0);
-        EXPECT_EQ(rects.outline(k).c2, outlined(view, surfels[k]).outline.c2);
+        const Footprint foot = footprint(view, surfels[k]);
+        EXPECT_EQ(feet[k].rect.x0, foot.rect.x0);
+        EXPECT_EQ(feet[k].outline.c2, foot.outline.c2);
+        EXPECT_EQ(feet[k].pixel_x, records[k].pixel_x);
+        EXPECT_EQ(feet[k].step, records[k].step);
     }
 }
 
@@ -181,7 +198,7 @@ TEST(Outline, RectHoldsEveryPixelOfTheSurfaceAndLessThanTheBall) {
                 SCOPED_TRACE(testing::Message() << orthographic << ' ' << degree << ' ' << seed);
                 const PixelView view = view_of(orthographic);
                 const Surfel s = random_surfel(seed, degree, seed % 3 ? 0.7 : 2);
-                const ScreenRect r = outlined(view, s).rect;
+                const ScreenRect r = footprint(view, s).rect;
                 const ScreenRect ball =
                     screen_rect(view, {0, 0, 200, 200}, view.camera_from_local(s.center), s.support_radius);
                 in_patch += (r.x1 - r.x0) * (r.y1 - r.y0), in_ball += (ball.x1 - ball.x0) * (ball.y1 - ball.y0);
@@ -202,28 +219,29 @@ TEST(Outline, HoldsALevelPlaneBesideItsCentreSeenEdgeOn) {
             // Across the centre's ray and a little towards it, so that pixels meet the plane.
             const Vec3d ray = normalized(s.center);
             const Vec3d across = normalized(cross(ray, s.frame.normal));
-            s.frame = frame_from_normal(normalized(across + ray * 0.02));
+            s.frame = frame_from_normal(round_normal(normalized(across + ray * 0.02)));
             s.polynomial = {};
             s.polynomial.a[0] = offset;
-            const ScreenRect r = outlined(view, s).rect;
+            const ScreenRect r = footprint(view, s).rect;
             for (int y = 0; y < 200; ++y)
                 for (int x = 0; x < 200; ++x)
                     if (!holds(r, x, y)) { ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y; }
         }
 }
 
-/// Blocks of the tile about a surfel that its outline is said to touch.
-std::array<bool, kTileBlocks> listed_blocks(const PixelView& view, const Surfel& s, TileBuffers& t) {
-    const auto r = record_of<2>(view, s);
-    t.x0 = static_cast<int>(r.pixel_x) - 16, t.y0 = static_cast<int>(r.pixel_y) - 16;
+/// Blocks of the tile about a surfel that its outline is said to touch; other lanes hold surfels of other sizes.
+BlockMask listed_blocks(const PixelView& view, const Surfel& s, std::size_t lane, TileBuffers& t) {
+    const Footprint foot = footprint(view, s);
+    t.x0 = static_cast<int>(foot.pixel_x) - 16, t.y0 = static_cast<int>(foot.pixel_y) - 16;
     t.clip = {t.x0, t.y0, t.x0 + kTileSize, t.y0 + kTileSize};
-    const Outlined full = outlined(view, s);
-    std::array<bool, kTileBlocks> listed{};
-    if (t.on_tile(full.rect).empty()) return listed;
-    std::array<std::uint8_t, kTileBlocks + kBlockColumns> blocks;
-    const int n = BlockSpans(full.outline, TileGrid(r, t), t.on_tile(full.rect)).list(blocks.data());
-    for (int k = 0; k < n; ++k) listed[blocks[static_cast<std::size_t>(k)]] = true;
-    return listed;
+    BlockSpans spans;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        Surfel other = s;
+        other.support_radius *= 0.3 + 0.1 * static_cast<double>(k);
+        spans.set(k, k == lane ? foot : footprint(view, other));
+    }
+    spans.find(t);
+    return spans.blocks(lane);
 }
 
 TEST(BlockSpans, HoldEveryPixelOfTheSurfaceAndAreTight) {
@@ -235,7 +253,7 @@ TEST(BlockSpans, HoldEveryPixelOfTheSurfaceAndAreTight) {
             const PixelView view = view_of(orthographic);
             Surfel s = random_surfel(seed, 2, 1);
             for (double& a : s.polynomial.a) a *= 0.1;  // as thin as fits are
-            const auto listed = listed_blocks(view, s, *t);
+            const BlockMask listed = listed_blocks(view, s, seed % kLanes, *t);
             std::array<bool, kTileBlocks> touched{};
             for (int y = 0; y < kTileSize; ++y)
                 for (int x = 0; x < kTileSize; ++x) {
@@ -243,13 +261,60 @@ TEST(BlockSpans, HoldEveryPixelOfTheSurfaceAndAreTight) {
                     if (!meets_patch(view, s, t->x0 + x, t->y0 + y)) continue;
                     const std::size_t block = pixel_entry(x, y) / kLanes;
                     touched[block] = true;
-                    ASSERT_TRUE(listed[block]) << x << ' ' << y;
+                    ASSERT_TRUE(listed.has(static_cast<int>(block))) << x << ' ' << y;
                 }
-            for (const bool b : listed) in_list += b;
+            for (int block = 0; block < kTileBlocks; ++block) in_list += listed.has(block);
             for (const bool b : touched) met += b;
         }
     EXPECT_GT(met, 1000);
     EXPECT_LT(in_list, 1.25 * met);
+}
+
+TEST(BlockList, HoldsTheBlocksOfEachSurfelInOrder) {
+    BlockList list;
+    std::vector<std::pair<int, int>> expected;
+    for (int surfel = 0; surfel < BlockList::kMostSurfels; ++surfel) {
+        BlockMask mask;
+        for (int block = 0; block < kTileBlocks; ++block) {
+            // None, all, or some.
+            if (surfel == 3 || (surfel != 5 && keyed_hash(7, static_cast<std::uint64_t>(surfel * kTileBlocks + block)) % 3 != 0)) continue;
+            mask.add(static_cast<std::size_t>(block), 1);
+            expected.emplace_back(surfel, block);
+        }
+        EXPECT_EQ(mask.any(), surfel != 3);
+        list.add(surfel, mask);
+    }
+    ASSERT_EQ(list.size(), static_cast<int>(expected.size()));
+    for (int k = 0; k < list.size(); ++k) {
+        EXPECT_EQ(list.surfel(k), expected[static_cast<std::size_t>(k)].first);
+        EXPECT_EQ(list.block(k), expected[static_cast<std::size_t>(k)].second);
+    }
+}
+
+TEST(TileBuffers, BoundsOfBlocksAreThoseOfTheirPixels) {
+    auto t = std::make_unique<TileBuffers>();
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < kTilePixels; ++i) {
+        const double x = uniform(11, i);
+        t->z.v[i] = x > 0.9 ? kInfinity : x < -0.9 ? -kInfinity : static_cast<float>(x + 0.01 * static_cast<double>(i / kLanes));
+    }
+    std::fill_n(t->z.v, kLanes, kInfinity);            // no hit in the first block,
+    std::fill_n(t->z.v + kLanes, kLanes, -kInfinity);  // nothing of the window in the second
+    const auto block = [&](int k) { return std::span(t->z.v + k * kLanes, kLanes); };
+    EXPECT_EQ(t->bound_pixels(), kInfinity);
+    for (int k = 0; k < kTileBlocks; ++k) EXPECT_EQ(t->block_far[k], *std::max_element(block(k).begin(), block(k).end())) << k;
+    for (int k = 0; k < kTileBlocks; ++k) EXPECT_EQ(t->beyond(0.2f).has(k), t->block_far[k] > 0.2f) << k;
+    ASSERT_TRUE(t->bound_hits());
+    EXPECT_FALSE(t->within(-1e9f, 1e9f).has(0));
+    EXPECT_FALSE(t->within(-1e9f, 1e9f).has(1));
+    for (int k = 2; k < kTileBlocks; ++k) {
+        float near = kInfinity, far = -kInfinity;
+        for (const float z : block(k))
+            if (std::isfinite(z)) near = std::min(near, z), far = std::max(far, z);
+        EXPECT_EQ(t->block_near[k], near) << k;
+        EXPECT_EQ(t->block_far[k], far) << k;
+        EXPECT_EQ(t->within(0.1f, 0.2f).has(k), near <= 0.2f && far >= 0.1f) << k;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "slim/base/simd.h"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+
+namespace slim {
+
+/// Lane k of the result is op over the lanes of v[k]; op is one like max, of two vectors.
+template <class Op>
+[[gnu::always_inline]] inline FloatV reduce_each(std::array<FloatV, kLanes> v, const Op& op) {
+    using Raw [[gnu::vector_size(sizeof(FloatV))]] = float;
+    using Places [[gnu::vector_size(sizeof(FloatV))]] = int;
+    Places even{}, odd{};  // of two vectors side by side
+    for (int k = 0; k < kLanes; ++k) even[k] = 2 * k, odd[k] = 2 * k + 1;
+    // Each step halves what is left of every vector and joins two of them.
+#pragma GCC unroll 8
+    for (std::size_t n = kLanes / 2; n > 0; n /= 2)
+#pragma GCC unroll 16
+        for (std::size_t k = 0; k < n; ++k) {
+            const Raw a = std::bit_cast<Raw>(v[2 * k]), b = std::bit_cast<Raw>(v[2 * k + 1]);
+            v[k] = op(std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, even))),
+                      std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, odd))));
+        }
+    return v[0];
+}
+
+/// Writes a[k] b[k] c[k] d[k] to to(k), a place for four floats, for every lane k.
+template <class To>
+[[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a, const LanesOfDouble<float>& b,
+                                               const LanesOfDouble<float>& c, const LanesOfDouble<float>& d, const To& to) {
+#ifdef __AVX512VL__
+    const auto lo = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+        return _mm256_castps_pd(_mm256_unpacklo_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
+    };
+    const auto hi = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+        return _mm256_castps_pd(_mm256_unpackhi_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
+    };
+    const __m256d ab_lo = lo(a, b), ab_hi = hi(a, b), cd_lo = lo(c, d), cd_hi = hi(c, d);
+    // Half h of the k-th is lane 4 h + k.
+    const __m256d fours[] = {_mm256_unpacklo_pd(ab_lo, cd_lo), _mm256_unpackhi_pd(ab_lo, cd_lo),
+                             _mm256_unpacklo_pd(ab_hi, cd_hi), _mm256_unpackhi_pd(ab_hi, cd_hi)};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const __m256 four = _mm256_castpd_ps(fours[k]);
+        _mm_storeu_ps(to(k), _mm256_castps256_ps128(four));
+        _mm_storeu_ps(to(k + 4), _mm256_extractf128_ps(four, 1));
+    }
+#else
+    for (std::size_t k = 0; k < LanesOfDouble<float>::size(); ++k) {
+        float* out = to(k);
+        out[0] = a[k], out[1] = b[k], out[2] = c[k], out[3] = d[k];
+    }
+#endif
+}
+
+}  // namespace slim
