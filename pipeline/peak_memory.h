@@ -34,15 +34,12 @@ private:
     std::thread sampler_;
 };
 
-/// What becomes of freed blocks from now on. With several slices large ones go back to the system
-/// at once: else the allocator keeps those of one slice in a heap that has no room for the next
-/// one's, half as much memory again. With one slice they are kept: the system clears every page
-/// that it gives anew, a tenth of the processor time of a build (happy_stand_raw: 1.93 to 1.79 s at
-/// 170 to 190 MiB).
+/// What becomes of freed small blocks from now on: with several slices they go back to the system at once, with one they
+/// are kept: the system clears every page that it gives anew. Large ones: slim/base/large_blocks.h.
 void keep_freed_memory(bool keep);
 
-/// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps
-/// included: between slices and stages. Cost: a few ms.
+/// Gives small blocks that were freed and kept back to the system, those of other threads' heaps included: between
+/// slices and stages. Cost: a few ms.
 void return_freed_memory();
 
 }  // namespace slim

@@ -11,6 +11,7 @@
 #include "pipeline/peak_memory.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
+#include "slim/base/large_blocks.h"
 #include "slim/slicing/block_plan.h"
 #include "slim/tree/drawn_bounds.h"
 #include "slim/tree/loose_leaves.h"
@@ -173,6 +174,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     if (auto done = stamp.up_to_date()) return *done;
 
     if (plan.slices.size() > 1) return_freed_memory();
+    release_large_blocks();  // a tree is made of other arrays than a fit
     const Fits fits = open_fits(paths);
     require_leaves(plan, fits);
     warn_of_memory(config, fits.n_surfels(), context.reporter);
