@@ -42,7 +42,11 @@ class Surveyor {
 public:
     Surveyor(CloudSurvey& survey, const std::vector<std::string>& paths, bool strict,
              std::uint64_t most_gathered)
-        : survey_(survey), paths_(paths), strict_(strict), most_gathered_(most_gathered), is_gathering_(most_gathered > 0) {
+        : survey_(survey),
+          paths_(paths),
+          strict_(strict),
+          most_gathered_(most_gathered),
+          is_gathering_(most_gathered > 0) {
         survey_.gathered = GatheredPoints(most_gathered);
     }
 

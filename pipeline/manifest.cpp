@@ -94,7 +94,7 @@ bool output_intact(const json& output, const fs::path& folder) {
     const std::uintmax_t bytes = fs::file_size(file, error);
     if (error || bytes != output.at("bytes").get<std::uintmax_t>()) return false;
     return output.contains("identity") ? is_whole_slice(file.string(), output.at("identity").get<std::string>())
-                          : hash_file(file) == output.at("xxh3_128").get<std::string>();
+                                       : hash_file(file) == output.at("xxh3_128").get<std::string>();
 }
 
 /// Paths are for people; what must be equal is the contents.

@@ -18,17 +18,19 @@ namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 
-std::unique_ptr<char[]> block_of(std::size_t n) { return std::unique_ptr<char[]>(new char[n]); }
+/// Not inlined: a compiler may leave out what is freed at once.
+[[gnu::noinline]] std::unique_ptr<char[]> block_of(std::size_t n) { return std::unique_ptr<char[]>(new char[n]); }
+std::uintptr_t place_of(const std::unique_ptr<char[]>& block) { return reinterpret_cast<std::uintptr_t>(block.get()); }
 
 TEST(LargeBlocks, ServeTheNextOneWholeOrInParts) {
     release_large_blocks();
     auto first = block_of(64 * kMiB);
-    const char* const begin = first.get();
+    const std::uintptr_t begin = place_of(first);
     first.reset();
     EXPECT_GE(large_block_use().kept, 64 * kMiB);
     const auto a = block_of(20 * kMiB), b = block_of(30 * kMiB);
-    EXPECT_EQ(a.get(), begin);
-    EXPECT_EQ(b.get(), begin + 20 * kMiB);
+    EXPECT_EQ(place_of(a), begin);
+    EXPECT_EQ(place_of(b), begin + 20 * kMiB);
     EXPECT_EQ(large_block_use().kept, 14 * kMiB);
     release_large_blocks();
     EXPECT_EQ(large_block_use().kept, 0u);
@@ -38,20 +40,24 @@ TEST(LargeBlocks, JoinNeighboursThatWereFreed) {
     release_large_blocks();
     block_of(64 * kMiB).reset();
     auto a = block_of(20 * kMiB), b = block_of(20 * kMiB), c = block_of(20 * kMiB);
-    const char* const begin = a.get();
+    const std::uintptr_t begin = place_of(a);
     b.reset(), a.reset(), c.reset();
-    EXPECT_EQ(block_of(60 * kMiB).get(), begin);
+    EXPECT_EQ(place_of(block_of(60 * kMiB)), begin);
 }
 
-TEST(LargeBlocks, AreNoMoreThanWereInUse) {
+TEST(LargeBlocks, AreNoMoreThanFourFifthsOfWhatWasInUse) {
     release_large_blocks();
     std::vector<std::unique_ptr<char[]>> some;
-    for (int i = 0; i < 10; ++i) some.push_back(block_of(10 * kMiB));
-    some.clear();
+    while (some.size() < 10 || large_block_use().in_use < large_block_use().most_in_use)
+        some.push_back(block_of(10 * kMiB));
     const std::size_t most = large_block_use().most_in_use;
-    const auto larger = block_of(most / 2 + 30 * kMiB);  // than any kept
+    for (std::size_t i = 0; i < some.size(); i += 2) some[i].reset();
+    const auto larger = block_of(11 * kMiB);  // than any kept, unless neighbours were freed
     const LargeBlockUse use = large_block_use();
-    EXPECT_LE(use.in_use + use.kept, std::max(most / 5 * 4, use.in_use));
+    EXPECT_GT(use.kept, 0u);
+    EXPECT_LE(use.in_use + use.kept, most / 5 * 4);
+    const auto largest = block_of(most);
+    EXPECT_EQ(large_block_use().kept, 0u);
 }
 
 TEST(LargeBlocks, HaveTheAlignmentThatIsAskedFor) {
@@ -69,7 +75,7 @@ TEST(LargeBlocks, AreGivenAndFreedByAnyThread) {
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([t] {
-            for (std::size_t i = 1; i < 50; ++i) {
+            for (std::size_t i = 1; i < 16; ++i) {
                 std::vector<std::size_t> values(i * kMiB / 16, i);
                 std::vector<std::size_t> copy = values;
                 copy.back() = static_cast<std::size_t>(t);
