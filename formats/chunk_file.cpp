@@ -19,8 +19,26 @@
 
 namespace slim {
 
+namespace {
+
+/// Closes the descriptor however a function ends.
+struct Descriptor {
+    int fd = -1;
+
+    Descriptor() = default;
+    explicit Descriptor(int opened) : fd(opened) {}
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() {
+        if (fd >= 0) ::close(fd);
+    }
+};
+
+}  // namespace
+
 struct ChunkFile::State {
     std::string path;
+    Descriptor file;
     const char* what = "";
     const unsigned char* data = nullptr;
     std::uint64_t size = 0;
@@ -53,14 +71,6 @@ std::string name_of(const ChunkEntry& entry) {
     return {entry.name, strnlen(entry.name, sizeof(entry.name))};
 }
 
-/// Closes the descriptor however a function ends.
-struct Descriptor {
-    int fd;
-    ~Descriptor() {
-        if (fd >= 0) ::close(fd);
-    }
-};
-
 std::string quoted(const char* bytes, std::size_t n) {
     std::string text;
     for (std::size_t i = 0; i < n; ++i)
@@ -76,7 +86,7 @@ void ChunkFile::State::fail_checksum(const ChunkEntry& e) const {
 }
 
 void ChunkFile::State::map() {
-    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    file.fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status {};
     if (file.fd < 0 || ::fstat(file.fd, &status) != 0)
         throw IoError(message(path, ": cannot be opened: ", std::strerror(errno)));
@@ -227,6 +237,23 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
     }
     let_go(data, data + e.count * e.element_size);
     if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
+}
+
+void ChunkFile::read(std::string_view name, std::uint64_t first_byte, std::span<unsigned char> out) const {
+    const ChunkEntry& e = state_->entry(name);
+    const std::uint64_t n_bytes = e.count * e.element_size;
+    if (first_byte > n_bytes || out.size() > n_bytes - first_byte)
+        state_->fail(e.offset, message("chunk ", name, ": expected ", out.size(), " bytes from byte ", first_byte,
+                                       " on, found ", n_bytes, " in all"));
+    std::uint64_t at = e.offset + first_byte;
+    while (!out.empty()) {
+        const ssize_t n = ::pread(state_->file.fd, out.data(), out.size(), static_cast<off_t>(at));
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw IoError(message(state_->path, ": byte ", at, ": cannot be read: ", std::strerror(errno)));
+        if (n == 0) state_->fail(at, "cut off while it was read");
+        at += static_cast<std::uint64_t>(n);
+        out = out.subspan(static_cast<std::size_t>(n));
+    }
 }
 
 std::string ChunkFile::identity() const {

@@ -93,6 +93,10 @@ public:
         return {static_cast<const T*>(data), count};
     }
 
+    /// Copies bytes of a chunk, without mapping them and without a look at its checksum. Thread-safe.
+    /// throws FormatError if they are beyond its end, IoError
+    void read(std::string_view name, std::uint64_t first_byte, std::span<unsigned char> out) const;
+
     /// Calls body(first, piece) for an array in pieces from front to back, checks its checksum on
     /// the way and leaves no page of it mapped: for files larger than memory. body sees values
     /// before they are verified; the end of the call tells.

@@ -1,117 +1,219 @@
 #include "formats/slice_file.h"
 
 #include "formats/message.h"
-#include "slim/base/check.h"
+#include "formats/slice_kind.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace slim {
 namespace {
 
-constexpr ChunkFileKind kSliceKind{"SLIMSLCE", "SLIM slice", 1};
+/// An open slice and what its pieces are.
+class SliceReader {
+public:
+    explicit SliceReader(const std::string& path) : file_(ChunkFile::open(path, kSliceKind)) {
+        if (file_.version() < kSliceKind.version)
+            throw FormatError(message(path, ": byte 8: SLIM slice version ", file_.version(), ", of an earlier slim; expected ",
+                                      kSliceKind.version, ": run `slim slice` or `slim build` again"));
+        for (const char* chunk : {"origin", "columns", "pieces"}) file_.verify(chunk);
+        columns_ = one<SliceColumns>("columns");
+        pieces_ = file_.array<SlicePiece>("pieces");
+        check_pieces();
+    }
 
-template <class T>
-std::span<const T> column(const ChunkFile& file, const char* name, std::size_t n) {
-    const std::span<const T> values = file.array<T>(name);
-    if (values.size() != n)
-        throw FormatError(message(file.path(), ": byte ", file.offset(name), ": chunk ", name,
-                                  ": expected ", n, " entries, found ", values.size()));
-    return values;
-}
+    Vec3d origin() const { return one<Vec3d>("origin"); }
+    bool has_normals() const { return columns_.has_normals != 0; }
+    bool has_scans() const { return columns_.has_scans != 0; }
+    std::span<const SlicePiece> pieces() const { return pieces_; }
 
-/// Appends what is wanted of a column; the vector holds nothing to spare.
-template <class T>
-void append_column(const ChunkFile& file, const char* name, const std::vector<bool>& wanted,
-                   std::size_t n_wanted, std::vector<T>& out) {
-    column<T>(file, name, wanted.size());
-    out.reserve(out.size() + n_wanted);
-    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) {
-        if (n_wanted == wanted.size()) {
-            out.insert(out.end(), piece.begin(), piece.end());
-            return;
+    /// Reads a piece against its checksum and calls body(columns). Thread-safe.
+    template <class Body>
+    void with_piece(std::size_t i, const Body& body) const {
+        const SlicePiece& piece = pieces_[i];
+        thread_local std::vector<unsigned char> bytes;
+        bytes.resize(size_of(piece));
+        file_.read("points", piece.first_byte, bytes);
+        if (XXH3_64bits(bytes.data(), bytes.size()) != piece.checksum)
+            fail(piece, message("damaged: piece ", i, " of the points (", piece.n_points,
+                                " of them) does not match its checksum"));
+        body(PieceColumns(piece, bytes, has_normals(), has_scans()));
+    }
+
+private:
+    template <class T>
+    T one(const char* chunk) const {
+        const std::span<const T> values = file_.array<T>(chunk);
+        if (values.size() != 1)
+            throw FormatError(message(file_.path(), ": byte ", file_.offset(chunk), ": chunk ", chunk,
+                                      ": expected 1 entry, found ", values.size()));
+        return values[0];
+    }
+    std::uint64_t size_of(const SlicePiece& piece) const { return piece.n_bytes(has_normals(), has_scans()); }
+    [[noreturn]] void fail(const SlicePiece& piece, const std::string& text) const {
+        throw FormatError(message(file_.path(), ": byte ", file_.offset("points") + piece.first_byte, ": ", text));
+    }
+    void check_pieces() const {
+        std::uint64_t at = 0;
+        const std::uint64_t end = file_.n_bytes("points");
+        for (const SlicePiece& p : pieces_) {
+            const auto is_width = [](std::uint16_t bytes) { return bytes == 4 || bytes == 8; };
+            if (p.n_points == 0 || !is_width(p.coordinate_bytes) || !is_width(p.id_bytes) || p.first_byte != at ||
+                size_of(p) > end - at)
+                throw FormatError(message(file_.path(), ": byte ", file_.offset("pieces"),
+                                          ": chunk pieces: piece ", &p - pieces_.data(), " is out of bounds"));
+            at += size_of(p);
         }
-        for (std::size_t i = 0; i < piece.size(); ++i)
-            if (wanted[first + i]) out.push_back(piece[i]);
+        if (at != end)
+            throw FormatError(message(file_.path(), ": byte ", file_.offset("points"), ": chunk points: expected ", at,
+                                      " bytes, found ", end));
+    }
+
+    ChunkFile file_;
+    SliceColumns columns_{};
+    std::span<const SlicePiece> pieces_;
+};
+
+/// What to take of one piece.
+struct Taken {
+    std::size_t n = 0;
+    std::vector<bool> chosen;  // empty: all or none of it
+};
+
+/// What to take of every piece: choose(columns, i) says which points are wanted where a box does not.
+template <class Choose>
+std::vector<Taken> choose_points(const SliceReader& slice, const std::function<WantedOf(const Bbox&)>& wanted_of,
+                                 const Choose& choose) {
+    std::vector<Taken> taken(slice.pieces().size());
+    parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
+        const SlicePiece& piece = slice.pieces()[i];
+        const WantedOf wanted = wanted_of(piece.box);
+        if (wanted == WantedOf::all) taken[i].n = piece.n_points;
+        if (wanted != WantedOf::some) return;
+        std::vector<bool> chosen(piece.n_points);
+        slice.with_piece(i, [&](const PieceColumns& columns) {
+            for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = choose(columns, k);
+        });
+        taken[i].n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
+        if (taken[i].n < chosen.size()) taken[i].chosen = std::move(chosen);
     });
+    return taken;
 }
 
-/// The columns of a slice's wanted points; optional ones are empty or those of every point.
-void append_columns(const ChunkFile& file, const std::vector<bool>& wanted, PointBlock& out) {
-    const auto n = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), true));
-    const bool has_normals = !file.array<Vec3f>("normal").empty();
-    const bool has_scans = !file.array<std::uint16_t>("scan").empty();
-    if (n == 0 && !out.empty()) return;
-    if (!out.empty() && (has_normals != out.has_normals() || has_scans != out.has_scans()))
-        throw FormatError(message(file.path(), ": has other columns than the slices before it"));
-    file.verify("origin");
-    out.origin = column<Vec3d>(file, "origin", 1)[0];
-    // Half of the bytes are positions.
-    run_both([&] { append_column(file, "position", wanted, n, out.position); }, [&] {
-        append_column(file, "id", wanted, n, out.id);
-        if (has_normals) append_column(file, "normal", wanted, n, out.normal);
-        if (has_scans) append_column(file, "scan", wanted, n, out.scan);
+/// Room for so many points in all, and no more; the first to touch a page pays for it.
+void resize_exactly(std::size_t n, bool has_normals, bool has_scans, PointBlock& out) {
+    const auto resize = [n](auto& values) {
+        values.reserve(n);
+        values.resize(n);
+    };
+    run_both([&] { resize(out.position); }, [&] {
+        resize(out.id);
+        if (has_normals) resize(out.normal);
+        if (has_scans) resize(out.scan);
     });
-}
-
-/// The bits of the points whose values in a column are wanted.
-template <class T, class Wanted>
-std::vector<bool> choose_by(const ChunkFile& file, const char* name, Wanted&& is_wanted) {
-    std::vector<bool> wanted(file.array<T>(name).size());
-    file.for_pieces<T>(name, [&](std::size_t first, std::span<const T> piece) {
-        for (std::size_t i = 0; i < piece.size(); ++i) wanted[first + i] = is_wanted(piece[i]);
-    });
-    return wanted;
 }
 
 }  // namespace
 
-SliceWriter::SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
-                         bool has_normals, bool has_scans)
-    : chunks_(path, kSliceKind), has_normals_(has_normals), has_scans_(has_scans) {
-    chunks_.add("origin", std::span<const Vec3d>(&origin, 1));
-    position_ = chunks_.reserve("position", sizeof(Vec3d), n_points);
-    id_ = chunks_.reserve("id", sizeof(std::uint64_t), n_points);
-    normal_ = chunks_.reserve("normal", sizeof(Vec3f), has_normals ? n_points : 0);
-    scan_ = chunks_.reserve("scan", sizeof(std::uint16_t), has_scans ? n_points : 0);
+/// A slice, and what to take of each of its pieces.
+struct SliceSelection::Part {
+    std::string path;
+    SliceReader slice;
+    std::vector<Taken> taken;
+    std::size_t n = 0;
+
+    explicit Part(const std::string& of_slice) : path(of_slice), slice(of_slice) {}
+    void take(std::vector<Taken> chosen) {
+        taken = std::move(chosen);
+        for (const Taken& t : taken) n += t.n;
+    }
+    void copy_to(PointBlock& out, std::size_t begin) const {
+        std::vector<std::size_t> at(taken.size(), begin);
+        for (std::size_t i = 1; i < at.size(); ++i) at[i] = at[i - 1] + taken[i - 1].n;
+        parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
+            if (taken[i].n == 0) return;
+            slice.with_piece(i, [&](const PieceColumns& columns) { columns.copy_to(taken[i].chosen, out, at[i]); });
+        });
+    }
+};
+
+SliceSelection::SliceSelection() = default;
+SliceSelection::~SliceSelection() = default;
+
+void SliceSelection::add(const std::string& path, const std::function<WantedOf(const Bbox&)>& wanted_of,
+                         const std::function<bool(const Vec3d&)>& is_wanted) {
+    auto part = std::make_unique<Part>(path);
+    part->take(choose_points(part->slice, wanted_of, [&](const PieceColumns& columns, std::size_t k) {
+        return is_wanted(columns.position(k));
+    }));
+    if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 
-void SliceWriter::append(const PointBlock& block) {
-    const std::size_t n = block.size();
-    SLIM_CHECK(block.id.size(), ==, n);
-    SLIM_CHECK(block.normal.size(), ==, has_normals_ ? n : 0);
-    SLIM_CHECK(block.scan.size(), ==, has_scans_ ? n : 0);
-    chunks_.append(position_, block.position.data(), n);
-    chunks_.append(id_, block.id.data(), n);
-    chunks_.append(normal_, block.normal.data(), block.normal.size());
-    chunks_.append(scan_, block.scan.data(), block.scan.size());
+void SliceSelection::add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted) {
+    auto part = std::make_unique<Part>(path);
+    const auto some = [](const Bbox&) { return WantedOf::some; };
+    part->take(choose_points(part->slice, some, [&](const PieceColumns& columns, std::size_t k) {
+        return is_wanted(columns.id(k));
+    }));
+    if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 
-void write_slice(const std::string& path, const PointBlock& block) {
-    SliceWriter writer(path, block.origin, block.size(), block.has_normals(), block.has_scans());
-    writer.append(block);
-    writer.commit();
+void SliceSelection::append_to(PointBlock& out) const {
+    if (parts_.empty()) return;
+    const SliceReader& first = parts_[0]->slice;
+    const bool was_empty = out.empty();
+    const bool has_normals = was_empty ? first.has_normals() : out.has_normals();
+    const bool has_scans = was_empty ? first.has_scans() : out.has_scans();
+    std::size_t n = out.size();
+    for (const auto& part : parts_) {
+        n += part->n;
+        if (part->n > 0 && (part->slice.has_normals() != has_normals || part->slice.has_scans() != has_scans))
+            throw FormatError(message(part->path, ": has other columns than the slices before it"));
+    }
+    if (was_empty) out.origin = first.origin();
+    std::size_t at = out.size();
+    resize_exactly(n, has_normals, has_scans, out);
+    for (const auto& part : parts_) {
+        part->copy_to(out, at);
+        at += part->n;
+    }
+}
+
+bool is_slice_file(const std::string& path) {
+    char magic[8] = {};
+    std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
+    return std::string_view(magic, sizeof magic) == kSliceKind.magic;
+}
+
+std::string slice_identity(const std::string& path) { return ChunkFile::open(path, kSliceKind).identity(); }
+
+bool is_whole_slice(const std::string& path, const std::string& identity) {
+    try {
+        const ChunkFile file = ChunkFile::open(path, kSliceKind);
+        if (file.identity() != identity) return false;
+        for (const char* chunk : {"origin", "columns", "pieces"}) file.verify(chunk);
+        file.for_pieces<unsigned char>("points", [](std::size_t, auto) {});
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
 }
 
 PointBlock read_slice(const std::string& path) {
-    const ChunkFile file = ChunkFile::open(path, kSliceKind);
+    SliceSelection all;
+    all.add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
     PointBlock block;
-    append_columns(file, std::vector<bool>(file.array<Vec3d>("position").size(), true), block);
+    all.append_to(block);
     return block;
-}
-
-void append_slice_part(const std::string& path,
-                       const std::function<bool(const Vec3d&)>& is_wanted, PointBlock& out) {
-    const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    append_columns(file, choose_by<Vec3d>(file, "position", is_wanted), out);
-}
-
-void append_slice_points(const std::string& path,
-                         const std::function<bool(std::uint64_t id)>& is_wanted, PointBlock& out) {
-    const ChunkFile file = ChunkFile::open(path, kSliceKind);
-    append_columns(file, choose_by<std::uint64_t>(file, "id", is_wanted), out);
 }
 
 }  // namespace slim

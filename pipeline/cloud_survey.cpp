@@ -42,7 +42,11 @@ class Surveyor {
 public:
     Surveyor(CloudSurvey& survey, const std::vector<std::string>& paths, bool strict,
              std::uint64_t most_gathered)
-        : survey_(survey), paths_(paths), strict_(strict), is_gathering_(most_gathered > 0) {
+        : survey_(survey),
+          paths_(paths),
+          strict_(strict),
+          most_gathered_(most_gathered),
+          is_gathering_(most_gathered > 0) {
         survey_.gathered = GatheredPoints(most_gathered);
     }
 
@@ -50,14 +54,14 @@ public:
               const CloudInfo& info) {
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
-        const Bbox box = take_positions(chunk, input);
+        if (is_gathering_ && input.first_id + info.n_points.value_or(0) > most_gathered_) stop_gathering();
+        if (first_box_.empty()) first_box_ = box_of(chunk.position);
+        Bbox box;
+        run_both([&] { box = take_positions(chunk, input); }, [&] {
+            if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) stop_gathering();
+            if (!is_gathering_) count_cells(chunk.position);
+        });
         survey_.boxes[i].extend(box);
-        if (first_box_.empty()) first_box_ = box;
-        if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) {
-            is_gathering_ = false;
-            count_cells(survey_.gathered.release(false, false).position);
-        }
-        if (!is_gathering_) count_cells(chunk.position);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan)
             end_scan_ = std::max(end_scan_, input.first_scan + s + 1);
@@ -84,6 +88,19 @@ private:
         survey_.is_float32 |= info.coordinates == CoordinateType::float32;
         survey_.inputs.push_back(input);
         survey_.boxes.emplace_back();
+    }
+
+    /// What was gathered is counted; a cloud that says that it is too large is not gathered first.
+    void stop_gathering() {
+        is_gathering_ = false;
+        count_cells(survey_.gathered.release(false, false).position);
+    }
+
+    static Bbox box_of(const std::vector<Vec3d>& positions) {
+        Bbox box;
+        for (const Vec3d& p : positions)
+            if (is_finite(p)) box.extend(p);
+        return box;
     }
 
     Bbox take_positions(const PointChunk& chunk, PlanInput& input) {
@@ -116,6 +133,7 @@ private:
     CloudSurvey& survey_;
     const std::vector<std::string>& paths_;
     bool strict_;
+    std::uint64_t most_gathered_;
     bool is_gathering_;
     Bbox first_box_;  // of the first chunk with finite points: cells start from it
     std::uint32_t end_scan_ = 0;

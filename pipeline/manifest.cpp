@@ -1,6 +1,7 @@
 #include "pipeline/manifest.h"
 
 #include "formats/atomic_file.h"
+#include "formats/slice_file.h"
 #include "pipeline/json_text.h"
 #include "pipeline/version.h"
 #include "slim/base/check.h"
@@ -53,6 +54,11 @@ std::string hex(const XXH128_hash_t& hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
+/// Of slices, which tell by their table what is in them: they are not read again for their hash.
+json identity_json(const fs::path& file, const fs::path& shown, const std::string& identity) {
+    return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"identity", identity}};
+}
+
 json file_json(const fs::path& file, const fs::path& shown, const std::string& hash) {
     return {{"path", shown.string()}, {"bytes", fs::file_size(file)}, {"xxh3_128", hash}};
 }
@@ -86,8 +92,9 @@ bool output_intact(const json& output, const fs::path& folder) {
     const fs::path file = folder / output.at("path").get<std::string>();
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(file, error);
-    return !error && bytes == output.at("bytes").get<std::uintmax_t>() &&
-           hash_file(file) == output.at("xxh3_128").get<std::string>();
+    if (error || bytes != output.at("bytes").get<std::uintmax_t>()) return false;
+    return output.contains("identity") ? is_whole_slice(file.string(), output.at("identity").get<std::string>())
+                                       : hash_file(file) == output.at("xxh3_128").get<std::string>();
 }
 
 /// Paths are for people; what must be equal is the contents.
@@ -149,10 +156,9 @@ json Stamp::inputs_json() const {
     for (const Input& input : inputs_) {
         if (input.optional && !fs::exists(input.path))
             hashed_.push_back({{"path", input.path.string()}, {"absent", true}});
-        else if (!input.identity.empty())
-            hashed_.push_back({{"path", input.path.string()},
-                               {"bytes", fs::file_size(input.path)},
-                               {"identity", input.identity}});
+        else if (!input.identity.empty() || is_slice_file(input.path.string()))
+            hashed_.push_back(identity_json(
+                input.path, input.path, input.identity.empty() ? slice_identity(input.path.string()) : input.identity));
         else
             hashed_.push_back(file_json(input.path, input.path, hash_of_input(input.path)));
     }
@@ -195,9 +201,15 @@ std::optional<json> Stamp::up_to_date() const {
 }
 
 json Stamp::output_json(const fs::path& file, bool asked) const {
-    const std::string hash = hash_file(file);
-    if (context_.written) (*context_.written)[file.string()] = hash;
-    json out = file_json(file, relative_to(folder_of(manifest_), file), hash);
+    const fs::path shown = relative_to(folder_of(manifest_), file);
+    json out;
+    if (is_slice_file(file.string())) {
+        out = identity_json(file, shown, slice_identity(file.string()));
+    } else {
+        const std::string hash = hash_file(file);
+        if (context_.written) (*context_.written)[file.string()] = hash;
+        out = file_json(file, shown, hash);
+    }
     if (asked) out["asked"] = true;
     return out;
 }

@@ -4,6 +4,7 @@
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 #include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
@@ -22,15 +23,17 @@ double rim_width(const SlicePlan& plan) {
     return plan.diagonal * std::min(kWidestRim, kRimSpacings / std::sqrt(double(plan.n_points)));
 }
 
-/// Appends the points of another slice near this one's region. Strictly outside it, as drop_rims
+/// Adds the points of another slice near this one's region. Strictly outside it, as drop_rims
 /// tells them apart: a coordinate of the slice may round to the cut.
-void append_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
-                PointBlock& points) {
+void add_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice, SliceSelection& points) {
     const Bbox& region = plan.slices[slice].region;
     const double width = rim_width(plan);
-    append_slice_part(path.string(), [&](const Vec3d& p) {
-        return is_near(region, p, width) && !is_near(region, p, 0);
-    }, points);
+    const auto wanted_of = [&](const Bbox& box) {
+        if (!comes_near(region, box, width)) return WantedOf::none;
+        return is_near(region, box, width) && !comes_near(region, box, 0) ? WantedOf::all : WantedOf::some;
+    };
+    points.add(path.string(), wanted_of,
+               [&](const Vec3d& p) { return is_near(region, p, width) && !is_near(region, p, 0); });
 }
 
 }  // namespace
@@ -78,17 +81,28 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
 
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
                           std::optional<PointBlock> handed) {
-    PointBlock points = handed ? std::move(*handed)
-                               : read_slice(slice_points_path(config.work, slice).string());
     const auto near = rims(config, plan, slice);
-    const auto append = [&](bool before) {
+    SliceSelection read;
+    if (!handed)
+        read.add(slice_points_path(config.work, slice).string(), [](const Bbox&) { return WantedOf::all; },
+                 [](const Vec3d&) { return true; });
+    const auto add_rims = [&](bool before, SliceSelection& to) {
         for (const std::size_t i : near)
-            if ((i < slice) == before)
-                append_rim(rim_of(config, plan, i, slice), plan, slice, points);
+            if ((i < slice) == before) add_rim(rim_of(config, plan, i, slice), plan, slice, to);
     };
-    append(false);
-    if (signs_carry_over(config, plan)) points.normal.assign(points.size(), Vec3f{});
-    append(true);
+    PointBlock points;
+    if (handed) points = std::move(*handed);
+    add_rims(false, read);
+    if (!signs_carry_over(config, plan)) {
+        add_rims(true, read);
+        read.append_to(points);
+    } else {
+        read.append_to(points);
+        points.normal.assign(points.size(), Vec3f{});
+        SliceSelection oriented;
+        add_rims(true, oriented);
+        oriented.append_to(points);
+    }
     if (!points.has_normals()) points.normal.assign(points.size(), Vec3f{});  // --normals keep
     return points;
 }
@@ -109,10 +123,11 @@ void drop_rims(const std::vector<bool>& own, PointBlock& points) {
             if (own[i]) values[n++] = values[i];
         values.resize(n);
     };
-    keep_own(points.position);
-    keep_own(points.normal);
-    keep_own(points.id);
-    keep_own(points.scan);
+    run_both([&] { keep_own(points.position); }, [&] {
+        keep_own(points.normal);
+        keep_own(points.id);
+        keep_own(points.scan);
+    });
 }
 
 }  // namespace slim

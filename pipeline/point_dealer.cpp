@@ -1,6 +1,9 @@
 #include "pipeline/point_dealer.h"
 
+#include "slim/base/parallel.h"
+
 #include <numeric>
+#include <span>
 
 namespace slim {
 
@@ -16,16 +19,9 @@ PointDealer::PointDealer(const std::filesystem::path& work, SlicePlan& plan,
 
 void PointDealer::take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input) {
     sort_by_slice(chunk);
-    for (std::size_t s = 0; s < writers_.size(); ++s) {
-        if (begin_[s] == begin_[s + 1]) continue;
-        block_.position.clear();
-        block_.id.clear();
-        block_.normal.clear();
-        block_.scan.clear();
-        for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k)
-            put(chunk, order_[k], first_id, input, s);
-        writers_[s].append(block_);
-    }
+    parallel_blocks(writers_.size(), 1, [&](std::size_t s, std::size_t) {
+        if (begin_[s] < begin_[s + 1]) writers_[s].append(points_of(s, chunk, first_id, input));
+    });
 }
 
 void PointDealer::commit() {
@@ -48,20 +44,35 @@ void PointDealer::sort_by_slice(const PointChunk& chunk) {
         if (is_finite(chunk.position[i])) order_[at[slice_of_[i]]++] = i;
 }
 
-void PointDealer::put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id,
-                      std::size_t input, std::size_t slice) {
-    const Vec3d local = chunk.position[i] - plan_.origin;
-    plan_.slices[slice].bounds.extend(local);
-    block_.position.push_back(local);
-    block_.id.push_back(first_id + i);
+/// The chunk's points of a slice, whose bounds they extend.
+PointBlock PointDealer::points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id,
+                                  std::size_t input) {
+    const std::span<const std::size_t> own(&order_[begin_[slice]], begin_[slice + 1] - begin_[slice]);
+    PointBlock out;
+    out.position.reserve(own.size());
+    out.id.reserve(own.size());
+    Bbox& bounds = plan_.slices[slice].bounds;
+    for (const std::size_t i : own) {
+        const Vec3d local = chunk.position[i] - plan_.origin;
+        bounds.extend(local);
+        out.position.push_back(local);
+        out.id.push_back(first_id + i);
+    }
     if (plan_.has_normals) {
-        const bool good = !chunk.normal.empty() && is_finite(chunk.normal[i]);
-        block_.normal.push_back(good ? chunk.normal[i] : Vec3f{});
+        out.normal.reserve(own.size());
+        for (const std::size_t i : own) {
+            const bool good = !chunk.normal.empty() && is_finite(chunk.normal[i]);
+            out.normal.push_back(good ? chunk.normal[i] : Vec3f{});
+        }
     }
     if (plan_.has_scans) {
-        const std::uint32_t own = chunk.scan.empty() ? 0u : chunk.scan[i];
-        block_.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + own));
+        out.scan.reserve(own.size());
+        for (const std::size_t i : own) {
+            const std::uint32_t of_input = chunk.scan.empty() ? 0u : chunk.scan[i];
+            out.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + of_input));
+        }
     }
+    return out;
 }
 
 }  // namespace slim

@@ -12,7 +12,7 @@
 
 namespace slim {
 
-/// Deals points out to the files of their slices. Holds one slice's points of one chunk at a time.
+/// Deals points out to the files of their slices, to several at a time. Holds the points of one chunk.
 class PointDealer {
 public:
     /// Sets the bounds of the plan's slices as points come; both must outlive the dealer.
@@ -26,14 +26,12 @@ public:
 
 private:
     void sort_by_slice(const PointChunk& chunk);
-    void put(const PointChunk& chunk, std::size_t i, std::uint64_t first_id, std::size_t input,
-             std::size_t slice);
+    PointBlock points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id, std::size_t input);
 
     SlicePlan& plan_;
     const BlockPlan& blocks_;
     std::vector<SliceWriter> writers_;
     std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
-    PointBlock block_;
 };
 
 }  // namespace slim

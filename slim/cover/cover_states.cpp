@@ -7,6 +7,12 @@
 
 namespace slim {
 
+namespace {
+
+constexpr std::size_t kAhead = 24;  // points whose state is fetched while those before are marked
+
+}  // namespace
+
 CoverStates::CoverStates(const PointBlock& points, const CoverRules& rules)
     : block_(points),
       rules_(rules),
@@ -79,7 +85,9 @@ void CoverStates::mark(const CoveringSurfel& leaf, bool is_steady) {
         return overlap_weight(rules_.reading, static_cast<float>(sq));
     };
     const std::uint16_t beside = is_steady ? kBeside : 0;
-    for (const Covered& p : leaf.covered) {
+    for (std::size_t i = 0; i < leaf.covered.size(); ++i) {
+        if (i + kAhead < leaf.covered.size()) prefetch(leaf.covered[i + kAhead].point);
+        const Covered& p = leaf.covered[i];
         PointState& state = states_[p.point];
         state.weight += n_times * overlap(p);
         state.flags |= static_cast<std::uint16_t>(beside | (p.in_core ? kCore : 0));

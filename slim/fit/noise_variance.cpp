@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <unordered_set>
 #include <vector>
 
 namespace slim {
@@ -79,20 +81,29 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
     return best;
 }
 
+/// The first point at the place of each sample. Samples of one place look at its points once in all.
+std::vector<std::uint32_t> first_points(const NearestSearch& search, std::span<const std::uint32_t> samples) {
+    std::vector<std::uint32_t> first(samples.begin(), samples.end());
+    std::vector<std::uint32_t> order(samples.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return samples[a] < samples[b]; });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        std::uint32_t& i = first[order[k]];
+        while (search.is_repeat(i) && (k == 0 || i != samples[order[k - 1]])) --i;
+        if (k > 0 && i == samples[order[k - 1]]) i = first[order[k - 1]];
+    }
+    return first;
+}
+
 /// The samples with each replaced by the first point at its place, and every place once, at its
-/// highest priority.
+/// highest priority. Cost: of the samples, not of all points.
 std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
                                            std::span<const std::uint32_t> samples) {
-    std::vector<std::uint32_t> first(search.size());
-    for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = search.is_repeat(i) ? first[i - 1] : i;
-    std::vector<bool> taken(search.size(), false);
+    std::unordered_set<std::uint32_t> taken(samples.size());
     std::vector<std::uint32_t> places;
     places.reserve(samples.size());
-    for (const std::uint32_t i : samples) {
-        if (taken[first[i]]) continue;
-        taken[first[i]] = true;
-        places.push_back(first[i]);
-    }
+    for (const std::uint32_t first : first_points(search, samples))
+        if (taken.insert(first).second) places.push_back(first);
     return places;
 }
 

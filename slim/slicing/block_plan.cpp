@@ -128,6 +128,17 @@ bool is_near(const Bbox& region, const Vec3d& p, double distance) {
     return near;
 }
 
+bool comes_near(const Bbox& region, const Bbox& box, double distance) {
+    bool near = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        near &= box.hi[axis] >= region.lo[axis] - distance && box.lo[axis] <= region.hi[axis] + distance;
+    return near;
+}
+
+bool is_near(const Bbox& region, const Bbox& box, double distance) {
+    return is_near(region, box.lo, distance) && is_near(region, box.hi, distance);
+}
+
 std::size_t BlockPlan::block_of(const Vec3d& p) const {
     if (splits.empty()) return 0;
     std::int32_t at = 0;

@@ -26,6 +26,9 @@ bool is_in(const Bbox& region, const Vec3d& p);
 /// A point of the region, its faces included, or not farther than a distance from it along any
 /// axis.
 bool is_near(const Bbox& region, const Vec3d& p, double distance);
+/// Whether a box that is not empty has places that are near in that sense; whether all of it is.
+bool comes_near(const Bbox& region, const Bbox& box, double distance);
+bool is_near(const Bbox& region, const Bbox& box, double distance);
 
 /// Space cut into blocks of nearly equal numbers of points, each across the longest side of what it
 /// holds: blocks are as thick as they can be, also where a cloud is flat, so that a halo around one

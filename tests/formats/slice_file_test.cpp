@@ -21,8 +21,23 @@ PointBlock some_points(bool normals, bool scans) {
     return block;
 }
 
-std::function<bool(const Vec3d&)> between(double lo, double hi) {
-    return [=](const Vec3d& p) { return p.y >= lo && p.y <= hi; };
+/// Appends the points of a slice between two heights, whose pieces' boxes say which to read.
+void append_between(const std::string& path, double lo, double hi, PointBlock& out) {
+    SliceSelection part;
+    part.add(
+        path,
+        [=](const Bbox& box) {
+            if (box.hi.y < lo || box.lo.y > hi) return WantedOf::none;
+            return box.lo.y >= lo && box.hi.y <= hi ? WantedOf::all : WantedOf::some;
+        },
+        [=](const Vec3d& p) { return p.y >= lo && p.y <= hi; });
+    part.append_to(out);
+}
+
+void append_ids(const std::string& path, const std::function<bool(std::uint64_t)>& is_wanted, PointBlock& out) {
+    SliceSelection part;
+    part.add(path, is_wanted);
+    part.append_to(out);
 }
 
 TEST(SliceFile, RoundTripsWithAndWithoutOptionalColumns) {
@@ -40,41 +55,131 @@ TEST(SliceFile, RoundTripsWithAndWithoutOptionalColumns) {
         }
 }
 
-TEST(SliceFile, IsReadInPartAndSeesDamageThere) {
-    const TempFolder folder;
-    PointBlock block;  // several pieces of 1 MiB
-    for (std::size_t i = 0; i < 150000; ++i) {
-        block.position.push_back({1, double(i % 1000), 2});
+/// Rows of a thousand points each at one height, which rises.
+PointBlock rising_points(std::size_t n) {
+    PointBlock block;
+    for (std::size_t i = 0; i < n; ++i) {
+        block.position.push_back({double(i % 1000), double(i / 1000), 2});
         block.id.push_back(i);
         block.normal.push_back({0, 0, float(i)});
     }
+    return block;
+}
+
+TEST(SliceFile, KeepsEveryBitOfPositionsAndIdsInAsFewBytesAsHoldThem) {
+    const TempFolder folder;
+    PointBlock floats = rising_points(5000), doubles = floats, far = floats;
+    doubles.position[4999].y = 0.1;  // no float: of the second piece alone
+    far.id[0] = 0xffffffffffffffffu;
+    std::size_t sizes[3];
+    const PointBlock* const blocks[] = {&floats, &doubles, &far};
+    for (std::size_t k = 0; k < 3; ++k) {
+        write_slice(folder.file("s"), *blocks[k]);
+        const PointBlock back = read_slice(folder.file("s"));
+        EXPECT_EQ(back.position, blocks[k]->position);
+        EXPECT_EQ(back.id, blocks[k]->id);
+        sizes[k] = read_bytes(folder.file("s")).size();
+    }
+    EXPECT_NEAR(static_cast<double>(sizes[0]), 5000 * 28, 1000);
+    const auto more = [&](std::size_t k) { return static_cast<double>(sizes[k] - sizes[0]); };
+    EXPECT_NEAR(more(1), (5000 - 4096) * 12, 64);  // chunks are padded
+    EXPECT_NEAR(more(2), 4096 * 4, 64);
+}
+
+TEST(SliceFile, IsTheSameForPointsThatComeOneByOne) {
+    const TempFolder folder;
+    const PointBlock block = rising_points(1300);
+    SliceWriter writer(folder.file("s"), block.origin, block.size(), true, false);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        PointBlock one;
+        one.position = {block.position[i]};
+        one.id = {block.id[i]};
+        one.normal = {block.normal[i]};
+        writer.append(one);
+    }
+    writer.commit();
+    const PointBlock back = read_slice(folder.file("s"));
+    EXPECT_EQ(back.position, block.position);
+    EXPECT_EQ(back.id, block.id);
+    EXPECT_EQ(back.normal, block.normal);
+    EXPECT_LT(read_bytes(folder.file("s")).size(), 1300 * 29u + 1000u);
+}
+
+TEST(SliceFile, IsReadInPartAndSeesDamageThere) {
+    const TempFolder folder;
+    const PointBlock block = rising_points(150000);
     const std::string path = folder.file("s");
     write_slice(path, block);
     PointBlock part;
-    append_slice_part(path, between(990, 991), part);
-    ASSERT_EQ(part.size(), 300u);
+    append_between(path, 49, 50, part);
+    ASSERT_EQ(part.size(), 2000u);
     for (std::size_t k = 0; k < part.size(); ++k) {
-        const std::size_t i = 1000 * (k / 2) + 990 + k % 2;
-        ASSERT_EQ(part.id[k], i);
-        ASSERT_EQ(part.position[k], block.position[i]);
-        ASSERT_EQ(part.normal[k], block.normal[i]);
+        ASSERT_EQ(part.id[k], 49000 + k);
+        ASSERT_EQ(part.position[k], block.position[49000 + k]);
+        ASSERT_EQ(part.normal[k], block.normal[49000 + k]);
     }
-    append_slice_part(path, between(2000, 3000), part);
-    EXPECT_EQ(part.size(), 300u);
-    append_slice_points(path, [](std::uint64_t id) { return id == 7 || id == 149999; }, part);
-    ASSERT_EQ(part.size(), 302u);
-    EXPECT_EQ(part.id[300], 7u);
-    EXPECT_EQ(part.position[301], block.position[149999]);
-    EXPECT_EQ(part.normal[301], block.normal[149999]);
+    append_between(path, 2000, 3000, part);
+    EXPECT_EQ(part.size(), 2000u);
+    append_ids(path, [](std::uint64_t id) { return id == 7 || id == 149999; }, part);
+    ASSERT_EQ(part.size(), 2002u);
+    EXPECT_EQ(part.id[2000], 7u);
+    EXPECT_EQ(part.position[2001], block.position[149999]);
+    EXPECT_EQ(part.normal[2001], block.normal[149999]);
     std::string bytes = read_bytes(path);
-    // of a position that is not asked for or is
-    bytes[2000000] = static_cast<char>(bytes[2000000] ^ 4);
+    bytes[2000000] = static_cast<char>(bytes[2000000] ^ 4);  // of point 70,000 or so
     const std::string damaged = folder.write("d", bytes);
-    EXPECT_NE(
-        error_of([&] { append_slice_part(damaged, between(5, 6), part); }).find("chunk position"),
-        std::string::npos);
+    PointBlock elsewhere;
+    append_between(damaged, 0, 10, elsewhere);  // whose pieces are whole
+    EXPECT_EQ(elsewhere.size(), 11000u);
+    EXPECT_NE(error_of([&] { append_between(damaged, 71, 72, part); }).find("piece 17 of the points"), std::string::npos);
+    EXPECT_NE(error_of([&] { append_ids(damaged, [](std::uint64_t) { return false; }, part); })
+                  .find("does not match its checksum"),
+              std::string::npos);
     EXPECT_NE(error_of([&] { read_slice(damaged); }).find("does not match its checksum"),
               std::string::npos);
+}
+
+TEST(SliceFile, KnowsItselfByItsTableAndDamageByItsBytes) {
+    const TempFolder folder;
+    PointBlock block = rising_points(9000);
+    write_slice(folder.file("a"), block);
+    const std::string identity = slice_identity(folder.file("a"));
+    EXPECT_TRUE(is_whole_slice(folder.file("a"), identity));
+    std::string bytes = read_bytes(folder.file("a"));
+    bytes[100000] = static_cast<char>(bytes[100000] ^ 1);
+    EXPECT_FALSE(is_whole_slice(folder.write("d", bytes), identity));
+    EXPECT_FALSE(is_whole_slice(folder.write("d", bytes.substr(0, 5000)), identity));
+    EXPECT_FALSE(is_whole_slice(folder.file("none"), identity));
+    block.id[8999] = 9001;
+    write_slice(folder.file("b"), block);
+    EXPECT_NE(slice_identity(folder.file("b")), identity);
+}
+
+TEST(SliceFile, JoinsSlicesInOneSelection) {
+    const TempFolder folder;
+    const PointBlock block = some_points(true, true);
+    write_slice(folder.file("a"), block);
+    write_slice(folder.file("b"), block);
+    write_slice(folder.file("bare"), some_points(false, true));
+    const auto from = [&](const std::vector<std::string>& names) {
+        SliceSelection chosen;
+        for (const std::string& name : names) chosen.add(folder.file(name), [](std::uint64_t id) { return id >= 30; });
+        PointBlock out;
+        chosen.append_to(out);
+        return out;
+    };
+    const PointBlock both = from({"a", "b"});
+    EXPECT_EQ(both.id, (std::vector<std::uint64_t>{30, 40, 30, 40}));
+    EXPECT_EQ(both.scan, (std::vector<std::uint16_t>{3, 4, 3, 4}));
+    EXPECT_EQ(both.origin, block.origin);
+    EXPECT_NE(error_of([&] { from({"a", "bare"}); }).find("other columns"), std::string::npos);
+}
+
+TEST(SliceFile, RefusesTheVersionBeforeByName) {
+    const TempFolder folder;
+    ChunkWriter old(folder.file("s"), {"SLIMSLCE", "SLIM slice", 1});
+    old.commit();
+    EXPECT_NE(error_of([&] { read_slice(folder.file("s")); }).find("version 1, of an earlier slim"), std::string::npos);
 }
 
 }  // namespace

@@ -190,5 +190,15 @@ TEST(BlockPlan, MemoryDecidesHowManyPointsAreHeld) {
     EXPECT_EQ(points_in_memory(1), 1u);
 }
 
+TEST(BlockPlan, TellsBoxesNearARegionFromThoseWhollyNear) {
+    const Bbox region{{0, 0, 0}, {1, 1, INFINITY}};
+    const Bbox inside{{0.2, 0.2, 5}, {0.4, 0.4, 6}}, across{{0.5, 0.5, 0}, {1.5, 0.6, 1}};
+    const Bbox beside{{1.05, 0, 0}, {1.09, 1, 1}}, far{{3, 0, 0}, {4, 1, 1}};
+    EXPECT_TRUE(comes_near(region, inside, 0) && is_near(region, inside, 0));
+    EXPECT_TRUE(comes_near(region, across, 0.1) && !is_near(region, across, 0.1));
+    EXPECT_TRUE(!comes_near(region, beside, 0) && is_near(region, beside, 0.1));
+    EXPECT_FALSE(comes_near(region, far, 0.1));
+}
+
 }  // namespace
 }  // namespace slim
