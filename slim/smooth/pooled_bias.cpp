@@ -109,20 +109,24 @@ void pool_bias(const BallIndex& model, std::span<BiasLadder> ladders) {
         for (std::size_t k = 1; k < kRungs; ++k) l.sq_bias[k] = std::max(l.sq_bias[k], l.sq_bias[k - 1] / growth);
 }
 
-std::vector<std::array<float, kRungs>> unshared_bias(const BallIndex& model, std::span<const BiasLadder> ladders,
-                                                     double diagonal) {
+std::vector<std::array<float, kRungs>> unshared_bias(
+    const BallIndex& model, std::span<const BiasLadder> ladders, double diagonal,
+    const std::function<bool(std::size_t leaf, std::size_t rung)>& is_asked) {
     SLIM_CHECK(ladders.size(), ==, model.n_leaves());
     std::vector<std::array<float, kRungs>> out(ladders.size());
     parallel_blocks(ladders.size(), 16, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> around;
-        for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t i = begin; i < end; ++i) {
+            out[i] = ladders[i].sq_bias;
+            float wider = 0;  // a wider rung knows it better
             for (std::size_t k = 0; k < kRungs; ++k) {
-                if (!ladders[i].has(k)) continue;
+                wider /= static_cast<float>(kBiasGrowth);
+                if (!ladders[i].has(k) || !is_asked(i, k)) continue;
                 const double own = unshared(model, ladders, i, k, kAround * rung_radius(k, diagonal), around);
-                out[i][k] = std::min(static_cast<float>(own), ladders[i].sq_bias[k]);
-                // A wider rung knows it better.
-                if (k > 0) out[i][k] = std::max(out[i][k], out[i][k - 1] / static_cast<float>(kBiasGrowth));
+                wider = std::max(wider, std::min(static_cast<float>(own), ladders[i].sq_bias[k]));
+                out[i][k] = wider;
             }
+        }
     });
     return out;
 }

@@ -20,7 +20,8 @@ constexpr double kOffNoises = 6, kOffRadii = 0.25;  ///< a fit's surface this fa
 constexpr int kMostMoves = 3;        ///< of a place onto the fit about it
 constexpr double kMostSpread = 30;    ///< of WideFit::spread
 constexpr double kFewPoints = 60, kStrayShare = 0.25;  ///< of a stray's own points, and of those there
-constexpr float kFacing = 0;  ///< cosine: of points on its sheet
+constexpr double kContraryShare = 0.05;
+constexpr float kAnyNormal = -2;
 
 /// Whether a leaf is the one that weighs most at a place, of equals the first.
 bool owns(const BallIndex& model, std::size_t leaf, const Vec3d& place, std::vector<const Surfel*>& found) {
@@ -75,14 +76,25 @@ void for_places(const BallIndex& model, std::size_t leaf, double radius, std::ve
         }
 }
 
-/// Whether what a leaf of few points follows is the noise of a fit that was made anew: it lies in it, and holds few of the points there.
+/// Points about a foot within a leaf's radius, out to what noise explains, that face as `normal` does within a cosine.
+double count_about(const FarFits::Foot& foot, const Vec3d& normal, float least_cos, double radius, const PointPyramid& points,
+                   WideWork& work) {
+    gather_disc(points.all(), foot.point, normal, radius, std::hypot(radius, foot.off), least_cos, work.ball);
+    return static_cast<double>(work.ball.n);
+}
+
+/// Whether what a leaf of few points follows is the noise of a fit that was made anew: it lies in it, and holds few of
+/// the points there; or faces the other way, as hardly any of them do.
 bool is_stray(const Surfel& leaf, double n_points, const FarFits& far, const PointPyramid& points, WideWork& work) {
     if (!(n_points < kFewPoints)) return false;
-    const auto foot = far.foot(leaf.center, leaf.frame.normal);
+    const double radius = leaf.support_radius;
+    auto foot = far.foot(leaf.center, leaf.frame.normal);
+    const bool is_facing = foot.has_value();
+    if (!is_facing) foot = far.foot(leaf.center, {});
     if (!foot || length(leaf.center - foot->point) > foot->off) return false;
-    const double reach = std::hypot(leaf.support_radius, foot->off);
-    gather_disc(points.all(), foot->point, foot->normal, leaf.support_radius, reach, kFacing, work.ball);
-    return n_points * points.share(0) < kStrayShare * static_cast<double>(work.ball.n);
+    if (is_facing) return n_points * points.share(0) < kStrayShare * count_about(*foot, foot->normal, 0, radius, points, work);
+    const double facing_away = count_about(*foot, -foot->normal, 0, radius, points, work);
+    return facing_away < kContraryShare * count_about(*foot, foot->normal, kAnyNormal, radius, points, work);
 }
 
 }  // namespace

@@ -33,12 +33,30 @@ bool has_its_points(const Surfel& s, double n_points, const PointPyramid& points
     return static_cast<double>(work.ball.n - work.aside.size()) >= std::max(1.0, wanted);
 }
 
+/// Variance of the middle of the leaf's own fit, for noise as a wide one sees it.
+double sq_error_of_leaf(const Surfel& s, const LeafNoise& noise, double sq_noise) {
+    return std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
+           std::max(1.0, kShareUnderG * noise.n_points);
+}
+
+/// Squared bias of a rung: what cannot be taken off, or what neighbours do not share.
+double bias_left(const BiasLadder& ladder, std::size_t k, double unshared) {
+    return std::max({kBiasFloor * ladder.sq_error[k], kTakenOff * ladder.sq_bias[k], kUnshared * unshared});
+}
+
+/// Whether a leaf may be fitted anew on a rung if neighbours share all of its bias (of a clean cloud's few may), and what
+/// they do not share may count there.
+bool may_be_chosen(const BiasLadder& ladder, std::size_t k, const Surfel& s, const LeafNoise& noise) {
+    const double bias = bias_left(ladder, k, 0), most = kUnshared * ladder.sq_bias[k];
+    return bias < most && bias <= kMostBias * ladder.sq_noise[k] &&
+           ladder.sq_error[k] <= kKeep * sq_error_of_leaf(s, noise, ladder.sq_noise[k]);
+}
+
 /// The radius of least error between rungs and on them; the logarithm of the bias goes straight from one to the next.
-void choose_radius(const BiasLadder& ladder, const std::array<float, kRungs>& unshared, const Surfel& s, const LeafNoise& noise, double diagonal, WideRadius& out) {
+void choose_radius(const BiasLadder& ladder, const std::array<float, kRungs>& unshared, const Surfel& s,
+                   const LeafNoise& noise, double diagonal, WideRadius& out) {
     double least = INFINITY, radius = 0, sq_noise = 0, bias = 0;
-    const auto bias_at = [&](std::size_t k) {
-        return std::max({kBiasFloor * ladder.sq_error[k], kTakenOff * ladder.sq_bias[k], kUnshared * unshared[k]});
-    };
+    const auto bias_at = [&](std::size_t k) { return bias_left(ladder, k, unshared[k]); };
     for (std::size_t k = 0; k < kRungs; ++k) {
         if (!ladder.has(k)) continue;
         for (int part = 0; part < kParts; ++part) {
@@ -55,9 +73,8 @@ void choose_radius(const BiasLadder& ladder, const std::array<float, kRungs>& un
             sq_noise = between(ladder.sq_noise[k], ladder.sq_noise[next]), bias = squared;
         }
     }
-    const double of_leaf = std::max(sq_noise, noise.fit_error * noise.fit_error) * n_coefficients(s.degree) /
-                           std::max(1.0, kShareUnderG * noise.n_points);
-    if (least <= kKeep * of_leaf && bias <= kMostBias * sq_noise) out.radius = radius, out.sq_noise = sq_noise;
+    if (least <= kKeep * sq_error_of_leaf(s, noise, sq_noise) && bias <= kMostBias * sq_noise)
+        out.radius = radius, out.sq_noise = sq_noise;
 }
 
 }  // namespace
@@ -77,8 +94,11 @@ std::vector<WideRadius> wide_radii(const BallIndex& model, std::span<const LeafN
         }
     });
     pool_bias(model, ladders);
-    const auto unshared = unshared_bias(model, ladders, diagonal);
-    for (std::size_t i = 0; i < n; ++i) choose_radius(ladders[i], unshared[i], model.leaf(i), noise[i], diagonal, out[i]);
+    const auto unshared = unshared_bias(model, ladders, diagonal, [&](std::size_t i, std::size_t k) {
+        return may_be_chosen(ladders[i], k, model.leaf(i), noise[i]);
+    });
+    for (std::size_t i = 0; i < n; ++i)
+        choose_radius(ladders[i], unshared[i], model.leaf(i), noise[i], diagonal, out[i]);
     return out;
 }
 

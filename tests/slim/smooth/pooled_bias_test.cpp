@@ -26,6 +26,7 @@ protected:
                 leaves.push_back({{i * radius / 3, j * radius / 3, 0}, radius / 2, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
         model_.emplace(leaves);
         ladders_.resize(leaves.size());
+        asked_.assign(leaves.size(), 1);
         for (BiasLadder& l : ladders_) l.widest = l.narrowest = kRung;
     }
     /// lift(i, j) of each leaf's place in the grid.
@@ -39,13 +40,14 @@ protected:
         }
     }
     double middle() const {
-        const auto found = unshared_bias(*model_, ladders_, kDiagonal);
+        const auto found = unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; });
         for (std::size_t n = 0; n < found.size(); ++n)
             if (model_->node(n) == 7 * 15 + 7) return std::sqrt(found[n][kRung]);
         return NAN;
     }
     std::optional<BallIndex> model_;
     std::vector<BiasLadder> ladders_;
+    std::vector<std::uint8_t> asked_;
 };
 
 TEST_F(PooledBias, WhatAllHaveIsShared) {
@@ -67,9 +69,16 @@ TEST_F(PooledBias, IsAtMostTheWholeAndTheSameForAnyNumberOfThreads) {
     lift([](auto i, auto j) { return (i + j) % 2 != 0 ? 40.0 : 20.0; }, 0);
     EXPECT_EQ(middle(), 1);
     lift([](auto i, auto j) { return 0.1 * i - 0.01 * j * j; }, 0.01);
-    const auto many = unshared_bias(*model_, ladders_, kDiagonal);
+    const auto many = unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; });
     const ThreadLimit one(1);
-    EXPECT_EQ(many, unshared_bias(*model_, ladders_, kDiagonal));
+    EXPECT_EQ(many, unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; }));
+}
+
+TEST_F(PooledBias, ALeafThatIsNotAskedForHasAllOfItsBias) {
+    lift([](auto i, auto j) { return (i + j) % 2 != 0 ? 0.4 : 0.2; }, 0);
+    for (std::size_t n = 0; n < asked_.size(); ++n)
+        if (model_->node(n) == 7 * 15 + 7) asked_[n] = 0;
+    EXPECT_EQ(middle(), 1);  // all of the pooled bias
 }
 
 TEST_F(PooledBias, ALeafWithoutARungSaysNothingOfIt) {
