@@ -2,7 +2,6 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/scatter.h"
-#include "slim/cover/wider_balls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +21,9 @@ constexpr double kResolved = 8;             // over the finest radius: a sample 
 constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
 constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
-constexpr double kWantedOfWide = 24;        // points a coefficient of a leaf that a fold ended: no more are asked for
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
 constexpr double kLittleNoise = 0.15;       // the same: up to it planes say enough for larger balls to be worth their time
-constexpr double kPlateFitted = 0.08;       // eps / rho of a leaf in noise that takes a larger ball past a plate's other side,
-constexpr double kPlateNoise = 1.2;         // eps^2 of it over the typical noise,
-constexpr double kPlateLean = 0.06;         // its lean (0.2 at a border),
-constexpr double kPlateSideways = 0.03;     // and the share of its points that face neither its way nor the other
 constexpr std::size_t kFewForAir = 8;       // points of a ball: of fewer there is no saying where a surface ends
 constexpr double kThickForAir = 0.1;        // eps / rho: thicker leaves have no surface to stand off from
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
@@ -152,50 +146,6 @@ CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal,
     if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
     return leaf;
-}
-
-/// Gives a leaf whose ladder a fold or another sheet ended the largest of a few larger balls that is well fitted and
-/// stands nowhere in the air (notes/0012).
-void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
-    const int degree = rules_.ladder.choose_degree ? rules_.usual_degree() : c.choice.degree;
-    const auto n_wanted = static_cast<std::size_t>(kWantedOfWide * n_coefficients(degree));
-    const auto radii = wider_radii(pyramid_.all(), center, c.choice.radius, ladder_.rung_radius(rules_.top_rung()),
-                                   n_wanted, work.wide);
-    for (const float radius : radii) {
-        BallPoints<double>& ball = work.exact.ball;
-        shrink_ball(work.wide, static_cast<double>(radius), ball);
-        CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
-                                                  rules_.noise_variance, ball, edges());
-        if (!is_well_fitted(leaf) || rounds_off(leaf) || (rules_.sharp && has_edge_signs(leaf))) continue;
-        leaf.air = air_places(leaf.fitted.surfel, ball);
-        if (!ends_before_air(leaf)) continue;
-        c.choice.radius = static_cast<double>(radius);
-        c.choice.widened = true;
-        return;
-    }
-}
-
-/// The same in noise, where single points do not say what stands in the air, for leaves that the other side of a thin
-/// plate limits (notes/0015): past it where hardly any point faces sideways, as beyond an edge, and noise alone is left.
-void LeafMaker::widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const {
-    const int degree = rules_.ladder.choose_degree ? rules_.usual_degree() : c.choice.degree;
-    const auto n_wanted = static_cast<std::size_t>(2 * kWantedOfWide * n_coefficients(degree));  // of both sides
-    const auto radii = wider_radii(pyramid_.all(), center, c.choice.radius, ladder_.rung_radius(rules_.top_rung()),
-                                   n_wanted, work.wide);
-    for (const float radius : radii) {
-        BallPoints<double>& ball = work.exact.ball;
-        shrink_ball(work.wide, static_cast<double>(radius), ball);
-        if (share_sideways(ball, average_normal(ball, 1, normal).normal) > kPlateSideways) continue;
-        const CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
-                                                        rules_.noise_variance, ball, edges());
-        const double eps = leaf.fitted.fit_error;
-        if (!leaf.explains_center || length(leaf.lean) > kPlateLean || eps > kPlateFitted * static_cast<double>(radius) ||
-            eps * eps > kPlateNoise * rules_.typical_variance)
-            continue;
-        c.choice.radius = static_cast<double>(radius);
-        c.choice.widened = true;
-        return;
-    }
 }
 
 /// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013). It does not wait

@@ -70,6 +70,9 @@ private:
                        LeafWork& work) const;
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                 LeafWork& work) const;
+    /// Takes the largest of a few larger balls that is accepted. leaf_maker_wider.cpp.
+    template <class Accepts>
+    void take_wider(LeafCandidate& c, const Vec3d& center, double n_wanted, LeafWork& work, const Accepts& accepts) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     void widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;

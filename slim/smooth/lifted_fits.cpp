@@ -6,6 +6,7 @@
 #include "slim/model/weight_kernel.h"
 #include "slim/tree/ball_index.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -30,7 +31,8 @@ BallIndex balls_of(const std::vector<std::vector<PlacedFit>>& fits, std::vector<
     return BallIndex(std::move(balls));
 }
 
-/// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first, over its radius. One a thread.
+/// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first, over
+/// its radius. One a thread.
 class LiftsAround {
 public:
     void gather(const BallIndex& balls, std::span<const PlacedFit* const> known, std::span<const PlacedFit> leaf) {
@@ -39,22 +41,29 @@ public:
         balls.near(box, near_);
         origin_ = leaf.front().surfel.center, unit_ = leaf.front().radius;
         const std::size_t n = near_.size(), padded = (n + kLanes - 1) / kLanes * kLanes;
-        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_}) column->assign(padded, 0);
-        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], i);
+        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_})
+            column->assign(padded, 0);
+        double most = 0;
+        for (const std::uint32_t i : near_) most = std::max(most, importance(*known[balls.node(i)]));
+        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], most, i);
     }
 
     /// The weighted mean about a fit, for its radius; zero if none is known.
     double at(const PlacedFit& fit) const {
         const Vec3d place = (fit.surfel.center - origin_) / unit_, normal = fit.surfel.frame.normal;
         const auto lanes = [](double c) { return FloatV(static_cast<float>(c)); };
-        const Vec3<FloatV> p{lanes(place.x), lanes(place.y), lanes(place.z)}, up{lanes(normal.x), lanes(normal.y), lanes(normal.z)};
+        const Vec3<FloatV> p{lanes(place.x), lanes(place.y), lanes(place.z)};
+        const Vec3<FloatV> up{lanes(normal.x), lanes(normal.y), lanes(normal.z)};
         FloatV sum = 0, all = 0;
         for (std::size_t i = 0; i < x_.size(); i += kLanes) {
-            const auto load = [i](const std::vector<float>& column) { return FloatV(&column[i], stdx::element_aligned); };
+            const auto load = [i](const std::vector<float>& column) {
+                return FloatV(&column[i], stdx::element_aligned);
+            };
             const Vec3<FloatV> off{load(x_) - p.x, load(y_) - p.y, load(z_) - p.z};
             const FloatV sq = dot(off, off) * load(by_sq_radius_);
             const FloatV cosine = dot(Vec3<FloatV>{load(nx_), load(ny_), load(nz_)}, up);
-            const FloatV weight = select<FloatV>(cosine > kLeastCos, load(weight_) * weight_kernel(sq), FloatV(0));
+            const FloatV near = load(weight_) * weight_kernel(sq);
+            const FloatV weight = select<FloatV>(cosine > kLeastCos, near, FloatV(0));
             sum += weight * load(lift_), all += weight;
         }
         const double weight = stdx::reduce(all);
@@ -62,15 +71,20 @@ public:
     }
 
 private:
-    /// A lift over the fourth power of the radius, as a quartic's grows, and the inverse of its variance.
-    void put(const Surfel& ball, const PlacedFit& fit, std::size_t i) {
+    /// The inverse of the variance of a lift over the fourth power of the radius.
+    double importance(const PlacedFit& fit) const {
+        const double fourth = std::pow(fit.radius / unit_, 4);
+        return fourth * fourth * unit_ * unit_ / fit.sq_lift_error;
+    }
+    /// A lift over the fourth power of the radius, as a quartic's grows, and its importance over the most.
+    void put(const Surfel& ball, const PlacedFit& fit, double most, std::size_t i) {
         const Vec3d c = (ball.center - origin_) / unit_, n = ball.frame.normal;
         const double fourth = std::pow(fit.radius / unit_, 4), reach = ball.support_radius / unit_;
         x_[i] = static_cast<float>(c.x), y_[i] = static_cast<float>(c.y), z_[i] = static_cast<float>(c.z);
         nx_[i] = static_cast<float>(n.x), ny_[i] = static_cast<float>(n.y), nz_[i] = static_cast<float>(n.z);
         by_sq_radius_[i] = static_cast<float>(1 / (reach * reach));
         lift_[i] = static_cast<float>(fit.lift / (unit_ * fourth));
-        weight_[i] = static_cast<float>(fourth * fourth * unit_ * unit_ / fit.sq_lift_error);
+        weight_[i] = static_cast<float>(importance(fit) / most);
     }
 
     std::vector<std::uint32_t> near_;

@@ -3,7 +3,6 @@
 #include "slim/model/surfel.h"
 #include "slim/smooth/wide_fit.h"
 
-#include <optional>
 #include <vector>
 
 namespace slim {

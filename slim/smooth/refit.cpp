@@ -178,20 +178,24 @@ RefittedSurface::Fits RefittedSurface::together(const BallIndex& model, std::spa
                                                 std::vector<std::vector<PlacedFit>>& fitted) {
     std::vector<FarFit> far;
     for (std::size_t i = 0; i < fitted.size(); ++i)
-        for (const PlacedFit& f : fitted[i]) far.push_back({f.surfel, kReach * noise[i].fit_error});
+        for (const PlacedFit& f : fitted[i])
+            far.push_back({f.surfel, kReach * std::max(noise[i].fit_error, std::sqrt(radii[i].sq_noise))});
     Fits out{{}, FarFits(far), {}, 0};
-    WideWork work;
+    std::vector<std::uint8_t> stray(radii.size());
+    parallel_blocks(radii.size(), 64, [&](std::size_t begin, std::size_t end) {
+        WideWork work;
+        for (std::size_t i = begin; i < end; ++i)
+            if (!(radii[i].radius > 0) && is_stray(model.leaf(i), noise[i].n_points, out.far, points, work)) stray[i] = 1;
+    });
     const auto add = [&](const Surfel& s, std::size_t leaf) {
         out.near.push_back(s);
         out.leaf.push_back(static_cast<std::uint32_t>(leaf));
     };
     for (std::size_t i = 0; i < fitted.size(); ++i) {
-        if (!(radii[i].radius > 0)) {
-            if (is_stray(model.leaf(i), noise[i].n_points, out.far, points, work))
-                ++out.n_strays;
-            else
-                add(model.leaf(i), i);
-        }
+        if (stray[i] != 0)
+            ++out.n_strays;
+        else if (!(radii[i].radius > 0))
+            add(model.leaf(i), i);
         for (const PlacedFit& f : fitted[i]) add(f.surfel, i);
         fitted[i] = {};
     }

@@ -3,6 +3,7 @@
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/smooth/local_noise.h"
+#include "slim/smooth/surface_projector.h"
 
 #include <gtest/gtest.h>
 
@@ -115,6 +116,23 @@ TEST_F(Refit, TheFootOfAPointOutsideAllFitsIsOnTheSurfaceBeneathIt) {
     EXPECT_TRUE(surface.foot({0.1, 0.2, 0}, {}));  // no normal: any fit serves
     EXPECT_FALSE(surface.foot({0.1, 0.2, 0}, {0, 0, -1}));
     EXPECT_FALSE(surface.foot({0.1, 0.2, 2}, {0, 0, 1}));
+}
+
+TEST_F(Refit, APointBeyondAllBallsGoesToTheSurfaceThoughItsNormalFacesAway) {
+    constexpr double kThick = 0.08;
+    make(kThick);
+    const RefittedSurface refitted(*model_, noise_, radii(), *points_);
+    SurfaceProjector projector(SmoothSurface{*model_, &refitted, {}});
+    const double above = 5.7 * kThick;
+    std::vector<const Surfel*> found;
+    refitted.fits().supporters({0.1, 0.2, height(0.1, 0.2) + above}, found);
+    ASSERT_TRUE(found.empty());
+    for (const double facing : {1.0, -1.0}) {
+        const SurfacePut put = projector.project({0.1, 0.2, height(0.1, 0.2) + above}, {0, 0, facing});
+        ASSERT_GT(sq_length(put.normal), 0) << facing;
+        EXPECT_NEAR(put.point.z, height(put.point.x, put.point.y), kThick / 3);
+        EXPECT_EQ(put.opposed, facing < 0);
+    }
 }
 
 TEST_F(Refit, LeavesThatTakeMostFitsAreKeptWhereFitsAreFew) {
