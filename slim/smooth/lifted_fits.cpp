@@ -16,6 +16,7 @@ namespace slim {
 namespace {
 
 constexpr double kAround = 2.2;    ///< radii of the disc
+constexpr double kTurnNoise = 3;   ///< times the noise in turns: what is not believed of them
 constexpr float kLeastCos = 0.3f;  ///< between the normals of fits that share a bias
 
 /// The fits whose lift is known, by the balls in which it counts.
@@ -31,6 +32,11 @@ BallIndex balls_of(const std::vector<std::vector<PlacedFit>>& fits, std::vector<
     return BallIndex(std::move(balls));
 }
 
+/// What the fits about a place say of it.
+struct Known {
+    double lift = 0, turn_share = 0;
+};
+
 /// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first, over
 /// its radius. One a thread.
 class LiftsAround {
@@ -41,20 +47,21 @@ public:
         balls.near(box, near_);
         origin_ = leaf.front().surfel.center, unit_ = leaf.front().radius;
         const std::size_t n = near_.size(), padded = (n + kLanes - 1) / kLanes * kLanes;
-        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_})
+        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_, &sq_turn_, &sq_turn_error_})
             column->assign(padded, 0);
         double most = 0;
         for (const std::uint32_t i : near_) most = std::max(most, importance(*known[balls.node(i)]));
         for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], most, i);
     }
 
-    /// The weighted mean about a fit, for its radius; zero if none is known.
-    double at(const PlacedFit& fit) const {
+    /// The weighted mean of lifts about a fit, for its radius, and what share of turns is not noise; zero if none is
+    /// known.
+    Known at(const PlacedFit& fit) const {
         const Vec3d place = (fit.surfel.center - origin_) / unit_, normal = fit.surfel.frame.normal;
         const auto lanes = [](double c) { return FloatV(static_cast<float>(c)); };
         const Vec3<FloatV> p{lanes(place.x), lanes(place.y), lanes(place.z)};
         const Vec3<FloatV> up{lanes(normal.x), lanes(normal.y), lanes(normal.z)};
-        FloatV sum = 0, all = 0;
+        FloatV sum = 0, all = 0, turn = 0, noise = 0;
         for (std::size_t i = 0; i < x_.size(); i += kLanes) {
             const auto load = [i](const std::vector<float>& column) {
                 return FloatV(&column[i], stdx::element_aligned);
@@ -65,9 +72,13 @@ public:
             const FloatV near = load(weight_) * weight_kernel(sq);
             const FloatV weight = select<FloatV>(cosine > kLeastCos, near, FloatV(0));
             sum += weight * load(lift_), all += weight;
+            turn += weight * load(sq_turn_), noise += weight * load(sq_turn_error_);
         }
-        const double weight = stdx::reduce(all);
-        return weight > 0 ? stdx::reduce(sum) / weight * std::pow(fit.radius / unit_, 4) * unit_ : 0;
+        const double weight = stdx::reduce(all), sq_turn = stdx::reduce(turn);
+        Known out;
+        if (weight > 0) out.lift = stdx::reduce(sum) / weight * std::pow(fit.radius / unit_, 4) * unit_;
+        if (sq_turn > 0) out.turn_share = std::max(0.0, 1 - kTurnNoise * static_cast<double>(stdx::reduce(noise)) / sq_turn);
+        return out;
     }
 
 private:
@@ -85,12 +96,15 @@ private:
         by_sq_radius_[i] = static_cast<float>(1 / (reach * reach));
         lift_[i] = static_cast<float>(fit.lift / (unit_ * fourth));
         weight_[i] = static_cast<float>(importance(fit) / most);
+        // A cubic's slope grows with the square of the radius.
+        sq_turn_[i] = static_cast<float>((fit.turn[0] * fit.turn[0] + fit.turn[1] * fit.turn[1]) / fourth);
+        sq_turn_error_[i] = static_cast<float>(fit.sq_turn_error / fourth);
     }
 
     std::vector<std::uint32_t> near_;
     Vec3d origin_;
     double unit_ = 1;
-    std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_;
+    std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_, sq_turn_, sq_turn_error_;
 };
 
 }  // namespace
@@ -103,19 +117,21 @@ double height_by_noise_of_feet(const WideFit& fit, double radius) {
 void lift_fits(std::vector<std::vector<PlacedFit>>& fits) {
     std::vector<const PlacedFit*> known;
     const BallIndex balls = balls_of(fits, known);
-    std::vector<std::vector<double>> lift(fits.size());
+    std::vector<std::vector<Known>> found(fits.size());
     parallel_blocks(fits.size(), 4, [&](std::size_t begin, std::size_t end) {
         LiftsAround around;
         for (std::size_t i = begin; i < end; ++i) {
             if (fits[i].empty()) continue;
             around.gather(balls, known, fits[i]);
-            for (const PlacedFit& f : fits[i]) lift[i].push_back(around.at(f));
+            for (const PlacedFit& f : fits[i]) found[i].push_back(around.at(f));
         }
     });
     for (std::size_t i = 0; i < fits.size(); ++i)
         for (std::size_t j = 0; j < fits[i].size(); ++j) {
             PlacedFit& f = fits[i][j];
-            f.surfel.polynomial.a[0] += (lift[i][j] - f.spread_by_noise) / f.surfel.support_radius;
+            auto& a = f.surfel.polynomial.a;
+            a[0] += (found[i][j].lift - f.spread_by_noise) / f.surfel.support_radius;
+            for (std::size_t k = 0; k < 2; ++k) a[1 + k] += found[i][j].turn_share * f.turn[k];
         }
 }
 

@@ -3,6 +3,7 @@
 #include "slim/model/surfel.h"
 #include "slim/smooth/wide_fit.h"
 
+#include <array>
 #include <vector>
 
 namespace slim {
@@ -14,6 +15,8 @@ struct PlacedFit {
     double lift = 0;                ///< as WideFit has it
     double sq_lift_error = 0;       ///< zero: the lift is not known
     double spread_by_noise = 0;     ///< what noise of the feet adds to the mean height over a place
+    std::array<double, 2> turn{};   ///< as WideFit has it
+    double sq_turn_error = 0;
 };
 
 /// What noise of the feet adds to the mean height over a place of a disc's middle: s^2 H for noise s of any direction
@@ -22,6 +25,8 @@ double height_by_noise_of_feet(const WideFit& fit, double radius);
 
 /// Takes off each fit's height what noise of the feet adds, and adds what degrees 3 and 4 would, as a mean over the
 /// fits within 2.2 radii that face as it does: neighbours' noise in it cancels, most of the bias is common to them.
+/// Turns it by the share of what they add to its slopes that is not noise, as its neighbours show: where that is large,
+/// the blend's normals would have the fits' own bias, which cancels in heights alone.
 /// In parallel, the same for any thread count. Cost: some 200 fits about each; 330 bytes a fit while it runs.
 /// fits  of each leaf
 void lift_fits(std::vector<std::vector<PlacedFit>>& fits);

@@ -145,6 +145,19 @@ auto NestedDisc<Degree>::core_variance() const -> Variance {
 }
 
 template <int Degree>
+auto NestedDisc<Degree>::slope_variance() const -> Variance {
+    Variance out{0, 0};
+    for (std::size_t i = 1; i < kAll; ++i) {
+        for (std::size_t k = 1; k < 3 && k <= i; ++k) {
+            const double slope = inverse_[i][k] * scale_[k];
+            out.all += slope * slope;
+        }
+        if (i < kOwn) out.own = out.all;
+    }
+    return out;
+}
+
+template <int Degree>
 double NestedDisc<Degree>::sq_explained() const {
     double sum = 0;
     for (const double y : y_) sum += y * y;

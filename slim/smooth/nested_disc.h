@@ -24,12 +24,14 @@ public:
     /// Coefficients of the first K terms fitted alone, K = kOwn or kAll.
     template <std::size_t K>
     std::array<double, K> coefficients() const;
-    /// Variance of the height by unit noise, mean over the core, of even terms: of the fit of kOwn
-    /// terms, and of all.
+    /// Of the fit of kOwn terms, and of all.
     struct Variance {
         double own, all;
     };
+    /// Variance of the height by unit noise, mean over the core, of even terms.
     Variance core_variance() const;
+    /// Variance of both slopes in the middle by unit noise, their sum.
+    Variance slope_variance() const;
     /// What the sum of squared heights is made less by.
     double sq_explained() const;
     /// Mean over the core of the square of a polynomial's even terms.

@@ -54,7 +54,8 @@ void fit_place(const Vec3d& place, const Vec3d& normal, const FitPlaces& of, Wid
     const double height = fit->polynomial.a[0] * of.radius;
     if (!(length(disc.center + disc.frame.normal * height - place) <= of.most_off)) return;
     out.push_back({{disc.center, kBlend * of.radius, disc.frame, rescaled(fit->polynomial, kBlend), 2},
-                   of.radius, fit->lift, fit->sq_lift_error, height_by_noise_of_feet(*fit, of.radius)});
+                   of.radius, fit->lift, fit->sq_lift_error, height_by_noise_of_feet(*fit, of.radius), fit->turn,
+                   fit->sq_turn_error});
 }
 
 /// Calls body(place, normal) for the places of a triangular grid on the leaf's surface that it owns.

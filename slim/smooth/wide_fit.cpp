@@ -75,6 +75,9 @@ std::optional<WideFit> fit_gathered(const WideWork& work, const Frame<double>& f
     fit.sq_bias_error = by_noise * std::sqrt(2.0);
     fit.lift = work.ball.radius * Disc::blend_mean(all);
     fit.sq_lift_error = by_noise;
+    fit.turn = {all[1], all[2]};
+    const auto slopes = disc->slope_variance();
+    fit.sq_turn_error = fit.sq_noise / sq * (slopes.all - slopes.own);
     return fit;
 }
 

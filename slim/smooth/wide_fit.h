@@ -6,6 +6,7 @@
 #include "slim/model/polynomial.h"
 #include "slim/neighbors/point_tree.h"
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -39,11 +40,14 @@ struct WideFit {
     double sq_rounding = 0;         ///< what is left of sq_noise where points have none: that of floats
     double spread = 0;  ///< that variance over sq_noise / n; 4 to 5 where points are all around
     /// Squared bias there by the even terms of degrees 3 and 4, less the share of them that noise explains, and the
-    /// standard error of that; may be negative. Zero unless asked for, as the next two.
+    /// standard error of that; may be negative. Zero unless asked for, as the next four.
     double sq_bias = 0, sq_bias_error = 0;
     /// What degrees 3 and 4 add to the height where such fits are blended (notes/0009), a length, and its variance by
     /// noise.
     double lift = 0, sq_lift_error = 0;
+    /// What they add to the slopes in the middle, which odd terms bias, and the variance of the vector by noise.
+    std::array<double, 2> turn{};
+    double sq_turn_error = 0;
 
     /// The magnitude of the larger curvature in the middle, 1 / length.
     double curvature(double radius) const;

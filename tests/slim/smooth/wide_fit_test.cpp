@@ -101,6 +101,21 @@ TEST(WideFit, LiftsTheMiddleByWhatAQuarticAdds) {
     EXPECT_LT(std::abs(none->lift), 5 * std::sqrt(none->sq_lift_error));
 }
 
+TEST(WideFit, KnowsWhatACubicDoesToItsSlopes) {
+    // u^3 under equal weights is R^2 / 2 u to a line (its fourth moment over its second): the slope in the middle is off by that, and is none.
+    const auto f = fit(field(20000, 1, 1e-4, [](double x, double) { return x * x * x; }), 0.5, 1e-4, true);
+    ASSERT_TRUE(f);
+    EXPECT_NEAR(f->polynomial.a[1], 0.5 * 0.25, 0.005);
+    EXPECT_NEAR(f->polynomial.a[1] + f->turn[0], 0, 0.002);
+    double sq = 0, error = 0;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const auto noisy = fit(field(3000, seed, 0.01, quadratic), 0.5, 0.01, true);
+        ASSERT_TRUE(noisy);
+        sq += std::pow(noisy->turn[0], 2) + std::pow(noisy->turn[1], 2), error += noisy->sq_turn_error;
+    }
+    EXPECT_NEAR(sq / error, 1, 0.25);
+}
+
 TEST(WideFit, DoesNotCutOffWhatBendsAway) {
     const auto bowl = [](double x, double y) { return -(x * x + y * y); };
     const auto f = fit(field(5000, 1, 1e-3, bowl), 0.5, 1e-3, true, 2);
