@@ -1,5 +1,6 @@
 #include "formats/cloud_kind.h"
 
+#include "formats/cloud_endings.h"
 #include "formats/message.h"
 #include "slim/base/error.h"
 
@@ -10,9 +11,11 @@
 namespace slim {
 namespace {
 
-constexpr const char* kRead =
-    "read are PLY (ascii, binary of either byte order) and text of coordinates (.xyz .txt .asc "
-    ".pts .csv), each also packed with gzip";
+std::string what_is_read() {
+    return "read are PLY (ascii, binary of either byte order) and text of coordinates (" + text_endings(" ", " ") +
+           "), each also packed with gzip";
+}
+
 constexpr const char* kPdal =
     "; convert with: pdal translate IN OUT.ply --writers.ply.storage_mode=\"little endian\"";
 constexpr const char* kMeshlab = "; export it as PLY, for example with MeshLab or Blender";
@@ -101,7 +104,7 @@ std::string with_names(std::string advice, const std::string& path) {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const char* advice) {
     throw FormatError(
-        message(path, ": ", what, ": this format is not read; ", kRead, with_names(advice, path)));
+        message(path, ": ", what, ": this format is not read; ", what_is_read(), with_names(advice, path)));
 }
 
 bool is_control(char c) {
@@ -127,7 +130,7 @@ bool starts_as_ply(std::string_view head) {
 }  // namespace
 
 CloudKind cloud_kind(const std::string& path, std::string_view head) {
-    if (head.empty()) throw FormatError(message(path, ": the file is empty (0 bytes); ", kRead));
+    if (head.empty()) throw FormatError(message(path, ": the file is empty (0 bytes); ", what_is_read()));
     if (starts_as_ply(head)) return CloudKind::ply;
     for (const KnownFormat& format : kMagics)
         if (head.starts_with(format.key)) refuse(path, format.name, format.advice);

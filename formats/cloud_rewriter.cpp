@@ -1,6 +1,7 @@
 #include "formats/cloud_rewriter.h"
 
 #include "formats/byte_reader.h"
+#include "formats/cloud_endings.h"
 #include "formats/cloud_kind.h"
 #include "formats/extension.h"
 #include "formats/message.h"
@@ -8,27 +9,20 @@
 #include "formats/xyz_rewriter.h"
 #include "slim/base/error.h"
 
-#include <algorithm>
-#include <array>
-#include <cctype>
-
 namespace slim {
 namespace {
 
 /// Points keep the format that they came in: a text has no names or types for attributes.
 void check_extension(const std::string& in, CloudKind kind, const std::string& out) {
-    constexpr std::array kText{".xyz", ".txt", ".asc", ".pts", ".csv"};
     const std::string extension = lower_extension(out);
     if (extension == ".gz")
         throw ConfigError(message(out, ": the output is written unpacked, that of a gzip file too: leave out .gz, "
                                        "and pack it afterwards with gzip"));
-    const bool is_text = std::find(kText.begin(), kText.end(), extension) != kText.end();
-    if (kind == CloudKind::ply ? extension == ".ply" : is_text) return;
+    if (kind == CloudKind::ply ? extension == ".ply" : is_text_ending(extension)) return;
     throw ConfigError(message(out, ": the output has the format of the input, and ", in, " is ",
                               kind == CloudKind::ply
                                   ? "a PLY: expected a name ending in .ply"
-                                  : "a text of coordinates: expected a name ending in .xyz, .txt, .asc, "
-                                    ".pts or .csv"));
+                                  : "a text of coordinates: expected a name ending in " + text_endings(", ", " or ")));
 }
 
 }  // namespace

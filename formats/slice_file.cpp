@@ -8,7 +8,9 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
+#include <iomanip>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -17,6 +19,12 @@
 
 namespace slim {
 namespace {
+
+std::string columns_text(bool has_normals, bool has_scans) {
+    return message(has_normals ? "normals" : "no normals", " and ", has_scans ? "scans" : "no scans");
+}
+
+std::string origin_text(const Vec3d& o) { return message(std::setprecision(15), "(", o.x, ", ", o.y, ", ", o.z, ")"); }
 
 /// An open slice and what its pieces are.
 class SliceReader {
@@ -35,6 +43,10 @@ public:
     bool has_normals() const { return columns_.has_normals != 0; }
     bool has_scans() const { return columns_.has_scans != 0; }
     std::span<const SlicePiece> pieces() const { return pieces_; }
+    std::string columns_text() const { return slim::columns_text(has_normals(), has_scans()); }
+    [[noreturn]] void fail_at(const char* chunk, const std::string& text) const {
+        throw FormatError(message(file_.path(), ": byte ", file_.offset(chunk), ": ", text));
+    }
 
     /// Reads a piece against its checksum and calls body(columns). Thread-safe.
     template <class Body>
@@ -45,7 +57,7 @@ public:
         file_.read("points", piece.first_byte, bytes);
         if (XXH3_64bits(bytes.data(), bytes.size()) != piece.checksum)
             fail(piece, message("damaged: piece ", i, " of the points (", piece.n_points,
-                                " of them) does not match its checksum"));
+                                " of them) does not match its checksum", advice()));
         body(PieceColumns(piece, bytes, has_normals(), has_scans()));
     }
 
@@ -62,16 +74,36 @@ private:
     [[noreturn]] void fail(const SlicePiece& piece, const std::string& text) const {
         throw FormatError(message(file_.path(), ": byte ", file_.offset("points") + piece.first_byte, ": ", text));
     }
+    /// How a damaged file of a work folder is made again: the stage that wrote it looks at its checksums.
+    const char* advice() const {
+        return file_.path().ends_with("oriented.slice") ? "; run `slim normals` again"
+               : file_.path().ends_with("points.slice") ? "; run `slim slice` again"
+                                                        : "";
+    }
+    /// A piece that does not begin where the one before ends, or is not of what pieces are made of.
+    void check_piece(std::size_t i, std::uint64_t at, std::uint64_t end) const {
+        const SlicePiece& p = pieces_[i];
+        const auto require = [&](bool holds, std::size_t field, const auto&... words) {
+            if (!holds)
+                throw FormatError(message(file_.path(), ": byte ", file_.offset("pieces") + i * sizeof(SlicePiece) + field,
+                                          ": chunk pieces: piece ", i, ": ", words...));
+        };
+        const auto is_width = [](std::uint16_t bytes) { return bytes == 4 || bytes == 8; };
+        require(p.first_byte == at, offsetof(SlicePiece, first_byte), "expected the first byte ", at,
+                ", where the piece before it ends, found ", p.first_byte);
+        require(is_width(p.coordinate_bytes), offsetof(SlicePiece, coordinate_bytes),
+                "expected coordinates of 4 or 8 bytes, found ", p.coordinate_bytes);
+        require(is_width(p.id_bytes), offsetof(SlicePiece, id_bytes), "expected ids of 4 or 8 bytes, found ", p.id_bytes);
+        require(p.n_points > 0, offsetof(SlicePiece, n_points), "expected at least one point, found 0");
+        require(size_of(p) <= end - at, offsetof(SlicePiece, n_points), "expected points of at most ", end - at,
+                " bytes, as many as chunk points has left, found ", p.n_points, " points of ", size_of(p), " bytes");
+    }
     void check_pieces() const {
         std::uint64_t at = 0;
         const std::uint64_t end = file_.n_bytes("points");
-        for (const SlicePiece& p : pieces_) {
-            const auto is_width = [](std::uint16_t bytes) { return bytes == 4 || bytes == 8; };
-            if (p.n_points == 0 || !is_width(p.coordinate_bytes) || !is_width(p.id_bytes) || p.first_byte != at ||
-                size_of(p) > end - at)
-                throw FormatError(message(file_.path(), ": byte ", file_.offset("pieces"),
-                                          ": chunk pieces: piece ", &p - pieces_.data(), " is out of bounds"));
-            at += size_of(p);
+        for (std::size_t i = 0; i < pieces_.size(); ++i) {
+            check_piece(i, at, end);
+            at += size_of(pieces_[i]);
         }
         if (at != end)
             throw FormatError(message(file_.path(), ": byte ", file_.offset("points"), ": chunk points: expected ", at,
@@ -158,6 +190,10 @@ void SliceSelection::add(const std::string& path, const std::function<WantedOf(c
     if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 
+void SliceSelection::add(const std::string& path) {
+    add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
+}
+
 void SliceSelection::add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
     const auto some = [](const Bbox&) { return WantedOf::some; };
@@ -173,13 +209,20 @@ void SliceSelection::append_to(PointBlock& out) const {
     const bool was_empty = out.empty();
     const bool has_normals = was_empty ? first.has_normals() : out.has_normals();
     const bool has_scans = was_empty ? first.has_scans() : out.has_scans();
+    const std::string as = was_empty ? ", as in " + parts_[0]->path : ", as of the points that it is added to";
+    if (was_empty) out.origin = first.origin();
     std::size_t n = out.size();
     for (const auto& part : parts_) {
         n += part->n;
-        if (part->n > 0 && (part->slice.has_normals() != has_normals || part->slice.has_scans() != has_scans))
-            throw FormatError(message(part->path, ": has other columns than the slices before it"));
+        if (part->n == 0) continue;
+        const SliceReader& slice = part->slice;
+        if (slice.has_normals() != has_normals || slice.has_scans() != has_scans)
+            slice.fail_at("columns", message("has other columns than the slice that it is joined with: expected ",
+                                             columns_text(has_normals, has_scans), as, ", found ", slice.columns_text()));
+        if (slice.origin() != out.origin)
+            slice.fail_at("origin", message("has another origin than the slice that it is joined with: expected ",
+                                            origin_text(out.origin), as, ", found ", origin_text(slice.origin())));
     }
-    if (was_empty) out.origin = first.origin();
     std::size_t at = out.size();
     resize_exactly(n, has_normals, has_scans, out);
     for (const auto& part : parts_) {
@@ -210,7 +253,7 @@ bool is_whole_slice(const std::string& path, const std::string& identity) {
 
 PointBlock read_slice(const std::string& path) {
     SliceSelection all;
-    all.add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
+    all.add(path);
     PointBlock block;
     all.append_to(block);
     return block;

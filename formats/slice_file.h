@@ -14,7 +14,8 @@
 namespace slim {
 
 /// Writes the points of one slice as they come (points.slice: in order of their ids,
-/// oriented.slice: along the Morton curve) without holding them, in pieces (slice_piece.h) that are read apart.
+/// oriented.slice: along the Morton curve) in pieces (slice_piece.h) that are read apart. Holds less than 512 points, 46
+/// bytes each, that are too few for a piece. How points come decides about pieces, not about what is read.
 /// 30 bytes a point where floats hold the positions. Throws as AtomicFile.
 class SliceWriter {
 public:
@@ -32,7 +33,7 @@ private:
     ChunkWriter chunks_;
     std::size_t points_;
     std::vector<SlicePiece> pieces_;
-    PointBlock waiting_;  // too few for a piece
+    PointBlock waiting_;  // too few for a piece by themselves
     std::uint64_t n_announced_, n_written_ = 0, n_bytes_ = 0;
     bool has_normals_, has_scans_;
 };
@@ -67,11 +68,13 @@ public:
     /// is_wanted  asked where a box says `some`
     void add(const std::string& path, const std::function<WantedOf(const Bbox&)>& wanted_of,
              const std::function<bool(const Vec3d&)>& is_wanted);
+    /// The same for all points.
+    void add(const std::string& path);
     /// The same for the points whose id is wanted.
     void add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted);
     /// Appends them to `out`, slice after slice, each in its order. An empty block takes over the slices' origin and
     /// columns.
-    /// throws FormatError if the columns are others than those of `out`, or of each other
+    /// throws FormatError if columns or origin are others than those of `out`, or of each other
     void append_to(PointBlock& out) const;
 
 private:

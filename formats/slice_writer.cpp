@@ -8,17 +8,17 @@
 namespace slim {
 namespace {
 
-constexpr std::size_t kPiecePoints = 4096;  // 120 KB, which caches hold
-constexpr std::size_t kLeastPoints = 512;   // so many a piece: what is known of a piece takes memory
+constexpr std::size_t kPiecePoints = 4096;  // at most: 120 KB, which caches hold
+constexpr std::size_t kLeastPoints = 512;   // so many a piece, the last one apart: what is known of a piece takes memory
 constexpr std::size_t kBatch = 8;           // pieces that are made while others are written
 
-/// The points of a block as pieces first, first + 1, ... of kPiecePoints each, at most `most` of them.
+/// The points of a block in equal pieces, as few as hold them: the pieces first, first + 1, ..., at most `most` of them.
 std::vector<EncodedPiece> encode_pieces(const PointBlock& block, std::size_t first, std::size_t most) {
     const std::size_t n_pieces = (block.size() + kPiecePoints - 1) / kPiecePoints;
     std::vector<EncodedPiece> out(std::min(most, n_pieces - std::min(first, n_pieces)));
     parallel_blocks(out.size(), 1, [&](std::size_t i, std::size_t) {
-        const std::size_t begin = (first + i) * kPiecePoints;
-        out[i] = encode_piece(block, begin, std::min(begin + kPiecePoints, block.size()));
+        const auto begin_of = [&](std::size_t piece) { return block.size() * piece / n_pieces; };
+        out[i] = encode_piece(block, begin_of(first + i), begin_of(first + i + 1));
     });
     return out;
 }

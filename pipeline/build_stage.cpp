@@ -9,6 +9,7 @@
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/noise_over_diagonal.h"
 #include "pipeline/normals_stage.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"

@@ -2,6 +2,7 @@
 
 #include "formats/model_file.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/noise_over_diagonal.h"
 #include "pipeline/shell_word.h"
 #include "slim/tree/drawn_bounds.h"
 
@@ -93,10 +94,6 @@ double leaf_error_rms(const std::string& model) {
         n += points;
     }
     return n > 0 ? std::sqrt(sum / n) / file.header().diagonal : 0;
-}
-
-double noise_over_diagonal(double noise_variance, double diagonal) {
-    return diagonal > 0 ? std::sqrt(noise_variance) / diagonal : 0;
 }
 
 double drawn_diagonal(const std::string& model) {

@@ -12,10 +12,6 @@ namespace slim {
 /// surface.)
 double leaf_error_rms(const std::string& model);
 
-/// The standard deviation that lambda stands for, below which no fit tells detail from noise, over the diagonal L: what all
-/// verbs call noise.
-double noise_over_diagonal(double noise_variance, double diagonal);
-
 /// Diagonal of the box of what pictures show of a model (drawn_bounds).
 double drawn_diagonal(const std::string& model);
 

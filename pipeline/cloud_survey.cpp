@@ -90,7 +90,8 @@ private:
         survey_.boxes.emplace_back();
     }
 
-    /// What was gathered is counted; a cloud that says that it is too large is not gathered first.
+    /// What was gathered is counted; a cloud that says that it is too large is not gathered first. It says how many
+    /// points it has, those that are not finite among them: one that would fit without these is not gathered either.
     void stop_gathering() {
         is_gathering_ = false;
         count_cells(survey_.gathered.release(false, false).position);

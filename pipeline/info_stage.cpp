@@ -6,6 +6,7 @@
 #include "formats/slice_file.h"
 #include "formats/truth_file.h"
 #include "pipeline/json_text.h"
+#include "pipeline/noise_over_diagonal.h"
 #include "pipeline/plan_file.h"
 #include "slim/base/error.h"
 
@@ -136,7 +137,7 @@ json model_info(const std::string& path) {
             {"origin", vector_json(header.origin)},
             {"bounds", bounds_json(header.bounds, header.origin)},
             {"diagonal", header.diagonal},
-            {"noise", header.diagonal > 0 ? std::sqrt(header.noise_variance) / header.diagonal : 0},
+            {"noise", noise_over_diagonal(header.noise_variance, header.diagonal)},
             {"t_mdl", header.mdl_threshold},
             {"seed", header.seed},
             {"leaf_radius", leaf_radii(tree)},

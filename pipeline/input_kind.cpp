@@ -1,5 +1,6 @@
 #include "pipeline/input_kind.h"
 
+#include "formats/cloud_endings.h"
 #include "formats/extension.h"
 #include "formats/point_source.h"
 #include "slim/base/error.h"
@@ -20,10 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of clouds, meshes, pictures and texts.
-constexpr std::array<std::string_view, 29> kOtherEndings{
-    ".ply", ".xyz", ".txt", ".asc", ".pts", ".csv", ".las", ".laz",  ".e57",  ".pcd",  ".ptx",  ".obj",  ".off", ".stl", ".glb",
-    ".vtk", ".gz",  ".zip", ".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff", ".svg", ".pdf", ".json", ".toml", ".html"};
+/// Of clouds that are not read, meshes, pictures and texts.
+constexpr auto kOtherEndings = std::to_array<std::string_view>(
+    {".las", ".laz", ".e57", ".pcd", ".ptx", ".obj", ".off",  ".stl", ".glb",  ".vtk", ".gz",  ".zip",
+     ".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff", ".svg", ".pdf", ".json", ".toml", ".html"});
 
 /// Without reading on: of a large model no more may be wanted than a few pages.
 bool begins_with(const std::string& path, const std::string& magic) {
@@ -39,11 +40,9 @@ bool begins_with(const std::string& path, const std::string& magic) {
 
 /// Whether a file wants to be a cloud, by its first bytes or its name.
 bool names_a_cloud(const std::string& path) {
-    constexpr std::array<std::string_view, 6> kClouds{".ply", ".xyz", ".txt", ".asc", ".pts", ".csv"};
     const bool packed = lower_extension(path) == ".gz";
     const std::string ending = lower_extension(packed ? path.substr(0, path.size() - 3) : path);
-    return begins_with(path, "ply\n") || begins_with(path, "ply\r") ||
-           std::find(kClouds.begin(), kClouds.end(), ending) != kClouds.end();
+    return begins_with(path, "ply\n") || begins_with(path, "ply\r") || is_cloud_ending(ending);
 }
 
 /// Throws what is wrong with a cloud that yields no point.
@@ -84,7 +83,7 @@ void refuse_to_replace_other(const std::string& output) {
 
 void refuse_other_ending(const std::string& model) {
     const std::string ending = lower_extension(model);
-    if (std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end()) return;
+    if (!is_cloud_ending(ending) && std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end()) return;
     throw ConfigError(fmt::format("{}: a model is written, no {} file; expected a name ending in .slim, as {}", model,
                                   ending, fs::path(model).replace_extension(".slim").string()));
 }

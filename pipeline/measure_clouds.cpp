@@ -3,6 +3,7 @@
 #include "formats/point_source.h"
 #include "pipeline/measure_points.h"
 #include "pipeline/nearest_points.h"
+#include "pipeline/number_range.h"
 #include "slim/base/bbox.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
@@ -16,6 +17,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace slim {
@@ -55,6 +57,7 @@ public:
         distances_.add(distance);
     }
     void skip() { ++not_finite_; }
+    std::uint64_t n() const { return n_; }
     json to_json(double diagonal) const {
         const double n = static_cast<double>(n_);
         json out = {{"points", n_}, {"not_finite", not_finite_}};
@@ -79,7 +82,8 @@ private:
 class PointByPoint {
 public:
     PointByPoint(const ComparedClouds& clouds, double diagonal)
-        : figures_(clouds.tolerance * diagonal),
+        : names_(clouds.first, clouds.second),
+          figures_(clouds.tolerance * diagonal),
           diagonal_(diagonal),
           first_(open_cloud(clouds.first)),
           second_(open_cloud(clouds.second)),
@@ -89,13 +93,18 @@ public:
                       PointsFileKind{false, nullptr, "distance of each point from its place in the first cloud, model units; "
                                                      "angle between the normals, degrees; nan: not known"});
     }
-    json run(StageContext& context) {
+    /// throws DataError if there is no point that is finite in both, unless `may_be_none`
+    json run(bool may_be_none, StageContext& context) {
         PointChunk a, b;
         while (first_->read(a, kChunk) && second_->read(b, kChunk)) {
             add(a, b);
             context.reporter.progress("measure", second_->bytes_read(), second_->info().file_size);
             context.check_stop();
         }
+        if (figures_.n() == 0 && !may_be_none)
+            throw DataError(fmt::format(
+                "{} and {}: no point to measure: no n-th point is finite in both; --two-way compares them in any order",
+                names_.first, names_.second));
         if (file_) file_->commit();
         json out = figures_.to_json(diagonal_);
         const double n = static_cast<double>(n_angles_);
@@ -126,6 +135,7 @@ private:
         return angle;
     }
 
+    std::pair<std::string, std::string> names_;
     DistanceFigures figures_;
     double diagonal_;
     std::unique_ptr<PointSource> first_, second_;
@@ -136,10 +146,11 @@ private:
     std::uint64_t n_angles_ = 0;
 };
 
-/// Distances of one cloud's points to the nearest of another.
-json to_nearest(const std::string& from, const std::string& to, double diagonal, double tolerance,
+/// Distances of one cloud's points, n of them, to the nearest of another.
+json to_nearest(const std::string& from, std::uint64_t n, const std::string& to, double diagonal, double tolerance,
                 StageContext& context) {
     std::vector<Vec3d> places;
+    places.reserve(n);
     DistanceFigures figures(tolerance * diagonal);
     const auto source = open_cloud(from);
     for (PointChunk chunk; source->read(chunk, kChunk);)
@@ -151,9 +162,6 @@ json to_nearest(const std::string& from, const std::string& to, double diagonal,
         context.check_stop();
     });
     for (std::size_t i = 0; i < sq.size(); ++i) {
-        if (!std::isfinite(sq[i]))
-            throw DataError(to + ": two_way: its points are farther from " + from +
-                            " than the squares of numbers go (1e154)");
         figures.add(std::sqrt(sq[i]), places[i]);
     }
     return figures.to_json(diagonal);
@@ -174,11 +182,14 @@ json compare_clouds(const ComparedClouds& clouds, StageContext& context) {
     const bool as_many = first.n == second.n;
     if (!as_many && (!clouds.two_way || !clouds.per_point.empty())) refuse_counts(clouds, first.n, second.n);
     const double diagonal = first.box.diagonal();
-    json out = as_many ? PointByPoint(clouds, diagonal).run(context) : json::object();
+    Bbox both = first.box;
+    both.extend(second.box);
+    require_squares({clouds.first, clouds.second}, both, std::max(first.n, second.n));
+    json out = as_many ? PointByPoint(clouds, diagonal).run(clouds.two_way, context) : json::object();
     out["diagonal"] = diagonal;
     if (!clouds.two_way) return out;
-    out["first_to_second"] = to_nearest(clouds.first, clouds.second, diagonal, clouds.tolerance, context);
-    out["second_to_first"] = to_nearest(clouds.second, clouds.first, diagonal, clouds.tolerance, context);
+    out["first_to_second"] = to_nearest(clouds.first, first.n, clouds.second, diagonal, clouds.tolerance, context);
+    out["second_to_first"] = to_nearest(clouds.second, second.n, clouds.first, diagonal, clouds.tolerance, context);
     return out;
 }
 

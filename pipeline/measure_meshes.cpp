@@ -3,6 +3,8 @@
 #include "formats/point_source.h"
 #include "pipeline/measure_points.h"
 #include "pipeline/mesh_input.h"
+#include "pipeline/number_range.h"
+#include "slim/base/area_vector.h"
 #include "slim/base/bbox.h"
 #include "slim/base/error.h"
 
@@ -50,14 +52,17 @@ MeshPair read_pair(const std::string& original, const std::string& moved) {
     const std::size_t n = out.mesh.position.size();
     if (n != out.moved.size())
         throw DataError(fmt::format(
-            "{} has {} vertices and {} has {}: meshes are compared vertex by vertex; to "
+            "{} has {} vertices and {} has {}: {} has faces, and a mesh is compared vertex by vertex; {}to "
             "measure against a model, build one: slim build {} -o model.slim",
-            original, n, moved, out.moved.size(), original));
+            original, n, moved, out.moved.size(), original,
+            is_mesh(moved) ? "" : "for the distances to the nearest points add --two-way; ", original));
     if (n == 0) throw DataError(original + ": no vertices");
     require_finite(original, out.mesh.position), require_finite(moved, out.moved);
     Bbox box;
     for (const Vec3d& p : out.mesh.position) box.extend(p);
     out.diagonal = box.diagonal();
+    for (const Vec3d& p : out.moved) box.extend(p);
+    require_squares({original, moved}, box, n);
     return out;
 }
 
@@ -66,14 +71,6 @@ struct FaceTurn {
     double area = 0;                        // as it was
     double degrees = PointFigures::kNone;  // nan: it has no area, before or afterwards
 };
-
-/// Twice the area along the normal.
-Vec3d area_vector(const std::vector<Vec3d>& p, std::span<const std::uint32_t> face) {
-    Vec3d sum;
-    for (std::size_t k = 2; k < face.size(); ++k)
-        sum += cross(p[face[k - 1]] - p[face[0]], p[face[k]] - p[face[0]]);
-    return sum;
-}
 
 std::vector<FaceTurn> turns_of(const MeshPair& pair) {
     std::vector<FaceTurn> out(pair.mesh.n_faces());

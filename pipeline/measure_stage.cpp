@@ -162,7 +162,10 @@ void refuse_without_effect(const MeasureConfig& config, Kind kind) {
         {!pictures && config.threshold != as_before.threshold, "threshold", "two pictures"}};
     for (const Given& g : given)
         if (g.without_effect)
-            throw ConfigError(fmt::format("{}: is of {}; found {} and {}", g.key, g.of, config.model, config.cloud));
+            throw ConfigError(fmt::format("{}: is of {}; found {} and {}{}", g.key, g.of, config.model, config.cloud,
+                                          kind == Kind::meshes ? ": the first has faces, so that the second counts as the "
+                                                                 "same mesh with its vertices moved"
+                                                               : ""));
 }
 
 /// Names that could not be written, before any work.
@@ -170,8 +173,6 @@ void check_outputs(const MeasureConfig& config, Kind kind) {
     for (const std::string& output : {config.output, config.per_point})
         refuse_to_overwrite(output, {config.model, config.cloud});
     if (!config.per_point.empty()) refuse_to_overwrite(config.per_point, {config.output});
-    if (!config.per_point.empty() && config.per_point == config.output)
-        throw ConfigError(config.output + ": --output and --per-point name one file");
     const std::string ending = lower_extension(config.output);
     const bool pictures = kind == Kind::pictures;
     if (!config.output.empty() && ending != ".json" && !(pictures && ending == ".png"))
@@ -221,7 +222,8 @@ Kind kind_of(const MeasureConfig& config) {
     if (a) return Kind::pictures;
     if (input_kind(config.model) != InputKind::cloud || input_kind(config.cloud) != InputKind::cloud) return Kind::points;
     std::error_code none;
-    if (is_mesh(config.model)) return Kind::meshes;
+    const bool to_points = config.two_way && !is_mesh(config.cloud);  // to which faces say nothing
+    if (is_mesh(config.model) && !to_points) return Kind::meshes;
     return std::filesystem::equivalent(config.model, config.cloud, none) ? Kind::points : Kind::clouds;
 }
 

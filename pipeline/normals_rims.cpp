@@ -83,9 +83,7 @@ PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, st
                           std::optional<PointBlock> handed) {
     const auto near = rims(config, plan, slice);
     SliceSelection read;
-    if (!handed)
-        read.add(slice_points_path(config.work, slice).string(), [](const Bbox&) { return WantedOf::all; },
-                 [](const Vec3d&) { return true; });
+    if (!handed) read.add(slice_points_path(config.work, slice).string());
     const auto add_rims = [&](bool before, SliceSelection& to) {
         for (const std::size_t i : near)
             if ((i < slice) == before) add_rim(rim_of(config, plan, i, slice), plan, slice, to);

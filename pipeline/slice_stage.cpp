@@ -127,9 +127,9 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             plan.coordinate_quantum, plan.diagonal));
 }
 
-/// Points that are nearly a line or a speck in their extent: because their clouds are of several frames, or by themselves.
+/// Clouds of several frames, and points that are nearly a line or a speck in their extent, for that reason or by themselves.
 void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Reporter& reporter) {
-    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty()) return reporter.warn(text);
+    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty()) reporter.warn(text);
     if (survey.n_points > 2 && survey.spread.is_line())
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "

@@ -76,7 +76,7 @@ struct Smoother {
     Vec3d origin;
     double diagonal;
     bool sharp;             // built with --sharp on
-    double contrary_share;  // of the cloud's normals, as the build found
+    SmoothModelRules rules; // of a build without
 
     double text_step() const { return kTextStep * diagonal; }
     SmoothSettings settings() const { return {config.iterations, config.amount, config.most}; }
@@ -172,9 +172,7 @@ json smooth_cloud(const Smoother& smoother) {
 /// sharp leaves, which follows them.
 json edges_rounded_off(const Smoother& smoother, const Mesh& mesh) {
     if (smoother.sharp) return nullptr;
-    const ModelHeader& header = smoother.tree.header();
-    const EdgesSeen seen = feature_edges(mesh, {header.degree, header.mdl_threshold, header.diagonal,
-                                                header.noise_variance, smoother.contrary_share});
+    const EdgesSeen seen = feature_edges(mesh, smoother.rules);
     smoother.context.check_stop();
     if (seen.are_features())
         smoother.context.reporter.info(fmt::format(
@@ -233,11 +231,21 @@ void check_paths(const SmoothConfig& config) {
     refuse_to_overwrite(config.output, {config.model, config.cloud});
 }
 
-/// What the model was fitted with; empty where it does not say.
+/// What the model's record says that it was fitted with; empty where it does not say.
 json rules_of(const ModelFile& model) {
     const json provenance = json_or_discarded(model.provenance_json());
     const json rules = provenance.is_object() ? provenance.value("rules", json::object()) : json::object();
     return rules.is_object() ? rules : json::object();
+}
+
+SmoothModelRules smooth_rules(const ModelHeader& header, const json& rules) {
+    return {.degree = header.degree,
+            .choose_degree = rules.value("choose_degree", false),
+            .mdl_threshold = header.mdl_threshold,
+            .diagonal = header.diagonal,
+            .noise_variance = header.noise_variance,
+            .contrary_share = rules.value("contrary_share", 0.0),
+            .spacing = rules.value("spacing", 0.0)};
 }
 
 json smoothed(const SmoothConfig& config, StageContext& context) {
@@ -257,7 +265,7 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
                             model.header().origin,
                             model.header().diagonal,
                             rules.value("sharp", false) || !tree.sharp().empty(),
-                            rules.value("contrary_share", 0.0)};
+                            smooth_rules(model.header(), rules)};
     const bool as_mesh = has_faces && config.mode != "points";
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
     const auto n = result.at("points").get<std::uint64_t>();

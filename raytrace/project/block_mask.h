@@ -60,6 +60,7 @@ private:
     std::uint8_t surfel_[kRoom], block_[kRoom];
 
     [[gnu::always_inline]] void put(std::uint64_t bits, int first) {
+        // An intrinsic beside the lanes of simd.h, which cannot tell the numbers of a mask's bits: bytes are closed up.
 #ifdef __AVX512VBMI2__
         alignas(64) static constexpr auto kNumbers = [] {
             std::array<std::uint8_t, 64> n{};

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <utility>
 
 namespace slim {
 
@@ -12,17 +13,16 @@ namespace slim {
 template <class Op>
 [[gnu::always_inline]] inline FloatV reduce_each(std::array<FloatV, kLanes> v, const Op& op) {
     using Raw [[gnu::vector_size(sizeof(FloatV))]] = float;
-    using Places [[gnu::vector_size(sizeof(FloatV))]] = int;
-    Places even{}, odd{};  // of two vectors side by side
-    for (int k = 0; k < kLanes; ++k) even[k] = 2 * k, odd[k] = 2 * k + 1;
     // Each step halves what is left of every vector and joins two of them.
 #pragma GCC unroll 8
     for (std::size_t n = kLanes / 2; n > 0; n /= 2)
 #pragma GCC unroll 16
         for (std::size_t k = 0; k < n; ++k) {
             const Raw a = std::bit_cast<Raw>(v[2 * k]), b = std::bit_cast<Raw>(v[2 * k + 1]);
-            v[k] = op(std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, even))),
-                      std::bit_cast<FloatV>(Raw(__builtin_shuffle(a, b, odd))));
+            v[k] = [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+                return op(std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane)...))),
+                          std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane + 1)...))));
+            }(std::make_integer_sequence<int, kLanes>{});
         }
     return v[0];
 }
@@ -31,6 +31,7 @@ template <class Op>
 template <class To>
 [[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a, const LanesOfDouble<float>& b,
                                                const LanesOfDouble<float>& c, const LanesOfDouble<float>& d, const To& to) {
+    // Intrinsics outside simd.h: no std::simd turns four rows into eight columns in registers.
 #ifdef __AVX512VL__
     const auto lo = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
         return _mm256_castps_pd(_mm256_unpacklo_ps(static_cast<__m256>(x), static_cast<__m256>(y)));

@@ -1,5 +1,6 @@
 #include "slim/smooth/feature_edges.h"
 
+#include "slim/base/area_vector.h"
 #include "slim/base/parallel.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/neighbors/point_pyramid.h"
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace slim {
@@ -14,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRound = 128, kMost = 512;
 constexpr std::size_t kLeastPoints = 60;  ///< of a fold of a scan fewer agree, of a part's edge more
-constexpr double kLeastShare = 0.08;      ///< parts: 12.7 % and more; scans and heads: 4.1 % and less (notes/0008)
+constexpr double kLeastShare = 0.08;      ///< parts: 9.0 % and more; scans and heads: 5.3 % and less (notes/0008)
 constexpr double kSure = 3;               ///< standard errors
 constexpr std::size_t kGrain = 8;
 
@@ -22,12 +24,8 @@ constexpr std::size_t kGrain = 8;
 PointBlock vertices_of(const Mesh& mesh) {
     std::vector<Vec3d> normal(mesh.position.size());
     for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-        const auto corners = mesh.face(f);
-        Vec3d sum;
-        for (std::size_t k = 2; k < corners.size(); ++k)
-            sum += cross(mesh.position[corners[k - 1]] - mesh.position[corners[0]],
-                         mesh.position[corners[k]] - mesh.position[corners[0]]);
-        for (const std::uint32_t v : corners) normal[v] += sum;
+        const Vec3d area = area_vector(mesh.position, mesh.face(f));
+        for (const std::uint32_t v : mesh.face(f)) normal[v] += area;
     }
     PointBlock out;
     for (std::size_t v = 0; v < normal.size(); ++v) {
@@ -40,13 +38,18 @@ PointBlock vertices_of(const Mesh& mesh) {
     return out;
 }
 
+/// As a build has them, less what is of leaves that are made (LeafMaker::make) and not of the search: the typical noise
+/// has no part in it, so that lambda stands in.
 CoverRules rules_of(const SmoothModelRules& model) {
     CoverRules rules;
     rules.degree = model.degree;
+    rules.ladder.choose_degree = model.choose_degree;
     rules.mdl_threshold = model.mdl_threshold;
     rules.diagonal = model.diagonal;
     rules.noise_variance = rules.typical_variance = model.noise_variance;
     rules.ladder.contrary_share = model.contrary_share;
+    rules.spacing = model.spacing;
+    rules.least_radius = model.diagonal * std::numeric_limits<double>::epsilon();
     rules.sharp = true;
     return rules;
 }

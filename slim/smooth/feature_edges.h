@@ -8,11 +8,13 @@ namespace slim {
 
 /// What is known of a model whose leaves have one sheet, to look for edges as a build with sharp leaves would.
 struct SmoothModelRules {
-    int degree = 2;
+    int degree = 2;               ///< of all leaves, or the highest that one chooses
+    bool choose_degree = false;   ///< --degree auto
     double mdl_threshold = 0.01;  ///< T_MDL, over the diagonal
     double diagonal = 0;
     double noise_variance = 0;    ///< lambda
     double contrary_share = 0;    ///< of normals that noise turns out of a height field
+    double spacing = 0;           ///< square root of the area that one of its points has; 0: as the mesh's vertices have
 };
 
 /// How much of a mesh lies at edges.

@@ -1,8 +1,11 @@
 #include "formats/slice_file.h"
 
+#include "formats/slice_kind.h"
 #include "tests/formats/file_support.h"
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,11 +85,37 @@ TEST(SliceFile, KeepsEveryBitOfPositionsAndIdsInAsFewBytesAsHoldThem) {
     }
     EXPECT_NEAR(static_cast<double>(sizes[0]), 5000 * 28, 1000);
     const auto more = [&](std::size_t k) { return static_cast<double>(sizes[k] - sizes[0]); };
-    EXPECT_NEAR(more(1), (5000 - 4096) * 12, 64);  // chunks are padded
-    EXPECT_NEAR(more(2), 4096 * 4, 64);
+    EXPECT_NEAR(more(1), 2500 * 12, 64);  // chunks are padded
+    EXPECT_NEAR(more(2), 2500 * 4, 64);
 }
 
-TEST(SliceFile, IsTheSameForPointsThatComeOneByOne) {
+/// Points of each piece of a slice.
+std::vector<std::uint32_t> piece_sizes(const std::string& path) {
+    std::vector<std::uint32_t> out;
+    const ChunkFile slice = ChunkFile::open(path, kSliceKind);
+    for (const SlicePiece& p : slice.array<SlicePiece>("pieces")) out.push_back(p.n_points);
+    return out;
+}
+
+TEST(SliceFile, NoPieceIsSmallButTheLast) {
+    const TempFolder folder;
+    const std::string path = folder.file("s");
+    const auto sizes_of = [&](const std::vector<std::size_t>& parts) {
+        std::size_t n = 0;
+        for (const std::size_t part : parts) n += part;
+        SliceWriter writer(path, {}, n, true, false);
+        for (const std::size_t part : parts) writer.append(rising_points(part));
+        writer.commit();
+        return piece_sizes(path);
+    };
+    using Sizes = std::vector<std::uint32_t>;
+    EXPECT_EQ(sizes_of({4097}), (Sizes{2048, 2049}));
+    EXPECT_EQ(sizes_of({8192, 100}), (Sizes{4096, 4096, 100}));
+    EXPECT_EQ(sizes_of({100, 300, 200, 511, 512}), (Sizes{600, 1023}));
+    EXPECT_EQ(sizes_of({100, 12288}), (Sizes{3097, 3097, 3097, 3097}));
+}
+
+TEST(SliceFile, ReadsTheSameOfPointsThatComeOneByOne) {
     const TempFolder folder;
     const PointBlock block = rising_points(1300);
     SliceWriter writer(folder.file("s"), block.origin, block.size(), true, false);
@@ -135,8 +164,10 @@ TEST(SliceFile, IsReadInPartAndSeesDamageThere) {
     EXPECT_NE(error_of([&] { append_ids(damaged, [](std::uint64_t) { return false; }, part); })
                   .find("does not match its checksum"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { read_slice(damaged); }).find("does not match its checksum"),
-              std::string::npos);
+    const std::string error = error_of([&] { read_slice(damaged); });
+    EXPECT_TRUE(error.ends_with("does not match its checksum")) << error;
+    EXPECT_TRUE(error_of([&] { read_slice(folder.write("points.slice", bytes)); }).ends_with("run `slim slice` again"));
+    EXPECT_TRUE(error_of([&] { read_slice(folder.write("oriented.slice", bytes)); }).ends_with("run `slim normals` again"));
 }
 
 TEST(SliceFile, KnowsItselfByItsTableAndDamageByItsBytes) {
@@ -172,7 +203,23 @@ TEST(SliceFile, JoinsSlicesInOneSelection) {
     EXPECT_EQ(both.id, (std::vector<std::uint64_t>{30, 40, 30, 40}));
     EXPECT_EQ(both.scan, (std::vector<std::uint16_t>{3, 4, 3, 4}));
     EXPECT_EQ(both.origin, block.origin);
-    EXPECT_NE(error_of([&] { from({"a", "bare"}); }).find("other columns"), std::string::npos);
+    const auto expect_said = [&](const std::string& error, const std::vector<std::string>& words) {
+        for (const std::string& word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " in " << error;
+    };
+    expect_said(error_of([&] { from({"a", "bare"}); }),
+                {folder.file("bare") + ": byte ", "other columns", "expected normals and scans, as in " + folder.file("a"),
+                 "found no normals and scans"});
+    PointBlock moved = block;
+    moved.origin.x += 0.25;
+    write_slice(folder.file("moved"), moved);
+    expect_said(error_of([&] { from({"a", "moved"}); }),
+                {folder.file("moved") + ": byte ", "another origin", "expected (400000, 0.5, -3), as in " + folder.file("a"),
+                 "found (400000.25, 0.5, -3)"});
+    PointBlock here = block;
+    here.origin = {};
+    SliceSelection chosen;
+    chosen.add(folder.file("a"), [](std::uint64_t) { return true; });
+    expect_said(error_of([&] { chosen.append_to(here); }), {"another origin", "as of the points that it is added to"});
 }
 
 TEST(SliceFile, RefusesTheVersionBeforeByName) {
@@ -180,6 +227,56 @@ TEST(SliceFile, RefusesTheVersionBeforeByName) {
     ChunkWriter old(folder.file("s"), {"SLIMSLCE", "SLIM slice", 1});
     old.commit();
     EXPECT_NE(error_of([&] { read_slice(folder.file("s")); }).find("version 1, of an earlier slim"), std::string::npos);
+}
+
+TEST(SliceFile, RefusesALaterVersionByName) {
+    const TempFolder folder;
+    ChunkWriter later(folder.file("s"), {"SLIMSLCE", "SLIM slice", kSliceKind.version + 1});
+    later.commit();
+    const std::string error = error_of([&] { read_slice(folder.file("s")); });
+    EXPECT_NE(error.find("version " + std::to_string(kSliceKind.version + 1)), std::string::npos) << error;
+}
+
+TEST(SliceFile, SeesEveryDamage) {
+    const TempFolder folder;
+    write_slice(folder.file("s"), some_points(true, true));
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("s")), [](const std::string& path) { read_slice(path); });
+}
+
+TEST(SliceFile, NamesTheFaultOfAPieceWhoseChecksumsAreRight) {
+    const TempFolder folder;
+    const PointBlock block = some_points(false, false);
+    const EncodedPiece good = encode_piece(block, 0, block.size());
+    const std::string path = folder.file("s");
+    const auto error_with = [&](const std::function<void(SlicePiece&)>& change) {
+        ChunkWriter writer(path, kSliceKind);
+        writer.add("origin", std::span<const Vec3d>(&block.origin, 1));
+        const SliceColumns columns{0, 0};
+        writer.add("columns", std::span<const SliceColumns>(&columns, 1));
+        std::vector<unsigned char> bytes = good.bytes;
+        bytes.insert(bytes.end(), good.bytes.begin(), good.bytes.end());
+        writer.add("points", std::span<const unsigned char>(bytes));
+        std::vector<SlicePiece> pieces(2, good.piece);
+        pieces[0].first_byte = 0, pieces[1].first_byte = good.bytes.size();
+        change(pieces[1]);
+        writer.add("pieces", std::span<const SlicePiece>(pieces));
+        writer.commit();
+        return error_of([&] { read_slice(path); });
+    };
+    const auto expect_said = [&](const std::function<void(SlicePiece&)>& change, std::size_t field, const char* words) {
+        const std::string error = error_with(change);
+        const ChunkFile slice = ChunkFile::open(path, kSliceKind);
+        const std::string place = path + ": byte " + std::to_string(slice.offset("pieces") + 80 + field) + ": ";
+        EXPECT_EQ(error.find(place), 0u) << error << "\nexpected " << place;
+        EXPECT_NE(error.find(words), std::string::npos) << error;
+    };
+    EXPECT_EQ(error_with([](SlicePiece&) {}), "");
+    expect_said([](SlicePiece& p) { p.first_byte += 8; }, 48, "expected the first byte 144, where");
+    expect_said([](SlicePiece& p) { p.coordinate_bytes = 6; }, 76, "coordinates of 4 or 8 bytes, found 6");
+    expect_said([](SlicePiece& p) { p.id_bytes = 0; }, 78, "ids of 4 or 8 bytes, found 0");
+    expect_said([](SlicePiece& p) { p.n_points = 0; }, 72, "at least one point, found 0");
+    expect_said([](SlicePiece& p) { p.n_points = 4000000000u; }, 72, "at most 144 bytes");
+    EXPECT_NE(error_with([](SlicePiece& p) { p.n_points = 2; }).find("chunk points: expected "), std::string::npos);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <string>
 
 namespace slim::test {
@@ -59,6 +61,19 @@ TEST_F(SmoothStage, AdvisesSharpLeavesWhereAMeshHasEdgesThatTheModelRoundsOff) {
         EXPECT_FALSE(smooth(in).contains("at_edges"));
         EXPECT_TRUE(listener_.infos.empty()) << listener_.infos[0];
     }
+}
+
+TEST_F(SmoothStage, EdgesAreSoughtByTheDegreeOfTheModel) {
+    const std::string in = cube(0);
+    std::map<std::string, double> share;
+    for (const char* degree : {"2", "3", "auto"}) {
+        BuildConfig b = build_config(in, "m.slim");
+        b.degree = degree;
+        build(b);
+        share[degree] = smooth(in)["at_edges"];
+    }
+    EXPECT_GT(std::abs(share["3"] - share["2"]), 0.05);  // so that it would tell
+    EXPECT_NE(share["auto"], share["3"]);
 }
 
 TEST_F(SmoothStage, AMeshIsSmoothedAsPointsIfAsked) {
