@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace slim {
 
@@ -33,5 +34,16 @@ struct Polynomial {
     /// P_uuu, P_uuv, P_uvv, P_vvv: the same everywhere.
     std::array<T, 4> third() const { return {T(6) * a[6], T(2) * a[7], T(2) * a[8], T(6) * a[9]}; }
 };
+
+/// The same height field in coordinates over `ratio` times the radius: terms of degree d times ratio^(d - 1).
+template <class T>
+Polynomial<T> rescaled(const Polynomial<T>& p, T ratio) {
+    Polynomial<T> out;
+    T factor = T(1) / ratio;
+    for (int degree = 0, k = 0; degree <= kMaxDegree; ++degree, factor *= ratio)
+        for (; k < n_coefficients(degree); ++k)
+            out.a[static_cast<std::size_t>(k)] = p.a[static_cast<std::size_t>(k)] * factor;
+    return out;
+}
 
 }  // namespace slim

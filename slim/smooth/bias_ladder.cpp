@@ -54,7 +54,7 @@ BiasLadder climb_ladder(const Surfel& leaf, double noise, const PointPyramid& po
             break;
         }
         put_on(*fit, disc);
-        disc.curvature = fit->curvature(disc.radius);
+        disc.curvature = largest_curvature(fit->polynomial, disc.radius);
         if (fit->n / (kRungStep * kRungStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
     }
     for (std::size_t k = out.widest; out.widest < kRungs && k-- > 0;)

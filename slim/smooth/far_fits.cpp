@@ -17,14 +17,6 @@ std::vector<Surfel> wide_balls(const std::vector<FarFit>& fits) {
 
 }  // namespace
 
-Polynomial<double> rescaled(const Polynomial<double>& p, double ratio) {
-    Polynomial<double> out;
-    out.a[0] = p.a[0] / ratio;
-    for (std::size_t k = 1; k < 3; ++k) out.a[k] = p.a[k];
-    for (std::size_t k = 3; k < 6; ++k) out.a[k] = p.a[k] * ratio;
-    return out;
-}
-
 FarFits::FarFits(const std::vector<FarFit>& fits) : balls_(wide_balls(fits)) {
     off_.reserve(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i) off_.push_back(fits[balls_.node(i)].off);

@@ -32,7 +32,4 @@ private:
     std::vector<double> off_;  // of the fits, in the index's order
 };
 
-/// A polynomial's coordinates over `ratio` times the radius; degree 2 at most.
-Polynomial<double> rescaled(const Polynomial<double>& p, double ratio);
-
 }  // namespace slim

@@ -49,9 +49,11 @@ public:
         const std::size_t n = near_.size(), padded = (n + kLanes - 1) / kLanes * kLanes;
         for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_, &sq_turn_, &sq_turn_error_})
             column->assign(padded, 0);
-        double most = 0;
-        for (const std::uint32_t i : near_) most = std::max(most, importance(*known[balls.node(i)]));
-        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], most, i);
+        importance_.resize(n);
+        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], i);
+        // Over the most: the inverse of a variance that is next to nothing is no float.
+        const double most = n > 0 ? *std::max_element(importance_.begin(), importance_.end()) : 1;
+        for (std::size_t i = 0; i < n; ++i) weight_[i] = static_cast<float>(importance_[i] / most);
     }
 
     /// The weighted mean of lifts about a fit, for its radius, and what share of turns is not noise; zero if none is
@@ -82,26 +84,22 @@ public:
     }
 
 private:
-    /// The inverse of the variance of a lift over the fourth power of the radius.
-    double importance(const PlacedFit& fit) const {
-        const double fourth = std::pow(fit.radius / unit_, 4);
-        return fourth * fourth * unit_ * unit_ / fit.sq_lift_error;
-    }
-    /// A lift over the fourth power of the radius, as a quartic's grows, and its importance over the most.
-    void put(const Surfel& ball, const PlacedFit& fit, double most, std::size_t i) {
+    /// A lift over the fourth power of the radius, as a quartic's grows, and the inverse of its variance.
+    void put(const Surfel& ball, const PlacedFit& fit, std::size_t i) {
         const Vec3d c = (ball.center - origin_) / unit_, n = ball.frame.normal;
-        const double fourth = std::pow(fit.radius / unit_, 4), reach = ball.support_radius / unit_;
+        const double sq = fit.radius * fit.radius / (unit_ * unit_), fourth = sq * sq, reach = ball.support_radius / unit_;
         x_[i] = static_cast<float>(c.x), y_[i] = static_cast<float>(c.y), z_[i] = static_cast<float>(c.z);
         nx_[i] = static_cast<float>(n.x), ny_[i] = static_cast<float>(n.y), nz_[i] = static_cast<float>(n.z);
         by_sq_radius_[i] = static_cast<float>(1 / (reach * reach));
         lift_[i] = static_cast<float>(fit.lift / (unit_ * fourth));
-        weight_[i] = static_cast<float>(importance(fit) / most);
+        importance_[i] = fourth * fourth * unit_ * unit_ / fit.sq_lift_error;
         // A cubic's slope grows with the square of the radius.
         sq_turn_[i] = static_cast<float>((fit.turn[0] * fit.turn[0] + fit.turn[1] * fit.turn[1]) / fourth);
         sq_turn_error_[i] = static_cast<float>(fit.sq_turn_error / fourth);
     }
 
     std::vector<std::uint32_t> near_;
+    std::vector<double> importance_;
     Vec3d origin_;
     double unit_ = 1;
     std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_, sq_turn_, sq_turn_error_;
@@ -130,7 +128,7 @@ void lift_fits(std::vector<std::vector<PlacedFit>>& fits) {
         for (std::size_t j = 0; j < fits[i].size(); ++j) {
             PlacedFit& f = fits[i][j];
             auto& a = f.surfel.polynomial.a;
-            a[0] += (found[i][j].lift - f.spread_by_noise) / f.surfel.support_radius;
+            a[0] += (found[i][j].lift - f.height_by_noise) / f.surfel.support_radius;
             for (std::size_t k = 0; k < 2; ++k) a[1 + k] += found[i][j].turn_share * f.turn[k];
         }
 }

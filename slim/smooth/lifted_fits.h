@@ -14,7 +14,7 @@ struct PlacedFit {
     double radius = 0;              ///< of the disc
     double lift = 0;                ///< as WideFit has it
     double sq_lift_error = 0;       ///< zero: the lift is not known
-    double spread_by_noise = 0;     ///< what noise of the feet adds to the mean height over a place
+    double height_by_noise = 0;     ///< what noise of the feet adds to the mean height over a place
     std::array<double, 2> turn{};   ///< as WideFit has it
     double sq_turn_error = 0;
 };

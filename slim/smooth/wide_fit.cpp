@@ -88,8 +88,6 @@ double largest_curvature(const Polynomial<double>& p, double radius) {
     return (std::abs(a[3] + a[5]) + std::hypot(a[3] - a[5], a[4])) / radius;
 }
 
-double WideFit::curvature(double radius) const { return largest_curvature(polynomial, radius); }
-
 double WideFit::sq_stretch() const {
     const auto& a = polynomial.a;
     return 1 + a[1] * a[1] + a[2] * a[2] + a[3] * a[3] + a[5] * a[5] + a[4] * a[4] / 2;

@@ -49,8 +49,6 @@ struct WideFit {
     std::array<double, 2> turn{};
     double sq_turn_error = 0;
 
-    /// The magnitude of the larger curvature in the middle, 1 / length.
-    double curvature(double radius) const;
     /// Mean over the disc of 1 + slope^2: how much more the noise of heights is than that across the surface.
     double sq_stretch() const;
 };

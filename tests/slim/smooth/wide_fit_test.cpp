@@ -121,7 +121,7 @@ TEST(WideFit, DoesNotCutOffWhatBendsAway) {
     const auto f = fit(field(5000, 1, 1e-3, bowl), 0.5, 1e-3, true, 2);
     ASSERT_TRUE(f);
     EXPECT_NEAR(f->n, 5000 * M_PI * 0.25 / 4, 120);
-    EXPECT_NEAR(f->curvature(0.5), 2, 0.02);
+    EXPECT_NEAR(largest_curvature(f->polynomial, 0.5), 2, 0.02);
     EXPECT_NEAR(f->sq_stretch(), 1.5, 0.02);  // slope 2 r, its square's mean 1/2
 }
 
