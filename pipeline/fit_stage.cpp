@@ -47,6 +47,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"contrary", c.contrary},
             {"normals_disagree", c.normals_disagree},
             {"refitted", c.refitted},
+            {"own", c.own},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
             {"sharp_corners", c.sharp_corners},

@@ -18,7 +18,7 @@ ALLOWED = {
     "slim/neighbors": ["slim/model"],
     "slim/normals": ["slim/slicing", "slim/neighbors"],
     "slim/fit": ["slim/normals"],
-    "slim/cover": ["slim/fit"],
+    "slim/cover": ["slim/fit", "slim/blend"],
     "slim/tree": ["slim/cover"],
     "slim/blend": ["slim/model"],
     "slim/edges": ["slim/tree"],

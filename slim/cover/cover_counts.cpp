@@ -23,7 +23,7 @@ CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     normals_disagree += b.normals_disagree;
     unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
-    recentred += b.recentred, refitted += b.refitted;
+    recentred += b.recentred, refitted += b.refitted, own += b.own;
     evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
     refinements += b.refinements, point_visits += b.point_visits;
     for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];

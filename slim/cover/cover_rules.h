@@ -19,8 +19,18 @@ inline double level_radius(double diagonal, int level) {
     return diagonal / 10 * std::pow(kGoldenRatio, level - 1);
 }
 
+/// The level, of [first, last], that accepts leaves of a radius.
+inline int level_of(double radius, double diagonal, int first, int last) {
+    int level = first;
+    while (level < last && radius < level_radius(diagonal, level + 2)) ++level;
+    return level;
+}
+
 /// Finer than any scan: rho_0 g^47 = 1e-11 L.
 inline constexpr int kLastLevel = 48;
+
+/// How far a point may be off in clean clouds: the larger of a share of T L and so many sqrt(lambda) (notes/0016).
+inline constexpr double kFarthestOfPrice = 0.38, kFarthestOfNoise = 5;
 
 /// What the fit of one set of points is asked for.
 struct CoverRules {
@@ -57,6 +67,10 @@ struct CoverRules {
     bool is_sample() const { return share < 1; }
     /// A second fit wants all leaves: not where finer levels are left to others.
     bool fits_again() const { return refits && last_level == kLastLevel; }
+    /// How far a point may be off where leaves are fitted again (notes/0016); length.
+    double farthest() const {
+        return std::max(kFarthestOfPrice * mdl_threshold * diagonal, kFarthestOfNoise * std::sqrt(noise_variance));
+    }
     /// Least overlap of a covered point.
     float coverage() const { return refits ? kRefittedCoverage : static_cast<float>(kCoverage); }
 

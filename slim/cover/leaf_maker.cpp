@@ -220,7 +220,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         c.surfel = fit_with_air(center, normal, c.choice, work);
         if (c.choice.forced && c.sparse) shrink_to_few(c, work);
-        if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel)) {
+        if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel) || is_too_large(c)) {
             make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
             if (!c.leaf) return;
             continue;
@@ -268,7 +268,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     RadiusChoice moved_choice = choice;
     moved_choice.radius = radius;
     CoveringSurfel moved = fit_with_air(center, normal, moved_choice, work);
-    if (rounds_off(moved)) return kGoldenRatio * radius;
+    if (rounds_off(moved) || passes_over(moved)) return kGoldenRatio * radius;
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
     if (!moved.explains_center ||
         std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))

@@ -56,12 +56,19 @@ public:
     /// level. Strays become choice.isolated.
     void make(LeafCandidate& c, double lower, LeafWork& work) const;
 
+    /// A leaf of a point's own, that passes near it along its normal: of the finest ball about it, or of a smaller one. Where
+    /// it has n_before such leaves already, of a ball as many rungs smaller, and through the point itself. Nothing if there is
+    /// none, as about strays. leaf_maker_own.cpp.
+    std::optional<CoveringSurfel> make_own(std::uint32_t point, int n_before, LeafWork& work) const;
+
 private:
     double spacing_here() const;
     Edges edges() const;
     bool is_clean() const;
     double relative_noise() const;
     bool are_edges_in_noise() const;
+    bool passes_over(const CoveringSurfel& leaf) const;
+    bool is_too_large(const LeafCandidate& c) const;
     bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;

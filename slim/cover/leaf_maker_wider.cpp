@@ -40,7 +40,7 @@ void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal
     take_wider(c, center, kWantedOfWide, work, [&](BallPoints<double>& ball) {
         CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
                                                   rules_.noise_variance, ball, edges());
-        if (!is_well_fitted(leaf) || rounds_off(leaf) || (rules_.sharp && has_edge_signs(leaf))) return false;
+        if (!is_well_fitted(leaf) || rounds_off(leaf) || passes_over(leaf) || (rules_.sharp && has_edge_signs(leaf))) return false;
         leaf.air = air_places(leaf.fitted.surfel, ball);
         return ends_before_air(leaf);
     });

@@ -5,6 +5,7 @@
 #include "slim/cover/cover_states.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
+#include "slim/cover/own_leaves.h"
 #include "slim/cover/scatter.h"
 #include "slim/cover/second_fit.h"
 #include "slim/model/surfel_tree.h"
@@ -68,11 +69,7 @@ public:
             out_.counts.levels = static_cast<std::uint64_t>(level);
             reporter.progress("fit", block_.size() - open, block_.size());
         }
-        // Those of coarse levels, of whose points a slice sees a part only, stay as they are.
-        if (rules_.fits_again())
-            out_.counts.refitted += second_.run(pyramid_.all(), [&](const FittedSurfel& leaf) {
-                if (is_kept(leaf)) keep(leaf);
-            });
+        if (rules_.fits_again()) finish_leaves();
         for (const LeafWork& w : work_) {
             out_.counts.rungs += w.ladder.rungs;
             out_.counts.sharp_rungs += w.ladder.sharp_rungs;
@@ -114,6 +111,7 @@ private:
                   std::vector<std::uint32_t>& waiting);
     void search(Candidate& c, int level, std::size_t thinning);
     void make_internal(Candidate& c, double radius, std::size_t thinning, LeafWork& work) const;
+    void finish_leaves();
     void accept(Candidate& c, int level);
     void accept_leaf(Candidate& c, int level);
     bool drop(std::uint32_t point);
@@ -275,6 +273,21 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
     if (!rules_.fits_again()) keep(f);
+}
+
+/// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only, stay as they are.
+void LevelCover::finish_leaves() {
+    out_.counts.refitted += second_.run(pyramid_.all());
+    const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, work_.local());
+    second_.for_each([&](const FittedSurfel& leaf) {
+        if (is_kept(leaf)) keep(leaf);
+    });
+    for (const CoveringSurfel& leaf : own) {
+        if (!is_kept(leaf.fitted)) continue;
+        ++out_.counts.own;
+        out_.counts.add_leaf(leaf);
+        keep(leaf.fitted);
+    }
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.

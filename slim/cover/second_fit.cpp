@@ -26,14 +26,10 @@ void SecondFit::wait(const FittedSurfel& leaf) {
     waiting_.back().push_back(leaf);
 }
 
-std::size_t SecondFit::run(const PointTree& points,
-                           const std::function<void(const FittedSurfel&)>& visit) {
+std::size_t SecondFit::run(const PointTree& points) {
     std::size_t moved = 0;
-    for (std::vector<FittedSurfel>& leaves : waiting_) {
-        moved += refit_to_blend(points, blend_, leaves);
-        for (const FittedSurfel& leaf : leaves) visit(leaf);
-        std::vector<FittedSurfel>().swap(leaves);
-    }
+    for (std::vector<FittedSurfel>& leaves : waiting_) moved += refit_to_blend(points, blend_, leaves);
+    std::vector<BlendResidual>().swap(blend_);
     return moved;
 }
 

@@ -6,7 +6,6 @@
 #include "slim/neighbors/point_tree.h"
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 namespace slim {
@@ -21,8 +20,14 @@ public:
     /// Adds a leaf to what the blend leaves over at its points: those that are not fitted again too.
     void blend(const CoveringSurfel& leaf);
     void wait(const FittedSurfel& leaf);
-    /// Fits all that wait, in their order, to visit(leaf); returns how many moved.
-    std::size_t run(const PointTree& points, const std::function<void(const FittedSurfel&)>& visit);
+    /// Fits all that wait; returns how many moved.
+    std::size_t run(const PointTree& points);
+    /// Those that wait, in their order.
+    template <class Visit>
+    void for_each(const Visit& visit) const {
+        for (const std::vector<FittedSurfel>& leaves : waiting_)
+            for (const FittedSurfel& leaf : leaves) visit(leaf);
+    }
 
 private:
     std::vector<BlendResidual> blend_;
