@@ -12,8 +12,11 @@ constexpr double kOffSheet = 5;  // times the noise: a point with a contrary nor
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
 constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not gathered to be thinned at once
-constexpr double kSlowestRise = 2.5;  // least exponent of rho that what a fit misses is taken to grow by
-constexpr double kFasterRise = 2;     // most, above 2p: where the next order vanishes, as of quadrics on a sphere
+// Of the exponent of rho that what a fit misses is taken to grow by, NUMERICS 3.2's being 2p (notes/0012):
+constexpr double kSlowestRise = 2;        // the least,
+constexpr double kFasterRise = 2;         // the most above 2p, where the next order vanishes, as of quadrics on a sphere,
+constexpr double kAfterAFall = 5.0 / 3;   // times p where eps^2 fell up to the rung before it rises.
+constexpr double kBelowTheEnd = 1.1;      // a least energy by so little below the last rung is none
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -198,11 +201,14 @@ double RadiusLadder::optimum(const Rung& chosen, const Rung* finer, const Rung* 
     if (!has_up && !has_down) return rho;
     const double up = has_up ? variance(*coarser) - variance(chosen) : 0;
     const double down = has_down ? variance(chosen) - variance(*finer) : 0;
-    double q = 2.0 * (chosen.degree + 1) + kFasterRise;
-    if (up > 0 && down > 0) q = std::clamp(std::log(up / down) / -std::log(kGoldenRatio), kSlowestRise, q);
+    const double p = chosen.degree + 1;
+    double q = 2 * p + kFasterRise;
+    if (has_up && !(down > 0)) q = kAfterAFall * p;
+    else if (up > 0 && down > 0) q = std::clamp(std::log(up / down) / -std::log(kGoldenRatio), kSlowestRise, q);
     const double missed = has_up ? up / (std::pow(kGoldenRatio, -q) - 1) : down / (1 - std::pow(kGoldenRatio, q));
     if (!(missed > 0)) return has_up ? hi : rho;
-    return std::clamp(rho * std::pow(2 * energy_of(chosen.degree).price(rho) / (q * missed), 1 / (q + 2)), lo, hi);
+    const double least = rho * std::pow(2 * energy_of(chosen.degree).price(rho) / (q * missed), 1 / (q + 2));
+    return std::clamp(has_up ? least : kBelowTheEnd * least, lo, hi);
 }
 
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
