@@ -124,6 +124,7 @@ private:
     LeafMaker leaves_;
     CoverStates states_;
     SecondFit second_;
+    std::vector<std::uint64_t> strays_;  // their ids
     std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
@@ -227,6 +228,7 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
 void LevelCover::accept(Candidate& c, int level) {
     states_.remember(c);
     if (c.choice.isolated) {
+        strays_.push_back(block_.id[c.point]);
         out_.counts.isolated += drop(c.point);
         return;
     }
@@ -278,7 +280,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
 /// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only, stay as they are.
 void LevelCover::finish_leaves() {
     out_.counts.refitted += second_.run(pyramid_.all());
-    const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, work_.local());
+    const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
     second_.for_each([&](const FittedSurfel& leaf) {
         if (is_kept(leaf)) keep(leaf);
     });

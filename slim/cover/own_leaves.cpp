@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace slim {
@@ -19,8 +20,10 @@ constexpr double kApart = 0.5;  // over rho: a leaf of the same round may have m
 class OwnLeaves {
 public:
     OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules, const LeafMaker& maker,
-              const SecondFit& others, LeafWork& work)
-        : points_(points), block_(block), rules_(rules), maker_(maker), work_(work) {
+              const SecondFit& others, std::span<const std::uint64_t> strays, LeafWork& work)
+        : points_(points), block_(block), rules_(rules), maker_(maker), work_(work),
+          dropped_(rules.dropped.begin(), rules.dropped.end()) {
+        dropped_.insert(strays.begin(), strays.end());
         if (rules.done)
             rules.done([&](const FittedSurfel& f) {
                 if (f.flags & kLeaf) blend(copies_.emplace_back(f.surfel));
@@ -29,7 +32,7 @@ public:
     }
 
     std::deque<CoveringSurfel> run() {
-        std::vector<std::uint32_t> places = owned();
+        std::vector<std::uint32_t> places = first_places();
         for (int round = 0; round < kRounds && !places.empty(); ++round) {
             auto far = far_points(points_, places, leaves_, rules_.farthest());
             std::stable_sort(far.begin(), far.end(), [](const auto& a, const auto& b) { return a.off > b.off; });
@@ -42,11 +45,9 @@ private:
     /// Adds a leaf as the file will hold it, which turns the axes of linear ones, and so their rims a little.
     void blend(const Surfel& s) { leaves_.push_back(s.degree < 2 ? &copies_.emplace_back(level_linear(s)) : &s); }
 
-    std::vector<std::uint32_t> owned() const {
-        std::vector<std::uint32_t> out;
-        out.reserve(points_.size());
-        for (std::uint32_t i = 0; i < points_.size(); ++i)
-            if (!rules_.owns || rules_.owns(points_.position(i))) out.push_back(i);
+    std::vector<std::uint32_t> first_places() const {
+        std::vector<std::uint32_t> out = maybe_far(points_, leaves_, rules_.farthest());
+        if (rules_.owns) std::erase_if(out, [&](std::uint32_t i) { return !rules_.owns(points_.position(i)); });
         return out;
     }
 
@@ -76,7 +77,7 @@ private:
     bool add_leaf(std::uint32_t place) {
         const std::uint32_t point = points_.source(place);
         int& n_tries = n_tries_[place];
-        if (n_tries == kTries || was_dropped(block_.id[point])) return false;
+        if (n_tries == kTries || dropped_.contains(block_.id[point])) return false;
         auto leaf = maker_.make_own(point, n_tries++, work_);
         if (!leaf) return false;
         FittedSurfel& f = own_.emplace_back(std::move(*leaf)).fitted;
@@ -88,9 +89,6 @@ private:
         gather_ball(points_, s.center, s.support_radius, work_.exact.ball);
         return true;
     }
-    bool was_dropped(std::uint64_t id) const {
-        return std::find(rules_.dropped.begin(), rules_.dropped.end(), id) != rules_.dropped.end();
-    }
 
     const PointTree& points_;
     const PointBlock& block_;
@@ -101,13 +99,15 @@ private:
     std::deque<CoveringSurfel> own_;  // whose surfels leaves_ refers to, as to
     std::deque<Surfel> copies_;       // these
     std::unordered_map<std::uint32_t, int> n_tries_;
+    std::unordered_set<std::uint64_t> dropped_;
 };
 
 }  // namespace
 
 std::deque<CoveringSurfel> own_leaves(const PointTree& points, const PointBlock& block, const CoverRules& rules,
-                                      const LeafMaker& maker, const SecondFit& others, LeafWork& work) {
-    return OwnLeaves(points, block, rules, maker, others, work).run();
+                                      const LeafMaker& maker, const SecondFit& others, std::span<const std::uint64_t> strays,
+                                      LeafWork& work) {
+    return OwnLeaves(points, block, rules, maker, others, strays, work).run();
 }
 
 }  // namespace slim

@@ -1,0 +1,93 @@
+#include "slim/cover/own_leaves.h"
+
+#include "slim/base/parallel.h"
+#include "slim/blend/blend.h"
+#include "tests/slim/cover/cover_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace slim::test {
+namespace {
+
+/// Largest distance of points to the blend of leaves, along their normals; infinite where none supports one.
+double farthest_off(const PointBlock& points, const Cover& c) {
+    double most = 0;
+    const auto leaves = leaves_of(c);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<const Surfel*> near;
+        for (const FittedSurfel& s : leaves)
+            if (length(points.position[i] - s.surfel.center) < s.surfel.support_radius) near.push_back(&s.surfel);
+        const auto at = project_along(points.position[i], normalized(to_double(points.normal[i])), near);
+        most = std::max(most, at ? std::abs(at->t) : INFINITY);
+    }
+    return most;
+}
+
+/// A bowl with a ridge across it, two points wide: too little of a large leaf for its eps to show it.
+PointBlock ridge() {
+    const auto height = [](double u, double v) { return 0.1 * (u * u + v * v) + 0.025 * std::exp(-u * u / 4e-4); };
+    PointBlock block = along_curve(graph_points(20000, 1, 1, height));
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        const Vec3d p = block.position[i];
+        const double e = 0.025 * std::exp(-p.x * p.x / 4e-4);
+        block.normal[i] = to_float(normalized(Vec3d{-0.2 * p.x + e * 2 * p.x / 4e-4, -0.2 * p.y, 1}));
+    }
+    return block;
+}
+
+CoverRules clean_rules(const PointBlock& block, double mdl_threshold) {
+    CoverRules rules = rules_for(block, mdl_threshold);
+    rules.refits = true;
+    return rules;
+}
+
+TEST(OwnLeaves, NoPointIsFartherOffThanTAndNoiseAllow) {
+    const PointBlock block = ridge();
+    CoverRules rules = clean_rules(block, 0.005);
+    const Cover c = cover(block, rules);
+    EXPECT_LE(farthest_off(block, c), rules.farthest());
+    EXPECT_GT(c.counts.own, 0u);
+    EXPECT_EQ(c.counts.leaves, leaves_of(c).size());
+    rules.refits = false;
+    EXPECT_GT(farthest_off(block, cover(block, rules)), 1.5 * rules.farthest()) << "the ridge is no test of it";
+}
+
+TEST(OwnLeaves, ALargerTAllowsMore) {
+    const PointBlock block = ridge();
+    const CoverRules fine = clean_rules(block, 0.005), coarse = clean_rules(block, 0.05);
+    EXPECT_DOUBLE_EQ(coarse.farthest(), 10 * fine.farthest());
+    const Cover c = cover(block, coarse);
+    EXPECT_EQ(c.counts.own, 0u);
+    EXPECT_LT(c.counts.leaves, cover(block, fine).counts.leaves);
+}
+
+TEST(OwnLeaves, AreTheSameForAnyNumberOfThreads) {
+    const PointBlock block = ridge();
+    const CoverRules rules = clean_rules(block, 0.005);
+    const auto with = [&](int n) {
+        const ThreadLimit limit(n);
+        return cover(block, rules);
+    };
+    expect_same(with(1), with(2));
+}
+
+// Nobody's surface: what is dropped as a stray stays so.
+TEST(OwnLeaves, StraysGetNone) {
+    PointBlock block = ridge();
+    for (int k = 0; k < 3; ++k) {
+        block.position.push_back({0.2 * k, 0.1, 3.0 + k});
+        block.normal.push_back({0, 0, 1});
+        block.id.push_back(block.size());
+    }
+    block = along_curve(block);
+    const Cover c = cover(block, clean_rules(block, 0.005));
+    EXPECT_EQ(c.counts.isolated, 3u);
+    for (const FittedSurfel& f : leaves_of(c)) EXPECT_LT(f.surfel.center.z, 1);
+}
+
+}  // namespace
+}  // namespace slim::test
