@@ -87,7 +87,7 @@ Lean lean_of(const Surfel& s, const Vec3d& local, const Vec3d& normal) {
     const Vec3d n = s.frame.local_from_world(normal);
     const double u = n.x + n.z * s.polynomial.d_u(local.x, local.y);
     const double v = n.y + n.z * s.polynomial.d_v(local.x, local.y);
-    return {u, v, n.z, std::hypot(u, v)};
+    return {u, v, n.z, std::sqrt(u * u + v * v)};
 }
 
 /// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too much alike.

@@ -222,10 +222,12 @@ SpreadFit fit_degree_with_spread(const BallPoints<T>& points, double shrink,
 
 bool too_steep(const Polynomial<double>& p) {
     const auto& a = p.a;
-    const double first = std::hypot(a[1], a[2]);
-    const double second = std::abs(a[3] + a[5]) / 2 + std::hypot(a[3] - a[5], a[4]) / 2;
-    const double third = std::hypot(3 * a[6] + a[8], a[7] + 3 * a[9]) / 4 +
-                         std::hypot(a[6] - a[8], a[7] - a[9]) / 4;
+    // What overflows here is too steep as well.
+    const auto size = [](double x, double y) { return std::sqrt(x * x + y * y); };
+    const double first = size(a[1], a[2]);
+    const double second = std::abs(a[3] + a[5]) / 2 + size(a[3] - a[5], a[4]) / 2;
+    const double third = size(3 * a[6] + a[8], a[7] + 3 * a[9]) / 4 +
+                         size(a[6] - a[8], a[7] - a[9]) / 4;
     return !(first + second + third <= kSteepest);
 }
 

@@ -2,6 +2,8 @@
 
 #include "slim/model/surfel.h"
 
+#include <boost/math/tools/minima.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,11 +14,7 @@ constexpr double kOffSheet = 5;  // times the noise: a point with a contrary nor
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
 constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
 constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not gathered to be thinned at once
-// Of the exponent of rho that what a fit misses is taken to grow by, NUMERICS 3.2's being 2p (notes/0012):
-constexpr double kSlowestRise = 2;        // the least,
-constexpr double kFasterRise = 2;         // the most above 2p, where the next order vanishes, as of quadrics on a sphere,
-constexpr double kAfterAFall = 5.0 / 3;   // times p where eps^2 fell up to the rung before it rises.
-constexpr double kBelowTheEnd = 1.1;      // a least energy by so little below the last rung is none
+constexpr double kAtTheEnd = 1.2;     // an optimum so little below a radius that 2 % are not worth a search
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -184,31 +182,40 @@ double RadiusLadder::known_optimum(const Rung& chosen, double lo, double hi) con
     return std::clamp(rho * std::pow(price / (p * missed), 1 / (2 * p + 2)), lo, hi);
 }
 
-/// eps^2 as a rung's energy has it.
-double RadiusLadder::variance(const Rung& r) const {
-    return r.energy - energy_of(r.degree).price(rung_radius(r.index));
+/// Whether the energy has no minimum short of the coarsest admissible rung, the chosen one. With eps^2 = noise +
+/// C rho^2p (NUMERICS 3.2) there is one where C rho^2p exceeds price / p, which the two last rungs tell. Where eps^2
+/// fell by more than the price, they are no such pair: a search there keeps clean clouds as they are. Two in five
+/// refinements of happy_stand_raw, whose ladders mostly end at a fold, would find the end itself.
+bool RadiusLadder::falls_to_the_end(const Rung& chosen, const Rung& finer) const {
+    if (chosen.degree != finer.degree) return false;
+    const double p = chosen.degree + 1, price = energy_of(chosen.degree).price(rung_radius(chosen.index));
+    const double rise = chosen.energy - finer.energy + price * (1 / (kGoldenRatio * kGoldenRatio) - 1);
+    return rise > -price && rise < kAtTheEnd * price / p * (1 - std::pow(kGoldenRatio, 2 * p));
 }
 
-/// The radius of least energy between a rung's neighbours, finer and coarser (null where there is none), in closed form: with
-/// eps^2 = noise + C rho^q, q = 2p for a smooth surface (NUMERICS 3.2), less across features and more where it is alike on
-/// both sides, as three rungs of a degree tell. A search (NUMERICS 3.3) costs a gather and five fits and finds no better
-/// (notes/0012).
-double RadiusLadder::optimum(const Rung& chosen, const Rung* finer, const Rung* coarser, bool normals_count) const {
-    const auto radius_of = [&](const Rung* r) { return rung_radius(r ? r->index : chosen.index); };
-    const double lo = radius_of(finer), hi = radius_of(coarser), rho = radius_of(&chosen);
-    if (normals_count) return known_optimum(chosen, lo, hi);
-    const bool has_up = coarser && coarser->degree == chosen.degree, has_down = finer && finer->degree == chosen.degree;
-    if (!has_up && !has_down) return rho;
-    const double up = has_up ? variance(*coarser) - variance(chosen) : 0;
-    const double down = has_down ? variance(chosen) - variance(*finer) : 0;
-    const double p = chosen.degree + 1;
-    double q = 2 * p + kFasterRise;
-    if (has_up && !(down > 0)) q = kAfterAFall * p;
-    else if (up > 0 && down > 0) q = std::clamp(std::log(up / down) / -std::log(kGoldenRatio), kSlowestRise, q);
-    const double missed = has_up ? up / (std::pow(kGoldenRatio, -q) - 1) : down / (1 - std::pow(kGoldenRatio, q));
-    if (!(missed > 0)) return has_up ? hi : rho;
-    const double least = rho * std::pow(2 * energy_of(chosen.degree).price(rho) / (q * missed), 1 / (q + 2));
-    return std::clamp(has_up ? least : kBelowTheEnd * least, lo, hi);
+double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
+                            const Vec3d& normal, LadderWork& work) const {
+    if (work.ball.normals_count) return known_optimum(chosen, lo, hi);
+    gather_ball(points_.level(chosen.level), center, hi, work.ball);
+    const double middle = rung_radius(chosen.index) / hi;
+    const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
+    set_contrary_aside(work.ball, frame.normal, work.aside);
+    const MdlEnergy energy = energy_of(chosen.degree);
+    const auto energy_at = [&](double log_radius) {
+        const double radius = std::exp(log_radius) * hi;
+        ++work.refinements;
+        work.point_visits += work.ball.n;
+        const LocalFit fit = fit_ball(work.ball, radius / hi, frame, chosen.degree);
+        return energy(fit.sq_error, radius);
+    };
+    // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away from 0,
+    // where the library's tolerance would vanish.
+    constexpr double offset = 2;
+    std::uintmax_t most = 8;
+    const auto found = boost::math::tools::brent_find_minima(
+        [&](double x) { return energy_at(x - offset); }, std::log(lo / hi) + offset, offset, 8,
+        most);
+    return std::exp(found.first - offset) * hi;
 }
 
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,
@@ -246,11 +253,15 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         work.edge_in_sight |= normal_spread(work.ball) >= kLeastSpread;
     const bool saturated = chosen == 0;
     const bool limited = folded && chosen == coarsest;
+    const double lo = chosen < finest ? rung_radius(chosen + 1) : rung_radius(chosen);
+    const double hi = chosen > coarsest ? rung_radius(chosen - 1) : rung_radius(chosen);
     const double energy = rungs[chosen]->energy;
     const int degree = rungs[chosen]->degree;
-    const Rung* finer = chosen < finest ? &*rungs[chosen + 1] : nullptr;
-    const Rung* coarser = chosen > coarsest ? &*rungs[chosen - 1] : nullptr;
-    const double radius = saturated ? rung_radius(chosen) : optimum(*rungs[chosen], finer, coarser, work.ball.normals_count);
+    const bool at_the_end = saturated || lo == hi ||
+                            (chosen == coarsest && !work.ball.normals_count &&
+                             falls_to_the_end(*rungs[chosen], *rungs[chosen + 1]));
+    const double radius =
+        at_the_end ? rung_radius(chosen) : refine(*rungs[chosen], lo, hi, center, normal, work);
     return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest)};
 }
 

@@ -57,8 +57,8 @@ struct LadderWork {
 };
 
 /// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
-/// and 3): the largest rung that is no worse than any other, noise and bias told apart (notes/0005), then the
-/// least E between its neighbours. Depends on the points alone, never on surfels made before.
+/// and 3): the largest rung that is no worse than any other, noise and bias told apart (notes/0005), then a
+/// minimum of E between its neighbours. Depends on the points alone, never on surfels made before.
 class RadiusLadder {
 public:
     /// root_radius: rho_0; least_radius: below it coordinates are rounding. `points` must outlive this.
@@ -66,7 +66,7 @@ public:
                  double least_radius, int degree, const LadderRules& rules);
 
     /// center, normal: of a point; first_guess: a length near the distance of its neighbours.
-    /// Cost: about rules.sample points a rung.
+    /// Cost: about rules.sample points a rung, five more evaluations to refine.
     RadiusChoice choose(const Vec3d& center, const Vec3d& normal, double first_guess,
                         LadderWork& work) const;
 
@@ -102,9 +102,10 @@ private:
     void gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;
-    double variance(const Rung& r) const;
+    bool falls_to_the_end(const Rung& chosen, const Rung& finer) const;
     double known_optimum(const Rung& chosen, double lo, double hi) const;
-    double optimum(const Rung& chosen, const Rung* finer, const Rung* coarser, bool normals_count) const;
+    double refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
+                  const Vec3d& normal, LadderWork& work) const;
 
     const PointPyramid& points_;
     MdlEnergy energy_;

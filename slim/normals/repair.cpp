@@ -21,6 +21,8 @@ constexpr double kContrary = -0.3;  // cosine to the majority below which a norm
 constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 constexpr double kNoisy = 0.3;      // the height-field limit of the radius ladder
 constexpr float kLeastNeighbors = 5;
+// A bucket agrees by itself where |mean normal| and the least cosine to the mean of the others are at least
+constexpr float kOfOneMind = 0.8f, kClose = 0.5f;
 // |cosine| of normals that are the same but for the sign
 constexpr float kAlongOneLine = 0.7f;
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
@@ -47,6 +49,28 @@ struct alignas(64) LocalBucket {
         }
     }
 };
+
+/// Whether all points of a full bucket face as the mean of the others in it does, and clearly: no look at what lies around is
+/// needed (notes/0001).
+[[gnu::flatten]] bool is_of_one_mind(const LocalBucket& b) {
+    FloatV sum[3] = {0, 0, 0};
+    for (std::size_t k = 0; k < kBucket; k += kLanes) {
+        sum[0] += FloatV(b.nx + k, stdx::element_aligned);
+        sum[1] += FloatV(b.ny + k, stdx::element_aligned);
+        sum[2] += FloatV(b.nz + k, stdx::element_aligned);
+    }
+    const float x = stdx::reduce(sum[0]), y = stdx::reduce(sum[1]), z = stdx::reduce(sum[2]);
+    constexpr float kLeast = kOfOneMind * kBucket;
+    if (!(x * x + y * y + z * z > kLeast * kLeast)) return false;
+    for (std::size_t k = 0; k < kBucket; k += kLanes) {
+        const FloatV nx(b.nx + k, stdx::element_aligned), ny(b.ny + k, stdx::element_aligned), nz(b.nz + k, stdx::element_aligned);
+        const FloatV mx = x - nx, my = y - ny, mz = z - nz;
+        const FloatV along = mx * nx + my * ny + mz * nz;
+        const FloatV sq_own = nx * nx + ny * ny + nz * nz, sq_mean = mx * mx + my * my + mz * mz;
+        if (!stdx::all_of(along > FloatV(0) && along * along > FloatV(kClose * kClose) * sq_own * sq_mean)) return false;
+    }
+    return true;
+}
 
 /// The points of an audit: tree and local buckets. 24 bytes a point.
 struct Neighborhoods {
@@ -292,9 +316,12 @@ public:
             audit(begin, middle);
             return audit(middle, end);
         }
-        around_.gather(all_, box, most_radius_);
-        for (std::size_t first = begin; first < end; first += kBucket)
+        bool is_gathered = false;
+        for (std::size_t first = begin; first < end; first += kBucket) {
+            if (is_plain(first / kBucket)) continue;
+            if (!std::exchange(is_gathered, true)) around_.gather(all_, box, most_radius_);
             audit_part(first, std::min(first + kBucket, end));
+        }
     }
 
     NormalAudit counts;
@@ -303,6 +330,11 @@ public:
 private:
     static constexpr double kCompact = 8;
 
+    /// Whether a bucket needs no closer look: compact, of one mind, and none of those whose pairs are compared.
+    bool is_plain(std::size_t bucket) const {
+        return bucket % kSampledBuckets != 0 && (bucket + 1) * kBucket <= points_.size() &&
+               all_.tree.bucket(bucket).diagonal() <= 2 * most_radius_ && is_of_one_mind(all_.buckets[bucket]);
+    }
     Bbox box_of(std::size_t begin, std::size_t end) const {
         Bbox box;
         for (std::size_t i = begin; i < end; ++i) box.extend(points_.position[i]);

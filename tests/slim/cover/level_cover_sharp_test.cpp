@@ -134,8 +134,7 @@ TEST(LevelCover, SharpLeavesAreTheSameForAnyNumberOfThreads) {
 
 TEST(LevelCover, ASmoothSurfaceHasNoSharpLeaves) {
     for (const char* shape : {"sphere", "torus"}) {
-        // So many that leaves whose normals spread as beside an edge have effective points to spare (Enough::freedom).
-        const PointBlock block = block_of(sampled(shape, 20000));
+        const PointBlock block = block_of(sampled(shape, 6000));
         CoverRules rules = rules_for(block);
         const Cover smooth = cover(block, rules);
         rules.sharp = true;
