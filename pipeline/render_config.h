@@ -143,7 +143,8 @@ struct RenderConfig {
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
         field("background", background,
-              "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom");
+              "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom; lines alone are light on dark ones, in the "
+              "SVG too");
         field.choice("format", format, "auto: by the output's extension, PNG in a folder",
                      {"auto", "png", "exr"});
         field("unit", unit, "name of the model's length unit, for legends (mm, m, ...)");

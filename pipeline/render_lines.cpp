@@ -3,6 +3,7 @@
 #include "formats/extension.h"
 #include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/render_view.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
 #include "slim/base/error.h"
@@ -165,8 +166,8 @@ std::vector<FeatureLine> PictureLines::finish() {
 
 std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg, const Vec3d& origin,
                                   const DrawnLines& drawn) {
-    std::vector<NamedText> files{
-        {svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window)}};
+    std::vector<NamedText> files{{svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window,
+                                                 parse_background(config.background, true))}};
     if (!config.lines_ply.empty()) files.push_back({config.lines_ply, lines_ply(drawn.lines, origin)});
     if (!config.lines_obj.empty()) files.push_back({config.lines_obj, lines_obj(drawn.lines, origin)});
     return files;

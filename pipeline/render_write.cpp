@@ -39,7 +39,8 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
                            part.inside());
     put_background(job, aov, part.wanted, picture);
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
-    if (job.found_lines) draw_lines(*job.found_lines, canvas);
+    const Ink ink = aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
+    if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
     all_fits &= burn_words(job, look, canvas);
     return picture;
 }

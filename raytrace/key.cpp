@@ -3,6 +3,7 @@
 #include "raytrace/font.h"
 #include "raytrace/panel.h"
 #include "raytrace/svg_color.h"
+#include "raytrace/svg_text.h"
 #include "slim/base/markup.h"
 
 #include <algorithm>
@@ -46,6 +47,15 @@ Vec3f linear_of(const Vec3f& srgb) {
     return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};
 }
 
+/// Millimetres: 70, or more where the words need it.
+double svg_width(const Key& key) {
+    constexpr double kLeast = 70, kMargin = 4, kFont = 3.4, kBesideSwatch = 6;
+    double words = svg_text_width(key.title, kFont, true);
+    for (const Key::Row& row : key.rows)
+        words = std::max(words, svg_text_width(row.text, kFont) + (row.has_swatch ? kBesideSwatch : 0));
+    return std::max(kLeast, std::ceil(2 * kMargin + words));
+}
+
 }  // namespace
 
 LegendPlace best_key_place(const Key& key, const Picture& object) {
@@ -80,9 +90,9 @@ bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
 
 std::string key_svg(const Key& key) {
     std::ostringstream out;
-    const double height = 12 + 6.0 * static_cast<double>(key.rows.size());
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"70mm\" height=\""
-        << height << "mm\" viewBox=\"0 0 70 " << height
+    const double height = 12 + 6.0 * static_cast<double>(key.rows.size()), width = svg_width(key);
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << width << "mm\" height=\""
+        << height << "mm\" viewBox=\"0 0 " << width << ' ' << height
         << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n"
         << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped_markup(key.title) << "</text>\n";
     double y = 7;

@@ -1,9 +1,11 @@
 #include "raytrace/legend.h"
 
 #include "raytrace/svg_color.h"
+#include "raytrace/svg_text.h"
 #include "slim/base/check.h"
 #include "slim/base/markup.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
@@ -12,7 +14,7 @@ namespace slim {
 namespace {
 
 // Millimetres.
-constexpr double kWidth = 44, kBarX = 4, kBarWidth = 6, kBarHeight = 60, kTip = 3, kBarY = 24;
+constexpr double kLeastWidth = 44, kFont = 3.4, kBarX = 4, kBarWidth = 6, kBarHeight = 60, kTip = 3, kBarY = 24;
 constexpr double kHeight = kBarY + kBarHeight + 13;
 constexpr int kStops = 33;
 
@@ -49,15 +51,24 @@ void write_ticks(std::ostream& out, const Legend& legend) {
     }
 }
 
+/// kLeastWidth, or more where a line of words needs it.
+double width_of(const Legend& legend) {
+    double words = svg_text_width(legend.title, kFont, true);
+    for (const std::string& text : {legend.unit, legend.high_note, legend.low_note})
+        words = std::max(words, svg_text_width(text, kFont));
+    return std::max(kLeastWidth, std::ceil(2 * kBarX + words));
+}
+
 }  // namespace
 
 std::string legend_svg(const Legend& legend) {
     SLIM_CHECK(legend.map != nullptr, ==, true);
     SLIM_CHECK(legend.range.lo, <, legend.range.hi);
     std::ostringstream out;
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << kWidth
-        << "mm\" height=\"" << kHeight << "mm\" viewBox=\"0 0 " << kWidth << ' ' << kHeight
-        << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n";
+    const double width = width_of(legend);
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << width
+        << "mm\" height=\"" << kHeight << "mm\" viewBox=\"0 0 " << width << ' ' << kHeight
+        << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"" << kFont << "\" fill=\"#1a1b1e\">\n";
     write_gradient(out, *legend.map);
     out << "  <rect x=\"" << kBarX << "\" y=\"" << kBarY << "\" width=\"" << kBarWidth
         << "\" height=\"" << kBarHeight << "\" fill=\"url(#bar)\"/>\n";

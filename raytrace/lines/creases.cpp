@@ -138,7 +138,7 @@ private:
         if (face && std::fabs(dot(n, d)) <= kSheetGap * width &&
             sq_length(d) <= kReach * kReach * width * width)
             return Says::shows;
-        return s_.depth(i) < static_cast<float>(p.camera.z) ? Says::hides : Says::nothing;
+        return dot(to_float(s_.view.forward), d) > 0 ? Says::hides : Says::nothing;
     }
 
     /// Of the four pixels about the place one must show it; where they are all silent (a sliver of a face at

@@ -19,7 +19,8 @@ Crossing place_crossing(const LineScene& scene, std::size_t a, std::size_t b, co
     }
     const std::size_t own = hit.surface == EdgeHit::Side::a ? a : b;
     c.pixel = static_cast<std::uint32_t>(own);
-    c.point = to_float(scene.view.point_at(c.x, c.y, scene.depth(own)));
+    const float share = own == a ? hit.s : hit.s - 1;
+    c.point = scene.moved(own, down ? 0 : share, down ? share : 0);
     return c;
 }
 

@@ -114,7 +114,8 @@ CrossingField find_on_sheets(const LineScene& scene, const Sheets& sheets, const
 
 /// The crossings of each kind, by NUMERICS 5.4. Weights and evidence:
 ///
-///     contour     1 / L; 1
+///     contour     1 / L; 1, and below 0.5 where a step that faces the eye is none that surfels which disagree would
+///                 not make (contour.cpp)
 ///     suggestive  sqrt(D_w kappa_r); D_w kappa_r, which the search takes over the square of the view's typical
 ///                 curvature once it has seen all of it (line_search.h)
 ///     ridge       k1; its sharpness -k1'' / k1^3 along t1: 3 (1 - b^2/a^2) at an ellipse's tip

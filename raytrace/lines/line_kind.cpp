@@ -8,6 +8,7 @@ Channels channels_of_kind(LineKind kind, int degree) {
     constexpr Channels kShape = kK1Channel | kK2Channel | kDirectionChannel;
     switch (kind) {
         case LineKind::contour:
+            return kPlace | kFitErrorChannel;
         case LineKind::reflection:
         case LineKind::convex_crease:
         case LineKind::concave_crease:

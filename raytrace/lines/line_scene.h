@@ -43,14 +43,20 @@ struct LineScene {
     Vec3f toward_eye(std::size_t a) const {
         return view.orthographic ? to_float(-view.forward) : to_float(view.eye) - point(a);
     }
-    float depth(std::size_t a) const {
-        return dot(to_float(view.forward), point(a) - to_float(view.eye));
-    }
+    /// How much deeper in the view b lies than a, model units: a difference of points, as depths themselves are
+    /// rounded to the step of floats at the eye's distance.
+    float deeper(std::size_t a, std::size_t b) const { return dot(to_float(view.forward), point(b) - point(a)); }
     /// Width of a pixel at the surface, model units.
     float footprint(std::size_t a) const {
-        return view.orthographic ? static_cast<float>(1 / view.px_per_unit)
-                                 : depth(a) / static_cast<float>(view.focal_px);
+        if (view.orthographic) return static_cast<float>(1 / view.px_per_unit);
+        return dot(to_float(view.forward), point(a) - to_float(view.eye)) / static_cast<float>(view.focal_px);
     }
+    /// The point at the depth of a that is seen so many pixels right and down of it.
+    Vec3f moved(std::size_t a, float right, float down) const {
+        return point(a) + (to_float(view.right) * right + to_float(view.down) * down) * footprint(a);
+    }
+    /// Root mean square residual of the surfel seen, model units; 0 where the frame does not say.
+    float fit_error(std::size_t a) const { return buffer.fit_error.empty() ? 0 : buffer.fit_error[a]; }
     /// N.v, both unit.
     float facing(std::size_t a) const { return dot(normal(a), normalized(toward_eye(a))); }
 };

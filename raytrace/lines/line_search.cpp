@@ -2,6 +2,7 @@
 
 #include "raytrace/lines/crossings.h"
 #include "raytrace/lines/select.h"
+#include "raytrace/lines/tidy.h"
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
 
@@ -105,6 +106,8 @@ std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double 
     }
     std::vector<FeatureLine> lines = follow_links(points, links, kind);
     points = {}, links = {};
+    if (kind == LineKind::contour)
+        lines = tidy_contours(std::move(lines), std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000));
     lines = select_lines(std::move(lines), line_rules(kind, width, height));
     for (FeatureLine& line : lines) {
         smooth_line(line, kSmoothingPasses);

@@ -1,6 +1,7 @@
 #include "raytrace/lines/lines_svg.h"
 
 #include "raytrace/lines/stroke.h"
+#include "raytrace/picture.h"
 #include "raytrace/svg_color.h"
 
 #include <algorithm>
@@ -30,17 +31,34 @@ std::string path_of(const FeatureLine& line, int width, int height) {
            "\"/>\n";
 }
 
+Vec3f srgb_of(const Vec3f& linear) {
+    return {srgb_from_linear(linear.x), srgb_from_linear(linear.y), srgb_from_linear(linear.z)};
+}
+
+/// What light lines are seen on, behind the whole picture.
+std::string background_of(const Background& background, int width, int height) {
+    const std::string top = hex_color(srgb_of(background.top)), bottom = hex_color(srgb_of(background.bottom));
+    const std::string size = " width=\"" + mm(static_cast<float>(width)) + "\" height=\"" +
+                             mm(static_cast<float>(height)) + "\" stroke=\"none\"";
+    if (top == bottom) return "  <rect id=\"background\"" + size + " fill=\"" + top + "\"/>\n";
+    return "  <linearGradient id=\"shade\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" stop-color=\"" + top +
+           "\"/><stop offset=\"1\" stop-color=\"" + bottom + "\"/></linearGradient>\n  <rect id=\"background\"" + size +
+           " fill=\"url(#shade)\"/>\n";
+}
+
 }  // namespace
 
 std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width, int height,
-                      const PixelWindow& window) {
+                      const PixelWindow& window, const Background& background) {
     const std::string w = number(kMmPerPixel * window.width, 3), h = number(kMmPerPixel * window.height, 3);
     const auto from = [](int px) { return px == 0 ? std::string("0") : number(kMmPerPixel * px, 3); };
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
                       "mm\" height=\"" + h + "mm\" viewBox=\"" + from(window.x) + " " + from(window.y) + " " + w + " " + h +
                       "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+    const Ink ink = ink_on(background);
+    if (ink == Ink::light) out += background_of(background, width, height);
     for (const LineKind kind : kinds) {
-        const LineStyle style = line_style(kind);
+        const LineStyle style = line_style(kind, ink);
         out += std::string("  <g id=\"") + style.group + "\" stroke=\"" + hex_color(style.srgb) +
                "\">\n";
         for (const FeatureLine& line : lines)

@@ -16,12 +16,15 @@ constexpr float kNever = std::numeric_limits<float>::infinity();
 
 /// What it costs to link two crossings of a cell: their squared distance; never across sheets.
 /// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
-/// gap that no limb has counts as another sheet.
+/// gap that no limb has counts as another sheet: the last pixel of one that bends by a radius of r footprints
+/// lies up to sqrt(2 r) before the limb, and has about its normal.
 float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const Crossing& b) {
-    constexpr float kLimbGap = 16;  // footprints
+    constexpr float kLimbGap = 16, kWideLimbGap = 64;  // footprints
+    constexpr float kLimbTurn = 0.9f;
     const float sq = (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
     if (a.pixel == b.pixel || !breaks_off(scene, a.pixel, b.pixel)) return sq;
-    const float most = kLimbGap * scene.footprint(a.pixel);
+    const bool alike = dot(scene.normal(a.pixel), scene.normal(b.pixel)) > kLimbTurn;
+    const float most = (alike ? kWideLimbGap : kLimbGap) * scene.footprint(a.pixel);
     if (kind != LineKind::contour || sq_length(a.point - b.point) > most * most) return kNever;
     return sq + 4;  // after any pair that is surely on one sheet
 }

@@ -1,9 +1,10 @@
 #include "raytrace/lines/select.h"
 
+#include "raytrace/lines/point_grid.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 
 namespace slim {
 namespace {
@@ -42,39 +43,6 @@ float mean_evidence(const FeatureLine& line) {
     return px > 0 ? sum / px : 0;
 }
 
-/// Ends of lines by squares of the picture as large as the reach.
-class EndsNearby {
-public:
-    void add(const FeatureLine& line, std::size_t index) {
-        for (const LinePoint* p : {&line.points.front(), &line.points.back()})
-            squares_[key(square(p->x), square(p->y))].push_back({p->x, p->y, index});
-    }
-    /// visit(index) for each end within reach of a point.
-    template <class Visit>
-    void for_each(const LinePoint& at, Visit&& visit) const {
-        const int x = square(at.x), y = square(at.y);
-        for (int j = y - 1; j <= y + 1; ++j)
-            for (int i = x - 1; i <= x + 1; ++i) {
-                const auto found = squares_.find(key(i, j));
-                if (found == squares_.end()) continue;
-                for (const End& e : found->second)
-                    if ((e.x - at.x) * (e.x - at.x) + (e.y - at.y) * (e.y - at.y) <= kReach * kReach) visit(e.line);
-            }
-    }
-
-private:
-    static constexpr float kReach = 3;
-    struct End {
-        float x, y;
-        std::size_t line;
-    };
-    static int square(float x) { return static_cast<int>(std::floor(x / kReach)); }
-    static std::uint64_t key(int x, int y) {
-        return std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(y);
-    }
-    std::unordered_map<std::uint64_t, std::vector<End>> squares_;
-};
-
 enum class Verdict : std::uint8_t { drop, weak, keep };
 
 Verdict judge(const FeatureLine& line, const LineRules& rules) {
@@ -84,25 +52,33 @@ Verdict judge(const FeatureLine& line, const LineRules& rules) {
 }
 
 /// Weak lines that continue kept ones, and those that continue these, become kept.
-void spread(const std::vector<FeatureLine>& lines, bool meets_anywhere, std::vector<Verdict>& verdicts) {
-    EndsNearby weak;
+void spread(const std::vector<FeatureLine>& lines, const LineRules& rules, std::vector<Verdict>& verdicts) {
+    constexpr float kReach = 3;
+    constexpr std::uint8_t kBothEnds = 3;
+    PointGrid weak(kReach, 2 * lines.size());
     std::vector<std::size_t> fresh;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        if (lines[i].closed && !meets_anywhere) continue;
+        if (lines[i].closed && !rules.meets_anywhere) continue;
         if (verdicts[i] == Verdict::keep) fresh.push_back(i);
-        if (verdicts[i] == Verdict::weak && !lines[i].closed) weak.add(lines[i], i);
+        if (verdicts[i] != Verdict::weak || lines[i].closed) continue;
+        const LinePoint &first = lines[i].points.front(), &last = lines[i].points.back();
+        weak.add(first.x, first.y, static_cast<std::uint32_t>(2 * i));
+        weak.add(last.x, last.y, static_cast<std::uint32_t>(2 * i + 1));
     }
+    std::vector<std::uint8_t> met(lines.size(), 0);
     while (!fresh.empty()) {
         const FeatureLine& kept = lines[fresh.back()];
         fresh.pop_back();
         const auto look = [&](const LinePoint& p) {
-            weak.for_each(p, [&](std::size_t i) {
-                if (verdicts[i] != Verdict::weak) return;
+            weak.for_each(p.x, p.y, [&](std::uint32_t end, float) {
+                const std::size_t i = end / 2;
+                met[i] |= static_cast<std::uint8_t>(1u << end % 2);
+                if (verdicts[i] != Verdict::weak || (rules.meets_anywhere && met[i] != kBothEnds)) return;
                 verdicts[i] = Verdict::keep;
                 fresh.push_back(i);
             });
         };
-        if (meets_anywhere)
+        if (rules.meets_anywhere)
             for (const LinePoint& p : kept.points) look(p);
         else
             look(kept.points.front()), look(kept.points.back());
@@ -117,7 +93,7 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
     switch (kind) {
         // Junctions with other contours cut a limb into pieces, some of a few pixels, which meet these contours midway.
         case LineKind::contour:
-            return {0, 0, 0, 0, px(8), 1, true};
+            return {0, 0, 0, 0, px(10), 0, true};
         case LineKind::suggestive:
             return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
         case LineKind::ridge:
@@ -153,7 +129,7 @@ std::vector<FeatureLine> select_lines(std::vector<FeatureLine> lines, const Line
         measure_line(piece);
         verdicts.push_back(judge(piece, rules));
     }
-    spread(pieces, rules.meets_anywhere, verdicts);
+    spread(pieces, rules, verdicts);
     std::vector<FeatureLine> kept;
     for (std::size_t i = 0; i < pieces.size(); ++i)
         if (verdicts[i] == Verdict::keep) kept.push_back(std::move(pieces[i]));

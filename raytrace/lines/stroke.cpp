@@ -9,6 +9,10 @@ namespace slim {
 namespace {
 
 constexpr int kBandRows = 64;
+constexpr float kFlare = 0.05f;  ///< light that a screen adds to every colour (WCAG 2)
+
+/// Of linear Rec.709.
+float luminance(const Vec3f& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 /// Columns [left, right) of rows [begin, end) of a picture with the coverage of one line.
 struct Band {
@@ -100,26 +104,43 @@ std::vector<StrokeBox> boxes_of(std::span<const FeatureLine> lines, int picture_
 
 }  // namespace
 
-LineStyle line_style(LineKind kind) {
+Ink ink_on(const Background& background) {
+    if (!(background.alpha > 0)) return Ink::dark;
+    const auto contrast = [&](Ink ink) {
+        const Vec3f& srgb = line_style(LineKind::contour, ink).srgb;
+        const float own = luminance({linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)});
+        const auto with = [own](const Vec3f& linear) {
+            const float other = luminance(linear);
+            return (std::max(own, other) + kFlare) / (std::min(own, other) + kFlare);
+        };
+        return std::min(with(background.top), with(background.bottom));
+    };
+    return contrast(Ink::light) > contrast(Ink::dark) ? Ink::light : Ink::dark;
+}
+
+LineStyle line_style(LineKind kind, Ink ink) {
+    const auto style = [ink](const Vec3f& dark, const Vec3f& light, const char* group) {
+        return LineStyle{ink == Ink::dark ? dark : light, group};
+    };
     switch (kind) {
         case LineKind::contour:
-            return {{0.06f, 0.06f, 0.07f}, "contour"};
+            return style({0.06f, 0.06f, 0.07f}, {0.95f, 0.95f, 0.94f}, "contour");
         case LineKind::suggestive:
-            return {{0.06f, 0.06f, 0.07f}, "suggestive"};
-        case LineKind::ridge:
-            return {{0.66f, 0.08f, 0.07f}, "crest-ridge"};  // as convex in the curvature maps
+            return style({0.06f, 0.06f, 0.07f}, {0.95f, 0.95f, 0.94f}, "suggestive");
+        case LineKind::ridge:  // as convex in the curvature maps
+            return style({0.66f, 0.08f, 0.07f}, {1.0f, 0.52f, 0.47f}, "crest-ridge");
         case LineKind::valley:
-            return {{0.05f, 0.20f, 0.62f}, "crest-valley"};
+            return style({0.05f, 0.20f, 0.62f}, {0.50f, 0.68f, 1.0f}, "crest-valley");
         case LineKind::parabolic:
-            return {{0.05f, 0.40f, 0.22f}, "parabolic"};
-        case LineKind::convex_crease:
-            return {{0.36f, 0.05f, 0.05f}, "crease-convex"};  // darker than ridges and ravines
+            return style({0.05f, 0.40f, 0.22f}, {0.45f, 0.85f, 0.60f}, "parabolic");
+        case LineKind::convex_crease:  // darker, or lighter, than ridges and ravines
+            return style({0.36f, 0.05f, 0.05f}, {1.0f, 0.76f, 0.72f}, "crease-convex");
         case LineKind::concave_crease:
-            return {{0.03f, 0.12f, 0.36f}, "crease-concave"};
+            return style({0.03f, 0.12f, 0.36f}, {0.74f, 0.84f, 1.0f}, "crease-concave");
         case LineKind::reflection:
             break;
     }
-    return {{0.20f, 0.20f, 0.24f}, "reflection"};
+    return style({0.20f, 0.20f, 0.24f}, {0.78f, 0.78f, 0.76f}, "reflection");
 }
 
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height) {
@@ -131,7 +152,7 @@ float stroke_width(const FeatureLine& line, int picture_width, int picture_heigh
     return std::clamp(0.9f + 0.25f * std::log2(std::max(line.strength, 0.1f)), 0.6f, 2.2f) * scale;
 }
 
-void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas) {
+void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink ink) {
     const std::vector<StrokeBox> boxes = boxes_of(lines, canvas.width, canvas.height);
     const auto n_rows = static_cast<std::size_t>(canvas.part.height);
     parallel_blocks(n_rows, kBandRows, [&](std::size_t first, std::size_t last) {
@@ -144,7 +165,7 @@ void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas) {
             band.start();
             lines[i].for_each_segment(
                 [&](const LinePoint& a, const LinePoint& b) { cover_segment(a, b, half, band); });
-            composite(line_style(lines[i].kind).srgb, band, canvas);
+            composite(line_style(lines[i].kind, ink).srgb, band, canvas);
         }
     });
 }

@@ -3,18 +3,27 @@
 #include "raytrace/canvas.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/renderer.h"
+#include "raytrace/shade.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace slim {
+
+/// What lines alone are drawn with, so that they stand out: dark on light backgrounds, light on dark ones. Over a
+/// drawn surface they are dark.
+enum class Ink : std::uint8_t { dark, light };
+
+/// The ink of more contrast with both ends of a background; dark where it is transparent.
+Ink ink_on(const Background& background);
 
 /// How lines look. Widths are in pixels of a picture 1000 pixels high and grow with it.
 struct LineStyle {
     Vec3f srgb;         ///< display-referred
     const char* group;  ///< id of the kind's group in the SVG
 };
-LineStyle line_style(LineKind kind);
+LineStyle line_style(LineKind kind, Ink ink = Ink::dark);
 
 /// Stroke width in pixels: contours all alike, the others by the logarithm of their strength.
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height);
@@ -22,7 +31,7 @@ float stroke_width(const FeatureLine& line, int picture_width, int picture_heigh
 /// Draws lines over a picture or a part of one, anti-aliased (coverage by the distance from the pixel's centre to
 /// the stroke's edge), in the order given; points of the lines are in pixels of the whole. The picture stays
 /// premultiplied. Cost: O(points x stroke width); parallel over bands of rows.
-void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas);
+void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink ink = Ink::dark);
 
 /// Strength of the strongest line of the kinds wanted through each pixel, 0 where none passes: for
 /// data files, so neither blurred nor widened. Row by row, those of the window of a width x height picture.

@@ -45,6 +45,24 @@ TEST_F(RenderLines, AloneAreDarkOnWhite) {
     EXPECT_GT(dark, 200u);
 }
 
+TEST_F(RenderLines, AloneOnADarkBackgroundAreLightThereAndInTheSvg) {
+    RenderConfig c = lines("a.png", {"contour"});
+    c.aov = {"lines"}, c.background = "black";
+    const PngImage image = draw(c);
+    std::size_t black = 0, light = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+        black += image.rgba[i] == 0, light += image.rgba[i] > 200;
+    EXPECT_GT(black, 200u * 150 * 9 / 10);
+    EXPECT_GT(light, 100u);
+    EXPECT_NE(bytes("a.lines.svg").find("<g id=\"contour\" stroke=\"#f2f2f0\">"), std::string::npos);
+    // Over a drawn surface they stay dark.
+    c.aov = {"shaded"};
+    const PngImage over = draw(c);
+    c.lines.clear();
+    const PngImage plain = draw(c);
+    for (std::size_t i = 0; i < over.rgba.size(); i += 4) EXPECT_LE(over.rgba[i], std::max<int>(plain.rgba[i], 15)) << i;
+}
+
 TEST_F(RenderLines, AreTheSameWithSupersampling) {
     RenderConfig c = lines("a.png", {"contour", "reflection"});
     const auto plain = run(c);

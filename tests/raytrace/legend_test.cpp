@@ -162,6 +162,17 @@ TEST(Legend, SvgNamesAllAndEscapes) {
     EXPECT_NE(legend_svg(legend).find(" Z\" fill"), std::string::npos);
 }
 
+TEST(Legend, SvgIsAsWideAsItsWordsNeed) {
+    Legend legend = mean_legend();
+    EXPECT_NE(legend_svg(legend).find("width=\"44mm\""), std::string::npos);
+    legend.unit = "1/US survey feet (1927)";  // 41.5 mm in DejaVu Sans, and 4 to its left
+    const std::string svg = legend_svg(legend);
+    const double width = std::stod(svg.substr(svg.find("width=\"") + 7));
+    EXPECT_GT(width, 46);
+    EXPECT_LT(width, 60);
+    EXPECT_NE(svg.find("viewBox=\"0 0 " + std::to_string(static_cast<int>(width)) + " "), std::string::npos);
+}
+
 TEST(Font, EveryPrintableCharacterHasAGlyphOfItsOwn) {
     Picture missing = white(40, 40);
     draw_text(missing, "\x01", 8, 30, {});

@@ -264,6 +264,15 @@ TEST(Key, StandsWhereItHidesLeastAndIsWrittenAsSvg) {
     EXPECT_NE(key_svg(key).find("#ff0000"), std::string::npos);
 }
 
+TEST(Key, SvgIsAsWideAsItsWordsNeed) {
+    const Key key{"contour lines", {{"every 5 m", false, {}}}};
+    EXPECT_NE(key_svg(key).find("width=\"70mm\" height=\"18mm\" viewBox=\"0 0 70 18\""), std::string::npos);
+    const std::string svg = key_svg({"contour lines", {{"heavy every 0.025 US survey feet (1927)", false, {}}}});
+    const double width = std::stod(svg.substr(svg.find("width=\"") + 7));
+    EXPECT_GT(width, 74);  // 69.9 mm in DejaVu Sans, and 4 to its left
+    EXPECT_LT(width, 90);
+}
+
 TEST(CameraPath, PassesItsKeyframesAndStaysSmooth) {
     Camera a, b, c;
     a.eye = {0, 0, 5};

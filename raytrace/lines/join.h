@@ -1,0 +1,17 @@
+#pragma once
+
+#include "raytrace/lines/feature_line.h"
+
+#include <vector>
+
+namespace slim {
+
+/// Joins lines whose ends meet: 3 pixels apart or less, on one surface, and going on without a sharp turn (1.5 pixels
+/// apart, round corners too); the nearest and straightest first. Lines that meet themselves are closed. Lengths and
+/// strengths are not filled in.
+///
+/// px      a pixel of a picture 1000 high, in pixels; 1 at least
+/// cost    O(points + ends log ends)
+std::vector<FeatureLine> join_ends(std::vector<FeatureLine> lines, float px);
+
+}  // namespace slim
