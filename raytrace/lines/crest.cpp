@@ -1,3 +1,4 @@
+#include "raytrace/lines/crest_look.h"
 #include "raytrace/lines/crossings.h"
 #include "raytrace/lines/line_search.h"
 #include "raytrace/lines/sheet_blur.h"
@@ -5,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 
 namespace slim {
 namespace {
@@ -37,50 +36,6 @@ struct Family {
         return static_cast<std::uint32_t>(lane_bits(ridges ? k1 > stdx::abs(k2) : -k2 > stdx::abs(k1)));
     }
 };
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// How much k has fallen at a distance along t, as a share; NaN where that is not on the surface
-/// seen, or too many rows away.
-float fall_at(const Family& f, std::size_t i, const Vec3f& p, float k) {
-    const LineScene& s = f.s;
-    const Vec3d c = s.view.camera_from_local(to_double(p));
-    const double scale = s.view.orthographic ? s.view.px_per_unit : s.view.focal_px / c.z;
-    const double x = s.view.center_x + scale * c.x, y = s.view.center_y + scale * c.y;
-    if (!(x >= 0 && y >= 0 && x < s.buffer.width && y < s.picture_height())) return kNone;
-    const int row = static_cast<int>(y) - s.rows.top;
-    if (std::abs(row - static_cast<int>(i / static_cast<std::size_t>(s.buffer.width))) > kMostRowsAway) return kNone;
-    const std::size_t j = s.buffer.index(static_cast<int>(x), row);
-    const Vec3f q = s.point(i);
-    if (!s.hit(j) || sq_length(s.point(j) - q) > 4 * sq_length(p - q)) return kNone;
-    return 1 - f.k(j) / k;
-}
-
-/// Where the osculating circle along t leads after an angle.
-Vec3f along_circle(const Family& f, std::size_t i, float k, float angle) {
-    const Vec3f inwards = f.s.normal(i) * (f.ridges ? -1.0f : 1.0f);
-    return f.s.point(i) +
-           (f.direction(i) * std::sin(angle) + inwards * (1 - std::cos(angle))) * (1 / k);
-}
-
-/// Sharpness of a ridge: the fall of k to either side, as the -k''/k^3 that would make it; the
-/// lesser of the sides that are seen, NaN if none is. 0 on a torus, about 3 (1 - b^2/a^2) at the
-/// tip of an ellipse. Looks as far as the normal turns by 40 degrees (3 to 40 pixels), nearer where
-/// the limb is nearer.
-///
-/// Departs from NUMERICS 5.4, which has no such test: e alone has false zeros at every surfel.
-float sharpness(const Family& f, std::size_t i, float k) {
-    constexpr float kTurn = 0.7f, kMostTurn = 1.2f;
-    const float width_turn = f.s.footprint(i) * k;
-    float turn = std::min(std::clamp(kTurn, 3 * width_turn, 40 * width_turn), kMostTurn);
-    for (int look = 0; look < 3; ++look, turn *= 0.5f) {
-        float least = kNone;
-        for (const float side : {-turn, turn})
-            least = std::fmin(least, fall_at(f, i, along_circle(f, i, k, side), k));
-        if (!std::isnan(least)) return std::clamp(2 * least / (turn * turn), -1.0f, 4.0f);
-    }
-    return kNone;
-}
 
 /// An edge that the view shows within a pixel (a sheet of sharp surfels against the next, or too
 /// fine a rounding): no derivative tells it; its k is the turn over the way.
@@ -157,9 +112,7 @@ std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec
     const bool tells = along * along > 0.36f * sq_length(d);
     if (tells && !(ea * along > 0)) return std::nullopt;
     const float at = ea / (ea - eb), k = f.k(a) * (1 - at) + f.k(b) * at;
-    const float sharp = sharpness(f, at < 0.5f ? a : b, k);
-    if (!(sharp > -0.5f)) return std::nullopt;
-    return EdgeHit{at, k, sharp};
+    return EdgeHit{at, k, 0};
 }
 
 /// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t, is averaged
@@ -207,6 +160,11 @@ void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std:
 }
 
 }  // namespace
+
+CrestLook crest_look(const LineScene& s, const Crossing& c, bool ridges) {
+    const Family family{s, ridges};
+    return {s.normal(c.pixel), c.evidence > 0 ? Vec3f{} : family.direction(c.pixel)};
+}
 
 CrossingField crest_crossings(const LineScene& s, const Sheets& sheets, bool ridges) {
     const Family family{s, ridges};

@@ -118,7 +118,8 @@ CrossingField find_on_sheets(const LineScene& scene, const Sheets& sheets, const
 ///                 not make (contour.cpp)
 ///     suggestive  sqrt(D_w kappa_r); D_w kappa_r, which the search takes over the square of the view's typical
 ///                 curvature once it has seen all of it (line_search.h)
-///     ridge       k1; its sharpness -k1'' / k1^3 along t1: 3 (1 - b^2/a^2) at an ellipse's tip
+///     ridge       k1; 4 of an edge within a pixel, else 0 until the search has seen the whole picture and looks how k1
+///                 falls along t1 (crest_look.h)
 ///     valley      -k2; the same for -k2 along t2
 ///     parabolic   the curvature that does not vanish; 1
 ///     reflection  1 / L; 1

@@ -79,10 +79,10 @@ LineSearch::LineSearch(std::span<const LineKind> kinds) : kinds_(kinds.begin(), 
 
 int line_margin(int picture_width, int picture_height) {
     // The blur of a pixel two rows on (slopes by differences), of the lower end of an edge, in the row after the last.
-    return std::max(static_cast<int>(blur_reach(picture_width, picture_height)), kMostRowsAway) + 5;
+    return static_cast<int>(blur_reach(picture_width, picture_height)) + 5;
 }
 
-void LineSearch::Found::append(const CrossingField& field, const LineLinks& own, bool is_last) {
+void LineSearch::Found::append(const LineScene& scene, const CrossingField& field, const LineLinks& own, bool is_last) {
     // The first row's were found before, with the cells above them.
     SLIM_CHECK(n_next, <=, own.size());
     const std::size_t known = points.size() - n_next;
@@ -95,8 +95,19 @@ void LineSearch::Found::append(const CrossingField& field, const LineLinks& own,
     for (std::size_t i = n_next; i < own.size(); ++i) {
         points.push_back(line_point(field.crossings[i]));
         links.push_back(moved(own[i]));
+        if (is_crest()) looks.push_back(crest_look(scene, field.crossings[i], kind == LineKind::ridge));
     }
     n_next = is_last ? 0 : field.crossings.size() - field.row_start[field.row_start.size() - 2];
+}
+
+/// The evidence of crest lines, of the whole picture.
+void LineSearch::Found::look_around(const CurvatureSamples& around) {
+    parallel_blocks(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (!(points[i].evidence > 0))
+                points[i].evidence = around.sharpness(points[i], looks[i], kind == LineKind::ridge);
+    });
+    looks = {};
 }
 
 std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double diagonal) {
@@ -124,6 +135,7 @@ void LineSearch::add(const LineScene& scene) {
     const bool is_last = end == height_;
     for (CreaseSearch& creases : creases_) creases.add(scene);
     if (found_.empty()) return;
+    if (has_crests()) samples_.add(scene);
     const Sheets sheets(scene);
     LineScene with_next = scene;  // cells of the last row take the crossings of the next
     with_next.rows.end = static_cast<int>(scene.end_row()) + (is_last ? 0 : 1);
@@ -131,21 +143,24 @@ void LineSearch::add(const LineScene& scene) {
         Found& found = found_[k];
         SLIM_CHECK(scene.buffer.has(line_channels(std::array{found.kind}, scene.degree)), ==, true);
         const CrossingField field = crossings_of(found.kind, with_next, sheets);
-        found.append(field, link_cells(scene, field, found.kind), is_last);
+        found.append(scene, field, link_cells(scene, field, found.kind), is_last);
         if (found.kind == LineKind::suggestive) sample_curvature(scene, found.curvatures);
     });
 }
 
+bool LineSearch::has_crests() const {
+    return std::any_of(found_.begin(), found_.end(), [](const Found& f) { return f.is_crest(); });
+}
+
 /// Crest lines end where the same edge is drawn as a crease.
 void LineSearch::leave_to_creases(std::span<const FeatureLine> elsewhere) {
-    const auto is_crest = [](const Found& f) { return f.kind == LineKind::ridge || f.kind == LineKind::valley; };
-    if (std::none_of(found_.begin(), found_.end(), is_crest)) return;
+    if (!has_crests()) return;
     CreasedPixels creased;
     creased.add(elsewhere);
     for (const CreaseSearch& search : creases_) creased.add(search.lines());
     creased.sort();
     for (Found& found : found_) {
-        if (!is_crest(found)) continue;
+        if (!found.is_crest()) continue;
         for (LinePoint& p : found.points)
             if (creased.hold(p)) p.evidence = std::numeric_limits<float>::quiet_NaN();
     }
@@ -153,6 +168,8 @@ void LineSearch::leave_to_creases(std::span<const FeatureLine> elsewhere) {
 
 std::vector<FeatureLine> LineSearch::finish(std::span<const FeatureLine> creases) {
     SLIM_CHECK(next_row_, ==, height_);
+    for (Found& found : found_)
+        if (found.is_crest()) found.look_around(samples_);
     leave_to_creases(creases);
     std::vector<std::vector<FeatureLine>> of(found_.size());
     parallel_blocks(found_.size(), 1,

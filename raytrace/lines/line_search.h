@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/lines/creases.h"
+#include "raytrace/lines/crest_look.h"
 #include "raytrace/lines/feature_line.h"
 #include "raytrace/lines/line_scene.h"
 #include "raytrace/lines/link.h"
@@ -11,15 +12,13 @@
 
 namespace slim {
 
-/// The search for lines looks no further up or down than so many rows, beside its blur.
-inline constexpr int kMostRowsAway = 64;
-
 /// Rows that a band of a picture of that size holds above and below those that are searched, so that it has all that
 /// the search looks at.
 int line_margin(int picture_width, int picture_height);
 
 /// The feature lines of a picture that is seen band by band, the same to the bit as of the whole at once. What is kept
-/// of a band is its crossings with their links: 36 bytes each (raytrace/lines/notes/0005).
+/// of a band is its crossings with their links, 36 bytes each, of crest lines 60, and some samples of the curvature
+/// (raytrace/lines/notes/0005, 0008).
 ///
 /// Bands follow each other from the top down. Of each, rows [rows.begin, rows.end) of the planes are searched, which
 /// begin where those of the band before ended; around them lie line_margin rows, as far as the picture has them.
@@ -43,16 +42,21 @@ private:
         LineLinks links;
         std::size_t n_next = 0;  ///< of them those of the row after the last band's, which the next one finds again
         std::vector<float> curvatures = {};  ///< sample of the view's, of suggestive contours
+        std::vector<CrestLook> looks = {};   ///< of crest lines, of each crossing
 
         explicit Found(LineKind a_kind) : kind(a_kind) {}
-        void append(const CrossingField& field, const LineLinks& own, bool is_last);
+        bool is_crest() const { return kind == LineKind::ridge || kind == LineKind::valley; }
+        void append(const LineScene& scene, const CrossingField& field, const LineLinks& own, bool is_last);
+        void look_around(const CurvatureSamples& around);
         std::vector<FeatureLine> lines(int width, int height, double diagonal);
     };
+    bool has_crests() const;
     void leave_to_creases(std::span<const FeatureLine> elsewhere);
 
     std::vector<LineKind> kinds_;
     std::vector<Found> found_;           ///< of kinds other than creases, in their order
     std::vector<CreaseSearch> creases_;  ///< of creases, in theirs
+    CurvatureSamples samples_;           ///< for crest lines
     int width_ = 0, height_ = 0, next_row_ = 0;
     double diagonal_ = 1;
 };

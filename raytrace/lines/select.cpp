@@ -48,7 +48,9 @@ enum class Verdict : std::uint8_t { drop, weak, keep };
 Verdict judge(const FeatureLine& line, const LineRules& rules) {
     if (line.length_px < rules.weak_px || line.strength < rules.weak_strength) return Verdict::drop;
     const bool strong = line.strength >= rules.strength && line.length_px >= rules.least_px;
-    return strong && mean_evidence(line) >= rules.strong_evidence ? Verdict::keep : Verdict::weak;
+    const float evidence = mean_evidence(line);
+    const bool clear = evidence >= rules.strong_evidence && line.strength * evidence >= rules.sharpness;
+    return strong && clear ? Verdict::keep : Verdict::weak;
 }
 
 /// Weak lines that continue kept ones, and those that continue these, become kept.
@@ -98,7 +100,11 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
             return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
         case LineKind::ridge:
         case LineKind::valley:
-            return {0, 0.3f, 1.2f, 0.45f, px(12)};
+            return {.strong_evidence = 0.3f,
+                    .strength = 1.2f,
+                    .weak_strength = 0.45f,
+                    .least_px = px(12),
+                    .sharpness = 1};
         case LineKind::parabolic:
             return {0, 0, 2, 0.8f, px(16)};
         case LineKind::reflection:

@@ -16,6 +16,9 @@ struct LineRules {
     float weak_px = 4;          ///< the same of one that continues a drawn one
     /// Whether a weak line continues drawn ones if both its ends meet some, anywhere, or if one end meets an end.
     bool meets_anywhere = false;
+    /// Strength times mean evidence that a drawn line must reach: of crest lines the integral of -k''/k^2, up to which
+    /// the fit of a noisy cloud makes some of its own.
+    float sharpness = 0;
 };
 
 /// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000

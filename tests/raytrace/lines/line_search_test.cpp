@@ -124,6 +124,7 @@ std::vector<std::pair<std::string, View>> all_views() {
     views.emplace_back("torus, cubic", torus_view(3, {1, -1, 1}, 301, 515));
     views.emplace_back("torus from its side", torus_view(3, {4, 0, 1.2}, 520, 420));
     views.emplace_back("ellipsoid", ellipsoid_view(330));
+    views.emplace_back("ellipsoid, looked at in every second pixel", ellipsoid_view(820));
     views.emplace_back("hollow", hollow_view(330));
     views.emplace_back("roof", roof_view(290));
     views.emplace_back("waves", waves_view(310));

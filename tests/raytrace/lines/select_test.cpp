@@ -71,6 +71,16 @@ TEST(SelectLines, UnclearOnesAreDroppedHoweverStrong) {
     EXPECT_TRUE(select_lines({level_line(0, 20, 0, 9, 0.3f)}, kRules).empty());
 }
 
+TEST(SelectLines, SharpnessIsThatOfTheWholeLine) {
+    LineRules rules{0, 0.3f, 1, 0.4f, 4};
+    rules.sharpness = 1;
+    EXPECT_TRUE(select_lines({level_line(0, 20, 0, 2, 0.4f)}, rules).empty());
+    EXPECT_EQ(select_lines({level_line(0, 20, 0, 3, 0.4f)}, rules).size(), 1u);
+    EXPECT_EQ(select_lines({level_line(0, 20, 0, 2, 0.6f)}, rules).size(), 1u);
+    EXPECT_TRUE(select_lines({level_line(0, 20, 0, 9, 0.2f)}, rules).empty());
+    EXPECT_GT(line_rules(LineKind::ridge, 1000, 1000).sharpness, 0);
+}
+
 TEST(SelectLines, LinesAreCutWhereTheEvidenceFails) {
     FeatureLine line = level_line(0, 40, 0, 8);
     line.points[20].evidence = 0;
