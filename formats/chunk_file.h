@@ -58,8 +58,7 @@ private:
 /// IoError if the file cannot be opened.
 class ChunkFile {
 public:
-    /// by_pages: the system reads the pages that are touched and none around them, until
-    /// read_whole().
+    /// by_pages: the system reads the pages that are touched and none around them; see read_ahead().
     static ChunkFile open(const std::string& path, const ChunkFileKind& kind,
                           bool by_pages = false);
     ~ChunkFile();
@@ -78,8 +77,8 @@ public:
     /// XXH3-128 of header and table as 32 hex digits: the table holds the checksums of all chunks,
     /// so that files of different contents differ in it, and no chunk is read for it.
     std::string identity() const;
-    /// Tells the system that all of it will be read.
-    void read_whole() const;
+    /// Tells the system that all of a chunk will be read, and nothing around it.
+    void read_ahead(std::string_view name) const;
     /// Reads a whole chunk against its checksum.
     void verify(std::string_view name) const;
     void verify_all() const;

@@ -24,6 +24,8 @@ struct ImagePlace {
 };
 
 enum class ChannelType { half_float, float32, uint32 };
+/// The largest finite half: planes of halves are held at it.
+inline constexpr float kLargestHalf = 65504;
 
 /// One plane of an EXR, width * height values; floats for half_float and float32, integers for
 /// uint32.
@@ -87,6 +89,8 @@ public:
     ExrWriter(ExrWriter&&) noexcept;
     /// The same channels with their planes of the next n_rows rows.
     void add_rows(int n_rows, std::span<const ExrChannel> channels);
+    /// Values of half planes that were beyond kLargestHalf and are written as that.
+    std::uint64_t n_clamped() const;
     void seal();
     void commit();
 

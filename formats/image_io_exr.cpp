@@ -22,6 +22,8 @@
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -86,9 +88,15 @@ Imf::Slice plane(Imf::PixelType type, const T* values, const Imath::Box2i& data)
     return Imf::Slice::Make(type, const_cast<T*>(values), data, sizeof(T), sizeof(T) * width);
 }
 
-std::vector<half> halves(std::span<const float> values) {
+/// Values beyond the largest half, which would become infinite, are held at it and counted.
+std::vector<half> halves(std::span<const float> values, std::uint64_t& n_clamped) {
     std::vector<half> out(values.size());
-    std::transform(values.begin(), values.end(), out.begin(), [](float v) { return half(v); });
+    std::transform(values.begin(), values.end(), out.begin(), [&](float v) {
+        if (std::abs(v) <= kLargestHalf) return half(v);
+        if (std::isnan(v)) return half(v);
+        ++n_clamped;
+        return half(std::copysign(kLargestHalf, v));
+    });
     return out;
 }
 
@@ -104,11 +112,11 @@ void check_planes(std::span<const ExrChannel> channels, std::size_t n_pixels) {
 
 /// Fills the frame buffer; half planes are converted into `converted`, which must outlive it.
 Imf::FrameBuffer frame_of(std::span<const ExrChannel> channels, const Imath::Box2i& data,
-                          std::vector<std::vector<half>>& converted) {
+                          std::vector<std::vector<half>>& converted, std::uint64_t& n_clamped) {
     Imf::FrameBuffer frame;
     for (const ExrChannel& c : channels) {
         if (c.type == ChannelType::half_float) {
-            converted.push_back(halves(c.floats));
+            converted.push_back(halves(c.floats, n_clamped));
             frame.insert(c.name, plane(Imf::HALF, converted.back().data(), data));
         } else if (c.type == ChannelType::uint32) {
             frame.insert(c.name, plane(Imf::UINT, c.integers.data(), data));
@@ -157,6 +165,7 @@ Imf::Slice room_for(ExrImage::Channel& channel, std::vector<half>& half_values, 
 
 struct ExrWriter::State {
     int width = 0, next_row = 0;
+    std::uint64_t n_clamped = 0;
     ImagePlace place;
     AtomicFile file;
     AtomicStream stream;
@@ -199,11 +208,13 @@ void ExrWriter::add_rows(int n_rows, std::span<const ExrChannel> channels) {
     const Imath::Box2i band({s.place.x, y}, {s.place.x + s.width - 1, y + n_rows - 1});
     s.guarded([&] {
         std::vector<std::vector<half>> converted;
-        s.output->setFrameBuffer(frame_of(channels, band, converted));
+        s.output->setFrameBuffer(frame_of(channels, band, converted, s.n_clamped));
         s.output->writePixels(n_rows);
     });
     s.next_row += n_rows;
 }
+
+std::uint64_t ExrWriter::n_clamped() const { return state_->n_clamped; }
 
 void ExrWriter::seal() {
     state_->guarded([&] { state_->output.reset(); });

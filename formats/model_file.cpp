@@ -6,6 +6,8 @@
 #include "slim/base/error.h"
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,6 +46,14 @@ struct BoxRecord {
     Vec3d lo, hi;
 };
 static_assert(sizeof(BoxRecord) == 6 * 8);
+
+/// Whether a chunk says what the surface is; all others are attributes of it.
+bool is_of_surface(std::string_view chunk) {
+    constexpr std::string_view kLarge[] = {"nodes", "records", "sharp", "sheets"};
+    return std::find(std::begin(ModelFile::kSmallChunks), std::end(ModelFile::kSmallChunks), chunk) !=
+               std::end(ModelFile::kSmallChunks) ||
+           std::find(std::begin(kLarge), std::end(kLarge), chunk) != std::end(kLarge);
+}
 
 ModelHeader read_header(const ChunkFile& file) {
     const auto records = file.array<HeaderRecord>("header");
@@ -156,10 +166,36 @@ ModelFile ModelFile::open_by_pages(const std::string& path) {
     return model;
 }
 
+ModelFile ModelFile::open_surface(const std::string& path) {
+    ModelFile model = open_by_pages(path);
+    model.check();
+    return model;
+}
+
 void ModelFile::check() const {
-    file_.read_whole();
-    file_.verify_all();
+    for (const std::string& name : file_.names()) {
+        if (!is_of_surface(name)) continue;
+        file_.read_ahead(name);
+        file_.verify(name);
+    }
     if (const ModelFault fault = check_model(tree()); !fault.chunk.empty()) fail(fault);
+}
+
+void ModelFile::check_colors() const {
+    if (!file_.has("colors")) return;
+    file_.read_ahead("colors");
+    file_.verify("colors");
+}
+
+std::uint64_t ModelFile::surface_size() const {
+    std::uint64_t size = file_.file_size();
+    for (const std::string& name : file_.names())
+        if (!is_of_surface(name)) size -= file_.n_bytes(name);
+    return size;
+}
+
+std::uint64_t ModelFile::colors_size() const {
+    return file_.has("colors") ? file_.n_bytes("colors") : 0;
 }
 
 void ModelFile::check(std::span<const std::uint32_t> nodes) const {

@@ -22,7 +22,7 @@ void write_model_colors(const std::string& path, std::span<const PackedColor> co
 /// model.slim mapped into memory.
 class ModelFile {
 public:
-    /// Checks every chunk's checksum, then the tree itself (see check_model).
+    /// Checks every chunk's checksum, attributes and all, then the tree itself (see check_model).
     /// throws FormatError naming the file, the chunk and byte, the node and the reason; IoError
     static ModelFile open(const std::string& path);
 
@@ -33,8 +33,12 @@ public:
     /// provenance, page origins and the index of records: for views of a part. Before nodes and
     /// records are used either check() them all, or those of a list.
     static ModelFile open_by_pages(const std::string& path);
-    /// The rest of what open() checks.
+    /// All that open() checks, but for attributes (colours): no page of theirs is read.
+    static ModelFile open_surface(const std::string& path);
+    /// The rest of what open_surface() checks.
     void check() const;
+    /// Checks the colours' checksum; nothing without colours. throws FormatError
+    void check_colors() const;
     /// Checks nodes and records of a list as open() would, but for checksums and parents.
     /// throws FormatError
     void check(std::span<const std::uint32_t> nodes) const;
@@ -48,6 +52,10 @@ public:
     std::span<const PackedColor> colors() const;
     const std::string& provenance_json() const { return provenance_; }
     std::uint64_t file_size() const { return file_.file_size(); }
+    /// Bytes of the file that are no attribute's.
+    std::uint64_t surface_size() const;
+    /// Bytes of the colours; 0 without.
+    std::uint64_t colors_size() const;
     const std::string& path() const { return file_.path(); }
     /// Where things are in the file.
     const ChunkFile& chunks() const { return file_; }

@@ -7,6 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
+
 namespace slim {
 namespace {
 
@@ -56,13 +59,18 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
-/// A list option may be written a,b or given again; of a single value the last one counts.
+/// A list option may be written a,b or given again; of a single value the last one counts. A file whose name has a
+/// comma is that file.
 std::vector<std::string> items_of(const Field& field, const std::vector<std::string>& given) {
     if (!field.is_list()) return {given.back()};
-    if (field.role != FieldRole::option) return given;
+    if (field.is_word()) return given;
     std::vector<std::string> items;
-    for (const std::string& text : given)
-        for (const std::string& part : split(text, ',')) items.push_back(part);
+    for (const std::string& text : given) {
+        std::error_code none;
+        if (field.is_path() && std::filesystem::exists(text, none)) items.push_back(text);
+        else
+            for (const std::string& part : split(text, ',')) items.push_back(part);
+    }
     return items;
 }
 

@@ -50,7 +50,8 @@ struct Job {
     bool html = true;
     std::vector<JobStep> steps;
     BuildStages stages;
-    std::vector<std::string> left_out;  ///< "curvature: no AOV asks for it"
+    std::vector<std::string> left_out;  ///< "curvature: no AOV and no line asks for it"
+    std::vector<std::string> missing;   ///< "view front: crest lines: they need degree = 3 in [fit]"
 };
 
 /// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken
@@ -62,7 +63,7 @@ Job read_job(const std::filesystem::path& file, const std::vector<std::string>& 
 /// Where the page's step leaves its manifest.
 std::filesystem::path page_target(const Job& job);
 
-/// The steps in order, then what is left out and why, for people.
+/// The steps in order, what is left out and why, and what will be missing, for people.
 std::string explanation_of(const Job& job);
 
 }  // namespace slim

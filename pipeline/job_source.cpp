@@ -1,6 +1,7 @@
 #include "pipeline/job_source.h"
 
 #include "pipeline/child_process.h"
+#include "pipeline/config.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/shell_word.h"
 #include "slim/base/error.h"
@@ -14,19 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where ready styles lie: in the source tree that the program was built in, or installed.
-std::vector<fs::path> style_folders() {
-    const fs::path here = program_folder();
-    return {here / "../../configs/styles", here / "../share/slim/styles"};
+/// Where ready styles lie: in the source tree that the program was built in, beside the programs (in a copy of their
+/// folder), or installed. The first that is there; else the one that a copy has.
+fs::path style_folder() {
+    const fs::path here = program_folder(), beside = here / "styles";
+    for (const fs::path& folder : {here / "../../configs/styles", beside, here / "../share/slim/styles"}) {
+        std::error_code error;
+        if (fs::is_directory(folder, error)) return folder;
+    }
+    return beside;
 }
 
 std::vector<std::string> style_names() {
     std::vector<std::string> names;
-    for (const fs::path& folder : style_folders()) {
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder, error))
-            if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-    }
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(style_folder(), error))
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -66,9 +70,7 @@ fs::path job_file(const JobSource& source) {
             source.job, shell_line({"slim", "run", "plate", source.job}),
             fmt::join(style_names(), ", ")));
     if (fs::exists(named) || named.has_extension() || named.has_parent_path()) return named;
-    for (const fs::path& folder : style_folders()) {
-        const fs::path file = folder / (source.job + ".toml");
-        if (!fs::exists(file)) continue;
+    if (const fs::path file = style_folder() / (source.job + ".toml"); fs::exists(file)) {
         if (!names_input(source))
             throw ConfigError(fmt::format(
                 "{0}: a ready style is for clouds that are named after it: slim run {0} "
@@ -79,9 +81,11 @@ fs::path job_file(const JobSource& source) {
     const auto known = style_names();
     throw ConfigError(
         known.empty()
-            ? fmt::format("{}: no such job file, and there are no ready styles beside the program", source.job)
-            : fmt::format("{}: no such job file, and no ready style of that name (known: {})", source.job,
-                          fmt::join(known, ", ")));
+            ? fmt::format("{}: no such job file, and there are no ready styles beside the program: expected them in {} "
+                          "(they are configs/styles of the source)",
+                          source.job, style_folder().string())
+            : fmt::format("{}: no such job file, and no ready style of that name{} (known: {})", source.job,
+                          suggestion(source.job, known), fmt::join(known, ", ")));
 }
 
 std::vector<std::string> job_settings(const JobSource& source) {

@@ -1,6 +1,6 @@
 #include "pipeline/job_view_reader.h"
 
-#include "pipeline/contains.h"
+#include "pipeline/job_left_out.h"
 #include "pipeline/job_tables.h"
 #include "pipeline/job_views.h"
 #include "pipeline/manifest.h"
@@ -73,25 +73,8 @@ public:
     }
 
     void note_left_out() {
-        RenderConfig render;
-        const FieldList fields = fields_of(render);
-        if (!asks({"mean", "gauss", "k1", "k2", "dir1", "dir2", "e1", "e2", "dk1_dt2", "dk2_dt1",
-                   "all"}) &&
-            !lines_)
-            job_.left_out.push_back("curvature: no AOV asks for it (no second derivatives)");
-        if (!asks({"e1", "e2", "dk1_dt2", "dk2_dt1", "all"}) && !lines_)
-            job_.left_out.push_back("third derivatives: no AOV asks for them");
-        if (!lines_) job_.left_out.push_back("feature lines: no view asks for them");
-        if (!rays_) job_.left_out.push_back("rays: no view has mode = \"raytrace\"");
-        else if (!shadows_) job_.left_out.push_back("shadows: no shaded view asks for them");
-        if (rays_ && !openness_) job_.left_out.push_back("ambient occlusion: no view asks for it");
-        std::vector<std::string> rest;
-        if (const Field* aov = fields.find("aov"); !aovs_.contains("all"))
-            for (const std::string& name : aov->choices)
-                if (name != "all" && name != "lines" && !aovs_.contains(name)) rest.push_back(name);
-        if (!rest.empty())
-            job_.left_out.push_back(fmt::format("pictures of {}: no view asks for them",
-                                                fmt::join(rest, ", ")));
+        for (std::string& line : left_out_of_views(asked_, job_.stages)) job_.left_out.push_back(std::move(line));
+        job_.missing = missing_in_views(asked_, job_.stages);
     }
 
 private:
@@ -146,8 +129,8 @@ private:
         if (!names_.insert(view.name).second)
             throw ConfigError(fmt::format("{}: a second view of the name '{}'", table_place(file_, table),
                                           view.name));
-        aovs_.insert(view.aovs.begin(), view.aovs.end());
-        note_rays(render, view.aovs, table);
+        check_rays(render, view.aovs, table);
+        asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append_arguments(step, options);
@@ -159,8 +142,6 @@ private:
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
         divide(step, render, view, table);
-        lines_ = lines_ || !render.lines.empty() ||
-                 std::find(view.aovs.begin(), view.aovs.end(), "lines") != view.aovs.end();
         job_.steps.push_back(std::move(step));
     }
 
@@ -218,18 +199,13 @@ private:
         return file_.string();
     }
 
-    /// Checks what only rays can do, and notes what rays are asked for.
-    void note_rays(const RenderConfig& render, const std::vector<std::string>& aovs, const TomlTable& table) {
+    /// Checks what only rays can do.
+    void check_rays(const RenderConfig& render, const std::vector<std::string>& aovs, const TomlTable& table) const {
         try {
             check_tracing(render, aovs);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
-        const bool cast = render.mode == "raytrace",
-                   shaded = std::find(aovs.begin(), aovs.end(), "shaded") != aovs.end();
-        rays_ = rays_ || cast;
-        shadows_ = shadows_ || (cast && render.shadows && shaded);
-        openness_ = openness_ || render.ao || std::find(aovs.begin(), aovs.end(), "ao") != aovs.end();
     }
 
     void check_view(const TomlTable& table, RenderConfig& config) const {
@@ -262,11 +238,6 @@ private:
         return camera.find(',') == std::string::npos ? camera : "view";
     }
 
-    bool asks(const std::vector<std::string>& names) const {
-        return std::any_of(names.begin(), names.end(),
-                           [&](const std::string& name) { return aovs_.contains(name); });
-    }
-
     inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share", "join"};
 
     const fs::path& file_;
@@ -283,10 +254,8 @@ private:
     };
     std::vector<View> views_;
     RenderConfig render_;  // with what [render] and the lights say
-    bool rays_ = false, shadows_ = false, openness_ = false;
     std::set<std::string> names_;
-    std::set<std::string> aovs_;
-    bool lines_ = false;  // does any view show feature lines?
+    std::vector<AskedView> asked_;
 };
 
 }  // namespace

@@ -58,7 +58,8 @@ std::vector<Json> results_of_shares(const RenderConfig& config, const std::vecto
 void add_counts(const Json& share, Json& sum) {
     for (const char* key :
          {"covered_pixels", "surfels_drawn", "loose_hidden", "nodes_visited", "root_tests",
-          "distance_tests", "unblended_pixels", "light_rays", "frames"})
+          "distance_tests", "unblended_pixels", "blocks_passed", "surfels_cut_off", "light_rays", "clamped_values",
+          "frames"})
         if (sum.contains(key))
             sum[key] = sum[key].get<std::int64_t>() + share.at(key).get<std::int64_t>();
     for (const char* key : {"model_bytes_read", "model_nodes_checked"})

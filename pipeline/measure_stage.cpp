@@ -13,6 +13,7 @@
 #include "pipeline/measure_meshes.h"
 #include "pipeline/measure_pictures.h"
 #include "pipeline/mesh_input.h"
+#include "pipeline/shape_name.h"
 #include "slim/base/error.h"
 #include "slim/shapes/foot_point.h"
 
@@ -62,7 +63,7 @@ ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_norma
 }
 
 json against_shape(const MeasureConfig& config, const CloudFiles& files, StageContext& context) {
-    const Shape& shape = find_shape(config.model.substr(std::string(kShape).size()));
+    const Shape& shape = shape_named(config.model.substr(std::string(kShape).size()), "model");
     if (config.two_way)
         throw ConfigError("two_way: a shape is measured against one way only; expected a model");
     const MeasuredSurface surface{{}, shape.bounds.diagonal(), [&shape]() -> PutPoint {

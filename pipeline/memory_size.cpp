@@ -1,5 +1,6 @@
 #include "pipeline/memory_size.h"
 
+#include "pipeline/plain_number.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ std::string memory_size_text(std::uint64_t bytes) {
     auto value = static_cast<double>(bytes);
     std::size_t unit = 0;
     for (; value >= 1024 && unit < 4; ++unit) value /= 1024;
-    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.3g} {}", value, units[unit]);
+    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{} {}", plain_number(value, 3), units[unit]);
 }
 
 }  // namespace slim

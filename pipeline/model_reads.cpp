@@ -9,9 +9,14 @@ constexpr std::uint64_t kCheckedWhole = std::uint64_t{16} << 20;
 
 }  // namespace
 
-ModelReads::ModelReads(const ModelFile& model, bool taken_whole) : model_(model), pages_(model) {
+ModelReads::ModelReads(const ModelFile& model, bool taken_whole, bool with_colors)
+    : model_(model), pages_(model) {
+    if (with_colors) {
+        model.check_colors();
+        color_bytes_ = model.colors_size();
+    }
     const SurfelTree tree = model.tree();
-    if (taken_whole || model.file_size() <= kCheckedWhole || !tree.sharp().empty()) check_whole();
+    if (taken_whole || model.surface_size() <= kCheckedWhole || !tree.sharp().empty()) check_whole();
     else
         met_.resize(tree.n_nodes());
 }
@@ -25,7 +30,7 @@ void ModelReads::meet(std::span<const std::uint32_t> nodes) {
         fresh_.push_back(i);
         pages_.add(i);
     }
-    if (2 * pages_.bytes() >= model_.file_size()) return check_whole();
+    if (2 * pages_.bytes() >= model_.surface_size()) return check_whole();
     model_.check(fresh_);
     n_checked_ += fresh_.size();
 }

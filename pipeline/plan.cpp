@@ -29,6 +29,8 @@ std::string explanation_of(const Job& job) {
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";
     for (const std::string& reason : job.left_out) text += "  " + reason + "\n";
+    if (!job.missing.empty()) text += "Asked for, but will be missing:\n";
+    for (const std::string& reason : job.missing) text += "  " + reason + "\n";
     return text;
 }
 

@@ -89,6 +89,7 @@ nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
     return {{"folder", job.folder.string()},
             {"steps", steps},
             {"left_out", job.left_out},
+            {"missing", job.missing},
             {"text", context.text}};
 }
 

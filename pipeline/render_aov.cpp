@@ -1,11 +1,11 @@
 #include "pipeline/render_aov.h"
 
+#include "pipeline/render_asked.h"
 #include "pipeline/render_bands.h"
 #include "pipeline/render_directions.h"
 #include "pipeline/render_look.h"
 #include "pipeline/render_maps.h"
 #include "pipeline/render_shadings.h"
-#include "pipeline/render_uses.h"
 #include "slim/base/error.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
 
 namespace slim {
 namespace {
@@ -22,49 +21,9 @@ namespace {
 constexpr std::size_t kPixelGrain = 1 << 12;
 constexpr float kMapLightFloor = 0.5f;
 
-const std::map<std::string, Channels>& channel_table() {
-    static const std::map<std::string, Channels> table{
-        {"shaded", kNormalChannel},
-        {"environment", kNormalChannel},
-        {"matcap", kNormalChannel},
-        {"reflection", kNormalChannel},
-        {"hillshade", kNormalChannel | kPositionChannel},
-        {"color", kNormalChannel | kPositionChannel | kSurfelIdChannel},
-        {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
-        {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
-        {"e1", kThirdOrderChannel},
-        {"e2", kThirdOrderChannel},
-        {"dk1_dt2", kThirdOrderChannel},
-        {"dk2_dt1", kThirdOrderChannel},
-        {"mean", kMeanChannel},
-        {"gauss", kGaussChannel},
-        {"k1", kK1Channel},
-        {"k2", kK2Channel},
-        {"normal", kNormalChannel},
-        {"depth", kDepthChannel},
-        {"position", kPositionChannel},
-        {"id", kSurfelIdChannel},
-        {"error", kFitErrorChannel},
-        {"level", kLevelChannel},
-        {"coverage", kCoverageChannel},
-        {"ao", kNormalChannel | kPositionChannel},
-        {"truth_distance", kPositionChannel},
-        {"lines", 0},  // what they need depends on their kinds: line_channels
-    };
-    return table;
-}
-
 NormalPlanes normal_planes(const GBuffer& b) { return {b.normal[0], b.normal[1], b.normal[2]}; }
 
 bool is_direction(const std::string& aov) { return aov == "dir1" || aov == "dir2"; }
-
-bool is_curvature(const std::string& aov) {
-    return (channel_table().at(aov) & kCurvatureChannel) != 0 && !is_direction(aov);
-}
-
-bool is_third_order(const std::string& aov) {
-    return channel_table().at(aov) == kThirdOrderChannel;
-}
 
 std::span<const float> plane_of(const std::string& aov, const RenderedFrame& frame) {
     const GBuffer& b = frame.buffer;
@@ -168,55 +127,6 @@ Vec3d shape_offset(const RenderConfig& config) {
 }
 
 }  // namespace
-
-std::vector<std::string> wanted_aovs(const RenderConfig& config) {
-    std::vector<std::string> aovs;
-    const auto add = [&](const std::string& aov) {
-        if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov);
-    };
-    for (const std::string& aov : config.aov) {
-        if (aov != "all") add(aov);
-        else
-            for (const std::string& each : aovs_of_all())
-                add(each);
-    }
-    if (aovs.empty()) throw ConfigError("aov: expected at least one");
-    const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
-    if (truth && config.truth_shape.empty())
-        throw ConfigError("aov truth_distance needs a shape to measure against: --truth-shape");
-    return aovs;
-}
-
-void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
-                        std::vector<std::string>& aovs) {
-    if (!has_colors && std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
-        throw ConfigError(config.model +
-                          ": aov color: the model has no colours: build it with --color, from a PLY "
-                          "with red, green and blue");
-    // Those of a model are by its own surfels, which further models do not have.
-    if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
-    if (degree >= 3) return;
-    for (const std::string& aov : config.aov)
-        if (aov != "all" && is_third_order(aov))
-            throw ConfigError(config.model + ": aov " + aov +
-                              " needs third derivatives, which a model of degree " +
-                              std::to_string(degree) + " does not have: build it with --degree 3");
-    std::erase_if(aovs, is_third_order);
-}
-
-Channels channels_of(const std::vector<std::string>& aovs, bool light_maps) {
-    Channels channels = 0;
-    for (const std::string& aov : aovs) {
-        const Channels own = channel_table().at(aov);
-        channels |= own;
-        if (light_maps && is_curvature(aov)) channels |= kNormalChannel;
-    }
-    return channels;
-}
-
-bool is_filterable(const std::string& aov) {
-    return aov != "id" && aov != "level" && aov != "truth_distance";
-}
 
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& b, std::uint64_t* n_unknown) {

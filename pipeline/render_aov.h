@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/render_asked.h"
 #include "pipeline/render_config.h"
 #include "pipeline/render_view.h"
 #include "raytrace/frame.h"
@@ -13,21 +14,6 @@
 #include <vector>
 
 namespace slim {
-
-/// The AOVs to draw, without doubles, "all" replaced by every one a model alone can give. Throws
-/// ConfigError for truth_distance without a --truth-shape.
-std::vector<std::string> wanted_aovs(const RenderConfig& config);
-
-/// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour
-/// unless it has any. ConfigError, naming the remedy, if one was asked for by name.
-void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
-                        std::vector<std::string>& aovs);
-
-/// What the renderer must deliver for these AOVs, and no more.
-Channels channels_of(const std::vector<std::string>& aovs, bool light_maps);
-
-/// AOVs whose pictures must not be averaged (ids, levels), or cost too much at twice the size.
-bool is_filterable(const std::string& aov);
 
 /// One rendered frame, or the part of one that its buffer holds, and what derives from it.
 struct RenderedFrame {

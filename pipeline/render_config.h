@@ -72,7 +72,7 @@ struct RenderConfig {
         field("fov", fov,
               "angle of view from top to bottom, degrees (a named camera frames the whole at any "
               "angle: --zoom enlarges)",
-              0.01, 175);
+              0.001, 179);
         field("ortho", ortho, "orthographic instead of perspective");
         field("ortho_width", ortho_width, "orthographic, this wide in model units (0: as --ortho)",
               0, 1e30);
@@ -128,12 +128,16 @@ struct RenderConfig {
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
         field("range", range,
-              "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI");
+              "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI (signed maps keep 0 neutral: "
+              "each side goes to its own end)");
         field("same_range", same_range,
               "named cameras whose automatic ranges, the largest of each map, are the range of its "
               "maps: "
               "pictures from several sides then compare");
-        field("percentile", percentile, "share of |values| that an automatic range holds", 1, 100);
+        field("percentile", percentile,
+              "share of |values| that an automatic range holds (of curvatures where most pixels are flat, with radii above "
+              "10 diagonals: of the others)",
+              1, 100);
         field("legend", legend,
               "legend bar in the maps and beside them as SVG; where a picture of the run has one, named cameras "
               "leave its room free in all of them, so that they overlay (--no-legend: the model fills them)");

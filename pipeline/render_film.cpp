@@ -16,6 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What to do about a picture of nothing.
+std::string remedy_for(const RenderJob& job) {
+    const std::string numbers = "--camera takes the eye, the target and the up axis in these coordinates; a named camera, as "
+                                "--camera iso, frames the whole model";
+    const RenderConfig& c = job.config;
+    if (!c.path.empty() || !is_camera_name(c.camera)) return numbers;
+    if (c.zoom > 1) return fmt::format("--zoom {:g} shows the middle of what {} frames, where the surface is open or "
+                                       "away: a lower one shows more", c.zoom, c.camera);
+    if (c.ortho_width > 0) return "--ortho-width fixes the scale: without it the whole model is framed";
+    return fmt::format("{} frames the whole model, whose surface lies between the middles of the pixels: a larger "
+                       "picture, or one less narrow, shows it", c.camera);
+}
+
 /// Parts of a picture may be empty.
 void require_hits(const RenderJob& job, const RenderStats& stats) {
     if (stats.covered_pixels > 0 || !job.config.crop.empty() || !job.config.tile.empty()) return;
@@ -24,11 +37,9 @@ void require_hits(const RenderJob& job, const RenderStats& stats) {
     throw NumericalError(
         fmt::format("{}: not one of {}x{} pixels meets the surface: camera {}, model from ({:g}, "
                     "{:g}, {:g}) to "
-                    "({:g}, {:g}, {:g}). --camera takes the eye, the target and the up axis in "
-                    "these coordinates; "
-                    "a named camera, as --camera iso, frames the whole model{}",
+                    "({:g}, {:g}, {:g}). {}{}",
                     job.config.model, job.size.width, job.size.height,
-                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z,
+                    describe(job.camera, m.origin), lo.x, lo.y, lo.z, hi.x, hi.y, hi.z, remedy_for(job),
                     stats.loose_hidden > 0 ? "; --loose draws the loose surfels seen here" : ""));
 }
 
@@ -38,6 +49,8 @@ void add(const RenderStats& part, RenderStats& sum) {
     sum.loose_hidden += part.loose_hidden;
     sum.root_tests += part.root_tests;
     sum.distance_tests += part.distance_tests;
+    sum.blocks_passed += part.blocks_passed;
+    sum.surfels_cut_off += part.surfels_cut_off;
     sum.unblended_pixels += part.unblended_pixels;
 }
 
@@ -117,15 +130,15 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
         outcome.factor = frames.has_fine ? job.config.supersample : 1;
         if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
         if (job.finds_lines()) job.found_lines = std::move(frames.lines);
-        if (!write_band(job, frames, parts[band], metadata, files) && outcome.frames == 0 &&
-            band == 0)
-            context.reporter.warn(
-                job.plan.named.string() +
-                ": too small for its legend or scale bar; legends are beside it as SVG");
+        const std::string missing = write_band(job, frames, parts[band], metadata, files);
+        if (!missing.empty() && outcome.frames == 0 && band == 0)
+            context.reporter.warn(fmt::format("{}: too small for its {}", job.plan.named.string(), missing));
     }
     if (job.n_frames == 1) require_hits(job, outcome.stats);
     if (!job.lines.empty()) add_found_lines(job, files, outcome);
     outcome.whole_at_once = fits_one_band(job);
+    outcome.plane_bytes = plane_bytes(job, job.channels(job.aovs) | line_channels(job.lines, job.tree.header().degree));
+    outcome.clamped += files.n_clamped();
     ++outcome.frames;
     return files;
 }

@@ -20,6 +20,8 @@ struct RenderOutcome {
     int frames = 0;
     bool whole_at_once = false;    ///< whether the picture that this is (a part of) fits one band
     std::uint64_t truth_unknown = 0;
+    std::uint64_t plane_bytes = 0;  ///< that a pixel of the frame takes in its planes
+    std::uint64_t clamped = 0;     ///< values of EXRs that halves do not hold
     std::uint64_t light_rays = 0;  ///< all but the primary ones
     nlohmann::json lines;
     std::vector<std::filesystem::path> files;

@@ -215,7 +215,7 @@ std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
             const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
             const auto [at, is_new] = ranges.emplace(aov, range);
             if (!is_new)
-                at->second = {std::min(at->second.lo, range.lo), std::max(at->second.hi, range.hi)};
+                at->second.lo = std::min(at->second.lo, range.lo), at->second.hi = std::max(at->second.hi, range.hi);
         }
     }
     job.camera = own;

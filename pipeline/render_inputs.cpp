@@ -7,6 +7,7 @@
 #include "pipeline/render_maps.h"
 #include "pipeline/render_shadings.h"
 #include "pipeline/render_view.h"
+#include "pipeline/shape_name.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -40,6 +41,7 @@ int check_request(const RenderConfig& config, const std::vector<std::string>& ao
     check_shadings(config);
     check_tracing(config, aovs);
     parse_background(config.background, false);
+    if (!config.truth_shape.empty()) shape_named(config.truth_shape, "truth_shape");
     const int frames = n_frames(config);
     if (frames > 1 && !(config.lines_ply + config.lines_obj).empty())
         throw ConfigError(

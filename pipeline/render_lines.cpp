@@ -3,6 +3,7 @@
 #include "formats/extension.h"
 #include "pipeline/contains.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/render_line_choice.h"
 #include "pipeline/render_view.h"
 #include "raytrace/lines/lines_geometry.h"
 #include "raytrace/lines/lines_svg.h"
@@ -19,37 +20,15 @@
 namespace slim {
 namespace {
 
-constexpr std::array<LineKind, kLineKinds> kDrawingOrder{
-    LineKind::reflection, LineKind::parabolic,      LineKind::suggestive,   LineKind::valley,
-    LineKind::ridge,      LineKind::concave_crease, LineKind::convex_crease, LineKind::contour};
-
-std::string word_of(LineKind kind) {
-    if (is_crease(kind)) return "crease";
-    const bool crest = kind == LineKind::ridge || kind == LineKind::valley;
-    return crest ? "crest" : std::string(line_name(kind));
-}
-
-/// What is asked for in words.
-std::vector<std::string> asked_lines(const RenderConfig& config,
-                                     const std::vector<std::string>& aovs, int degree, bool sharp) {
-    if (!config.lines.empty() || !contains(aovs, "lines")) return config.lines;
-    std::vector<std::string> words{"contour"};
-    if (degree >= line_degree(LineKind::suggestive)) words.push_back("suggestive");
-    if (degree >= line_degree(LineKind::ridge)) words.push_back("crest");
-    if (sharp) words.push_back("crease");
-    return words;
-}
-
-/// Why lines of that kind cannot be drawn from the model; empty if they can.
-std::string what_lacks(LineKind kind, const std::string& name, int degree, bool sharp) {
-    if (is_crease(kind) && !sharp)
+/// Why lines of that kind cannot be drawn from the model.
+std::string what_lacks(LineKind kind, const std::string& name, int degree) {
+    if (is_crease(kind))
         return fmt::format("{}: crease lines are the edges between the sheets of sharp surfels, of which the "
                            "model has none: build it with --sharp on (if it was, no edge was found)",
                            name);
-    if (line_degree(kind) <= degree) return {};
     return fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
                        "build it with --degree {}",
-                       name, word_of(kind), degree, line_degree(kind));
+                       name, line_word(kind), degree, line_degree(kind));
 }
 
 /// What a file of lines must be named, so that it is no picture and no model.
@@ -74,26 +53,21 @@ void check_lines(const RenderConfig& config, const std::vector<std::string>& aov
 
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
                                    const ModelHeader& model, bool sharp, Reporter& reporter) {
-    const std::vector<std::string> asked = asked_lines(config, aovs, model.degree, sharp);
-    std::vector<LineKind> kinds;
+    const LineChoice choice = line_choice(config, aovs, model.degree, sharp);
     std::set<std::string> without;
-    for (const LineKind kind : kDrawingOrder) {
-        if (!contains(asked, word_of(kind))) continue;
-        const std::string why = what_lacks(kind, config.model, model.degree, sharp);
-        if (why.empty())
-            kinds.push_back(kind);
-        else if (without.insert(word_of(kind)).second) {
-            if (asked.size() == 1) throw ConfigError(why);
-            reporter.warn(why + "; they are left out");
-        }
+    for (const LineKind kind : choice.lacking) {
+        if (!without.insert(line_word(kind)).second) continue;
+        const std::string why = what_lacks(kind, config.model, model.degree);
+        if (choice.n_words == 1) throw ConfigError(why);
+        reporter.warn(why + "; they are left out");
     }
-    if (kinds.empty() && !asked.empty())
+    if (choice.drawn.empty() && !choice.lacking.empty())
         throw ConfigError(
             fmt::format("{}: none of the lines asked for can be drawn from a model of degree "
                         "{}{}: build it with --degree 3",
                         config.model, model.degree,
                         without.contains("crease") ? " without sharp surfels (--sharp on)" : ""));
-    return kinds;
+    return choice.drawn;
 }
 
 namespace {

@@ -73,7 +73,7 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
         ValueRange range = map_range(config, aov, values.span(), b.hit, diagonal);
-        if (wider) range = {std::min(range.lo, wider->lo), std::max(range.hi, wider->hi)};
+        if (wider) range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
         look.legend = make_legend(config, aov, range, values.span(), b.hit);
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");

@@ -51,6 +51,12 @@ double least_range(int length_power, double diagonal) {
     return length_power < 0 ? std::pow(0.01 / l, -length_power) : 1e-7 * l;
 }
 
+/// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and more. (Of scans
+/// a few in 100 pixels, of parts most: symmetric_range.)
+double flat_until(int length_power, double diagonal) {
+    return length_power < 0 && diagonal > 0 ? std::pow(0.1 / diagonal, -length_power) : 0;
+}
+
 std::optional<double> parse_number(std::string_view text) {
     double value = 0;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -117,12 +123,13 @@ void check_ranges(const RenderConfig& config) {
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
                      std::span<const float> values, std::span<const std::uint8_t> hit,
                      double diagonal) {
-    if (const auto fixed = fixed_range(config, aov)) return *fixed;
-    if (aov == "depth") return full_range(values, hit);
     const MapSpec& spec = *map_spec(aov);
-    const double least = least_range(spec.length_power, diagonal);
-    const ValueRange range = symmetric_range(values, hit, config.percentile, least);
-    return spec.is_signed ? range : ValueRange{0, range.hi};
+    if (const auto fixed = fixed_range(config, aov)) return {fixed->lo, fixed->hi, spec.is_signed};
+    if (aov == "depth") return full_range(values, hit);
+    const ValueRange range =
+        symmetric_range(values, hit, config.percentile, least_range(spec.length_power, diagonal),
+                        flat_until(spec.length_power, diagonal));
+    return {spec.is_signed ? range.lo : 0, range.hi, spec.is_signed};
 }
 
 Legend make_legend(const RenderConfig& config, const std::string& aov, const ValueRange& range,
@@ -131,6 +138,9 @@ Legend make_legend(const RenderConfig& config, const std::string& aov, const Val
     Legend legend{spec.title, unit_text(config.unit, spec.length_power),
                   spec.is_signed ? &cool_warm() : aov == "coverage" ? &cividis() : &viridis(),
                   range, spec.high_note, spec.low_note};
+    // A side of 0 that is not shown has no name.
+    if (spec.is_signed && range.hi <= 0) legend.high_note.clear();
+    if (spec.is_signed && range.lo >= 0) legend.low_note.clear();
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (!hit[i]) continue;
         const double tolerance = 1e-6 * (range.hi - range.lo);

@@ -14,7 +14,7 @@ namespace slim {
 struct MapSpec {
     const char* title;
     int length_power;       ///< unit: length to this power; 0 for pure numbers
-    bool is_signed;         ///< diverging and symmetric about 0
+    bool is_signed;         ///< diverging about 0
     const char* high_note;
     const char* low_note;
 };
@@ -23,7 +23,8 @@ struct MapSpec {
 /// truth_distance), else null.
 const MapSpec* map_spec(const std::string& aov);
 
-/// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range).
+/// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range; of curvatures and their
+/// derivatives, where most are flat, from the others: radii below 10 diagonals). Of signed quantities it is about zero.
 /// `diagonal` scales the smallest range that is worth showing. Throws ConfigError on a bad --range.
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
                      std::span<const float> values, std::span<const std::uint8_t> hit,

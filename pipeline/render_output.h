@@ -6,6 +6,7 @@
 #include "raytrace/picture.h"
 #include "raytrace/renderer.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -33,6 +34,9 @@ public:
     void add_png(std::size_t k, const Picture& band, bool opaque, const ImageMetadata& metadata);
     /// The next band of the data file.
     void add_exr(int n_rows, std::span<const ExrChannel> channels, const ImageMetadata& metadata);
+
+    /// Values of the data file that halves do not hold (ExrWriter::n_clamped).
+    std::uint64_t n_clamped() const { return exr_ ? exr_->n_clamped() : 0; }
 
     /// A file of its own beside the pictures, in a folder that is made if need be.
     void add_text(const NamedText& file);

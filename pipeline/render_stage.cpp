@@ -32,7 +32,7 @@ using Json = nlohmann::json;
 /// Whether a picture takes all of the model: rays and the blend of colours go through trees
 /// of all its leaves.
 bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    return config.mode != "forward" || std::find(aovs.begin(), aovs.end(), "color") != aovs.end();
+    return config.mode != "forward" || contains(aovs, "color");
 }
 
 Json ranges_json(const RenderJob& job) {
@@ -59,7 +59,10 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
                    {"nodes_visited", s.nodes_visited},
                    {"root_tests", s.root_tests},
                    {"distance_tests", s.distance_tests},
+                   {"blocks_passed", s.blocks_passed},
+                   {"surfels_cut_off", s.surfels_cut_off},
                    {"unblended_pixels", s.unblended_pixels},
+                   {"plane_bytes", outcome.plane_bytes},
                    {"frame_ms_median", outcome.frame_ms / outcome.frames},
                    {"ranges", ranges_json(job)}};
     if (job.traced) {
@@ -67,6 +70,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
         result["scene_ms"] = job.traced->build_ms();
     }
     if (job.wants("truth_distance")) result["truth_unknown_pixels"] = outcome.truth_unknown;
+    if (!job.plan.exr.empty()) result["clamped_values"] = outcome.clamped;
     if (job.share.of > 0) result["whole_at_once"] = outcome.whole_at_once;
     if (!outcome.lines.is_null()) result["lines"] = outcome.lines;
     if (job.n_frames > 1) {
@@ -122,7 +126,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
 
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    ModelReads reads(model, takes_all_leaves(config, aovs));
+    ModelReads reads(model, takes_all_leaves(config, aovs), contains(aovs, "color"));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
     const double room = legend_room(config, aovs, size);
@@ -164,7 +168,14 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
         context.reporter.warn(fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
                                           "(truth_unknown_pixels): is the model of that shape?",
                                           outcome.truth_unknown, config.truth_shape));
+    if (outcome.clamped > 0)
+        context.reporter.warn(fmt::format("{}: {} values of its colours are brighter than the {} that its numbers hold "
+                                          "and are written as that (clamped_values): dim the lights",
+                                          job.plan.exr.string(), outcome.clamped, kLargestHalf));
     Json result = make_result(job, outcome);
+    const bool shows_colors = !model.colors().empty() && config.add.empty();
+    for (const LeftOut& left : left_out_of_all(config.aov, tree.header().degree, shows_colors))
+        result["left_out"].push_back(left.aovs + ": " + left.reason);
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = reads.bytes();
     result["model_nodes_checked"] = reads.n_checked();

@@ -1,5 +1,6 @@
 #include "pipeline/render_summary.h"
 
+#include "pipeline/plain_number.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -31,12 +32,15 @@ std::string render_summary(const RenderConfig& config, const json& result) {
                         result.contains("frames") ? fmt::format(", {} pictures", result.value("frames", 0)) : "");
     if (all > 0) text += fmt::format(", {:.3g} % covered", std::min(100.0, 100 * covered / all));
     if (result.contains("pixel_size"))
-        text += fmt::format("; 1 pixel = {:.4g} {}", result.at("pixel_size").get<double>(), unit);
+        text += fmt::format("; 1 pixel = {} {}", plain_number(result.at("pixel_size").get<double>(), 4), unit);
     text += "\n";
     for (const auto& [aov, range] : ranges.items())
-        text += fmt::format("{}: {:.4g} to {:.4g}\n", aov, range.at(0).get<double>(), range.at(1).get<double>());
+        text += fmt::format("{}: {} to {}\n", aov, plain_number(range.at(0).get<double>(), 4),
+                            plain_number(range.at(1).get<double>(), 4));
+    for (const json& left : result.value("left_out", json::array()))
+        text += "not of aov all: " + left.get<std::string>() + "\n";
     if (result.contains("frame_ms_median"))
-        text += fmt::format("drawn in {:.3g} ms{}\n", result.at("frame_ms_median").get<double>(),
+        text += fmt::format("drawn in {}{}\n", duration_text(result.at("frame_ms_median").get<double>()),
                             config.repeat > 1 ? fmt::format(", the median of {}", config.repeat) : "");
     return text;
 }

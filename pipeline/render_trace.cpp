@@ -141,7 +141,7 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
     std::vector<ScenePart> parts{{&first, {}}};
     for (const std::string& path : config.add) {
         require_model(path);
-        files_.push_back(std::make_unique<ModelFile>(ModelFile::open(path)));
+        files_.push_back(std::make_unique<ModelFile>(ModelFile::open_surface(path)));
         trees_.push_back(std::make_unique<SurfelTree>(files_.back()->tree()));
         const SurfelTree& tree = *trees_.back();
         if (tree.header().n_leaves == 0)

@@ -165,8 +165,16 @@ RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
 std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
                             const PictureSize& size, double free_right) {
     std::vector<Camera> keys;
-    for (const std::string& key : keyframes_of(config))
-        keys.push_back(make_camera(keyframe_of(config, key), model, size, free_right));
+    for (const std::string& key : keyframes_of(config)) {
+        const RenderConfig frame = keyframe_of(config, key);
+        try {
+            keys.push_back(make_camera(frame, model, size, free_right));
+        } catch (const ConfigError& error) {  // said of --camera, which is not given
+            const std::string text = error.what(), blamed = "camera: ";
+            throw ConfigError(fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
+                                          text.starts_with(blamed) ? text.substr(blamed.size()) : text));
+        }
+    }
     return keys;
 }
 

@@ -20,19 +20,28 @@ void put_background(const RenderJob& job, const std::string& aov, const PixelWin
                    job.size.height);
 }
 
-/// Legend, key and scale bar; false where one does not fit.
-bool burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas) {
-    bool fits = true;
-    if (look.legend && job.config.legend) fits &= burn_legend(*look.legend, canvas, look.place);
-    if (look.key && job.config.legend) fits &= burn_key(*look.key, canvas, look.place);
+/// What of a picture's words has no room in it.
+struct Missing {
+    bool legend = false, scale_bar = false;
+
+    std::string text() const {
+        constexpr const char* kLegend = "legend, which is beside it as SVG";
+        if (legend && scale_bar) return fmt::format("scale bar and its {}", kLegend);
+        return legend ? kLegend : scale_bar ? "scale bar" : "";
+    }
+};
+
+/// Legend, key and scale bar.
+void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas, Missing& missing) {
+    if (look.legend && job.config.legend) missing.legend |= !burn_legend(*look.legend, canvas, look.place);
+    if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
     if (job.config.scale_bar)
-        fits &= burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
-    return fits;
+        missing.scale_bar |= !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
 }
 
 /// The band of a drawn AOV as it is shown.
 Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
-                         const PicturePart& part, bool& all_fits) {
+                         const PicturePart& part, Missing& missing) {
     const AovLook& look = job.looks.at(aov);
     Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
                                     job.header().bounds, job.size),
@@ -41,7 +50,7 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
     const Ink ink = aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
     if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
-    all_fits &= burn_words(job, look, canvas);
+    burn_words(job, look, canvas, missing);
     return picture;
 }
 
@@ -83,21 +92,21 @@ bool has_background(const RenderConfig& config, const std::string& aov) {
     return (aov == "environment" && config.environment_behind) || parse_background(config.background, false).alpha >= 1;
 }
 
-bool write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
+std::string write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
                 const ImageMetadata& metadata, PictureFiles& files) {
-    bool all_fits = true;
+    Missing missing;
     for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
         const std::string& aov = job.plan.drawn[k];
         ImageMetadata own = metadata;
         add_range(job, aov, own);
-        files.add_png(k, finished_picture(job, aov, frames, part, all_fits),
+        files.add_png(k, finished_picture(job, aov, frames, part, missing),
                       has_background(job.config, aov), own);
     }
-    if (job.plan.exr.empty()) return all_fits;
+    if (job.plan.exr.empty()) return missing.text();
     ImageMetadata of_data = metadata;
     for (const std::string& aov : job.plan.drawn) add_range(job, aov, of_data);  // the preview's
     write_data(job, frames, part, of_data, files);
-    return all_fits;
+    return missing.text();
 }
 
 std::vector<NamedText> legend_files(const RenderJob& job) {

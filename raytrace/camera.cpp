@@ -163,10 +163,16 @@ void validate(const Camera& c) {
         bad_camera("eye, target and up must be finite, found " + text_of(c.eye) + " " +
                    text_of(c.target) + " " + text_of(c.up));
     const Vec3d view = c.target - c.eye;
-    if (!(length(view) > 0)) bad_camera("eye and target are the same point " + text_of(c.eye));
+    if (c.eye == c.target) bad_camera("eye and target are the same point " + text_of(c.eye));
+    // Beyond, squares leave the range of doubles.
+    constexpr double kNearest = 1e-150, kFarthest = 1e150;
+    if (const double distance = length(view); !(distance >= kNearest && distance <= kFarthest))
+        bad_camera("eye " + text_of(c.eye) + " must lie 1e-150 to 1e150 from the target " + text_of(c.target));
+    if (c.up == Vec3d{}) bad_camera("up is zero");
+    if (const double size = length(c.up); !(size >= kNearest && size <= kFarthest))
+        bad_camera("up must be 1e-150 to 1e150 long, found " + text_of(c.up));
     const Vec3d side = cross(normalized(view), normalized(c.up));
-    if (!(length(side) > 1e-9))
-        bad_camera("up " + text_of(c.up) + " is zero or parallel to the view");
+    if (!(length(side) > 1e-9)) bad_camera("up " + text_of(c.up) + " is parallel to the view");
     if (!c.orthographic && !(c.fov_y_deg > 0 && c.fov_y_deg < 180))
         bad_camera("fov_y_deg must lie in (0, 180), found " + std::to_string(c.fov_y_deg));
     // Of a narrower picture a pixel's number overflows doubles.

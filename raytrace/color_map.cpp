@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -71,13 +73,24 @@ double nice_ceiling(double v) {
     return smallest_nice_step(v / power) * power;
 }
 
+float place_on_map(const ValueRange& r, double value) {
+    if (!r.about_zero || r.lo == -r.hi) return static_cast<float>((value - r.lo) / (r.hi - r.lo));
+    const double v = std::clamp(value, r.lo, r.hi);
+    return static_cast<float>(v >= 0 ? 0.5 + (v > 0 ? 0.5 * v / r.hi : 0) : 0.5 - 0.5 * v / r.lo);
+}
+
 double percentile_of_abs(std::span<const float> values, std::span<const std::uint8_t> hit,
-                         double percentile) {
+                         double percentile, double flat) {
     SLIM_CHECK(values.size(), ==, hit.size());
     std::vector<float> covered;
     for (std::size_t i = 0; i < values.size(); ++i)
         if (hit[i] && std::isfinite(values[i])) covered.push_back(std::abs(values[i]));
     if (covered.empty()) return 0;
+    constexpr std::ptrdiff_t kFewest = 1000;  // one in so many
+    const auto curved = std::partition(covered.begin(), covered.end(),
+                                       [&](float v) { return static_cast<double>(v) <= flat; });
+    const std::ptrdiff_t n_curved = covered.end() - curved, n = std::ssize(covered);
+    if (flat > 0 && 2 * n_curved <= n && kFewest * n_curved >= n) covered.erase(covered.begin(), curved);
     const double rank = std::ceil(percentile / 100 * static_cast<double>(covered.size()));
     const std::size_t k = std::min(covered.size() - 1,
                                    static_cast<std::size_t>(std::max(rank, 1.0)) - 1);
@@ -86,8 +99,8 @@ double percentile_of_abs(std::span<const float> values, std::span<const std::uin
 }
 
 ValueRange symmetric_range(std::span<const float> values, std::span<const std::uint8_t> hit,
-                           double percentile, double least) {
-    const double a = nice_ceiling(std::max(percentile_of_abs(values, hit, percentile), least));
+                           double percentile, double least, double flat) {
+    const double a = nice_ceiling(std::max(percentile_of_abs(values, hit, percentile, flat), least));
     return {-a, a};
 }
 
@@ -113,8 +126,7 @@ Picture paint(int width, int height, const ColorMap& map, const ValueRange& rang
     parallel_blocks(out.n_pixels(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!hit[i] || std::isnan(values[i])) continue;
-            const double t = (static_cast<double>(values[i]) - range.lo) / (range.hi - range.lo);
-            const Vec3f c = map.linear(static_cast<float>(t));
+            const Vec3f c = map.linear(place_on_map(range, static_cast<double>(values[i])));
             float* p = &out.rgba[4 * i];
             p[0] = c.x, p[1] = c.y, p[2] = c.z, p[3] = 1;
         }

@@ -44,19 +44,27 @@ const ColorMap& cividis();
 /// The values that the two ends of a map stand for.
 struct ValueRange {
     double lo = 0, hi = 1;
+    /// The middle of the map, which is diverging, stands for 0 wherever 0 lies between the ends: each side is scaled by
+    /// its own. (A range on one side of 0 takes that side's part of the map.)
+    bool about_zero = false;
 };
+
+/// Where on a map, from 0 to 1, a value stands; those beyond the range at its ends.
+float place_on_map(const ValueRange& range, double value);
 
 /// The next number of the form {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8} * 10^k that is >= v; 0 for v <= 0.
 double nice_ceiling(double v);
 
-/// Value at `percentile` (0..100, nearest rank) of |v| over hit pixels with finite values; 0 without any.
+/// Value at `percentile` (0..100, nearest rank) of |v| over hit pixels with finite values; 0 without any. If half or more
+/// are up to `flat` in magnitude, these do not count, unless fewer than one in 1000 are above.
 double percentile_of_abs(std::span<const float> values, std::span<const std::uint8_t> hit,
-                         double percentile);
+                         double percentile, double flat = 0);
 
 /// [-a, a] with a = nice_ceiling of that percentile, at least `least` (> 0): below it, values are
-/// rounding, and a flat plane must not look like a storm.
+/// rounding, and a flat plane must not look like a storm. Where most values are up to `flat` they do not count (see
+/// percentile_of_abs): flat faces of a part must not leave its curved ones one colour.
 ValueRange symmetric_range(std::span<const float> values, std::span<const std::uint8_t> hit,
-                           double percentile, double least);
+                           double percentile, double least, double flat = 0);
 
 /// [least, greatest] finite value at hit pixels; a single value is widened, no value gives [0, 1].
 ValueRange full_range(std::span<const float> values, std::span<const std::uint8_t> hit);

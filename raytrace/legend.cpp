@@ -43,10 +43,16 @@ void fill_tip(const Canvas& canvas, const Layout& l, float base, float height, c
     });
 }
 
-void fill_bar(const Canvas& canvas, const Layout& l, const ColorMap& map) {
+/// The colour of the value at a height of the bar, 0 to 1.
+Vec3f bar_color(const Legend& legend, float height) {
+    const ValueRange& r = legend.range;
+    return legend.map->linear(place_on_map(r, r.lo + static_cast<double>(height) * (r.hi - r.lo)));
+}
+
+void fill_bar(const Canvas& canvas, const Layout& l, const Legend& legend) {
     for_pixels(canvas, {l.bar_x, l.bar_y, l.bar_x + l.bar_width, l.bar_y + l.bar_height},
                [&](float, float y, float* p) {
-                   blend_pixel(p, map.linear(1 - (y - l.bar_y) / l.bar_height), 1);
+                   blend_pixel(p, bar_color(legend, 1 - (y - l.bar_y) / l.bar_height), 1);
                });
 }
 
@@ -152,10 +158,10 @@ bool burn_legend(const Legend& legend, const Canvas& canvas, LegendPlace place) 
     const Layout l = layout_of(legend, labels, place, canvas.width, canvas.height);
     if (!has_room(l, canvas.width, canvas.height)) return false;
     fill_panel(canvas, {l.x, l.y, l.x + l.width, l.y + l.height}, std::round(10 * l.unit));
-    fill_bar(canvas, l, *legend.map);
-    if (legend.clipped_high) fill_tip(canvas, l, l.bar_y, -l.tip, legend.map->linear(1));
+    fill_bar(canvas, l, legend);
+    if (legend.clipped_high) fill_tip(canvas, l, l.bar_y, -l.tip, bar_color(legend, 1));
     if (legend.clipped_low)
-        fill_tip(canvas, l, l.bar_y + l.bar_height, l.tip, legend.map->linear(0));
+        fill_tip(canvas, l, l.bar_y + l.bar_height, l.tip, bar_color(legend, 0));
     draw_ticks(canvas, legend, labels, l);
     draw_words(canvas, legend, l);
     return true;

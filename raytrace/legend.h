@@ -16,7 +16,7 @@ struct Legend {
     std::string title;       ///< "mean curvature"
     std::string unit;        ///< "1/mm"; empty for pure numbers
     const ColorMap* map = nullptr;
-    ValueRange range;
+    ValueRange range;        ///< the bar is linear in the values between its ends
     std::string high_note;   ///< above the bar: "convex +"; may be empty
     std::string low_note;    ///< below it: "concave \u2212"
     bool clipped_high = false, clipped_low = false;  ///< values beyond the range: arrow tips

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -25,13 +26,26 @@ void write_text(std::ostream& out, double x, double y, const std::string& text,
         << escaped_markup(text) << "</text>\n";
 }
 
-void write_gradient(std::ostream& out, const ColorMap& map) {
+/// The colour of the value at a height of the bar, 0 to 1.
+Vec3f bar_color(const Legend& legend, double height) {
+    const ValueRange& r = legend.range;
+    return legend.map->srgb(place_on_map(r, r.lo + height * (r.hi - r.lo)));
+}
+
+/// Heights of the gradient's stops: even ones, and that of 0, where the sides of a diverging map may differ in scale.
+std::vector<double> stop_heights(const ValueRange& r) {
+    std::vector<double> heights;
+    for (int i = 0; i < kStops; ++i) heights.push_back(static_cast<double>(i) / (kStops - 1));
+    if (r.about_zero && r.lo < 0 && r.hi > 0 && r.lo != -r.hi) heights.push_back(-r.lo / (r.hi - r.lo));
+    std::sort(heights.begin(), heights.end());
+    return heights;
+}
+
+void write_gradient(std::ostream& out, const Legend& legend) {
     out << "  <defs><linearGradient id=\"bar\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">\n";
-    for (int i = 0; i < kStops; ++i) {
-        const double t = static_cast<double>(i) / (kStops - 1);
-        out << "    <stop offset=\"" << t << "\" stop-color=\""
-            << hex_color(map.srgb(static_cast<float>(t))) << "\"/>\n";
-    }
+    for (const double height : stop_heights(legend.range))
+        out << "    <stop offset=\"" << height << "\" stop-color=\"" << hex_color(bar_color(legend, height))
+            << "\"/>\n";
     out << "  </linearGradient></defs>\n";
 }
 
@@ -69,12 +83,12 @@ std::string legend_svg(const Legend& legend) {
     out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << width
         << "mm\" height=\"" << kHeight << "mm\" viewBox=\"0 0 " << width << ' ' << kHeight
         << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"" << kFont << "\" fill=\"#1a1b1e\">\n";
-    write_gradient(out, *legend.map);
+    write_gradient(out, legend);
     out << "  <rect x=\"" << kBarX << "\" y=\"" << kBarY << "\" width=\"" << kBarWidth
         << "\" height=\"" << kBarHeight << "\" fill=\"url(#bar)\"/>\n";
     const double bottom = kBarY + kBarHeight;
-    if (legend.clipped_high) write_tip(out, kBarY, -kTip, legend.map->srgb(1));
-    if (legend.clipped_low) write_tip(out, bottom, kTip, legend.map->srgb(0));
+    if (legend.clipped_high) write_tip(out, kBarY, -kTip, bar_color(legend, 1));
+    if (legend.clipped_low) write_tip(out, bottom, kTip, bar_color(legend, 0));
     write_ticks(out, legend);
     write_text(out, kBarX, 6, legend.title, "bold");
     write_text(out, kBarX, 11, legend.unit);

@@ -38,6 +38,12 @@ struct RenderStats {
     std::uint64_t tile_entries = 0;     ///< (surfel, tile) pairs
     std::uint64_t root_tests = 0;       ///< lanes whose root was asked for, both stages
     std::uint64_t distance_tests = 0;   ///< lanes of the test |q^ - c| < rho
+    /// Blocks of 16 pixels in a surfel's outline that are passed over without a test, in both stages: all that is seen
+    /// there is nearer, or out of the ball's reach. Forward renderer only, and smooth surfels.
+    std::uint64_t blocks_passed = 0;
+    /// (surfel, tile) pairs that are left out at once: the rest of a tile's list once it lies behind all that is seen
+    /// there (stage 1), and balls that reach no hit of the tile (stage 2). Forward renderer only.
+    std::uint64_t surfels_cut_off = 0;
     std::uint64_t covered_pixels = 0;
     std::uint64_t unblended_pixels = 0; ///< hit, but without weight in stage 2: they keep q^
     double cut_ms = 0, decode_ms = 0, bin_ms = 0, draw_ms = 0, total_ms = 0;

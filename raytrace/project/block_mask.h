@@ -22,6 +22,11 @@ public:
         for (const std::uint64_t word : words_) all |= word;
         return all != 0;
     }
+    int count() const {
+        int n = 0;
+        for (const std::uint64_t word : words_) n += std::popcount(word);
+        return n;
+    }
     bool has(int block) const { return words_[static_cast<std::size_t>(block) / 64] >> (block % 64) & 1; }
     std::uint64_t word(std::size_t k) const { return words_[k]; }
     /// The blocks [first, first + n), n at most 32, from the low bits of some.

@@ -130,7 +130,7 @@ public:
         const float* record = tree.record(node);
         const Octahedral normal{record[4], record[5]};
         const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
-        if (tree.node(node).flags & kStandsIn) {
+        if (drawn_scale(tree.node(node)) != 1) {
             const Surfel s = drawn_surfel(tree, node);
             batch_.add(c, s.support_radius, normal, std::span<const double, kStored>(s.polynomial.a.data(), kStored));
         } else if (n == kStored) {
@@ -202,7 +202,7 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
                 std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
     const Vec3d c = view.camera_from_local(tree.center(node));
     const std::uint8_t flags = tree.node(node).flags;
-    const double radius = tree.support_radius(node) * (flags & kStandsIn ? kStandInScale : 1);
+    const double radius = tree.support_radius(node) * drawn_scale(tree.node(node));
     DrawItem& item = list.items[i];
     item.z_center = item.near_hit = c.z;
     item.radius = static_cast<float>(radius), item.kappa = 0;

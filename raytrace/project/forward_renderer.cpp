@@ -104,6 +104,8 @@ TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
     for (const TileCounts& c : counts) {
         sum.root_tests += c.root_tests;
         sum.distance_tests += c.distance_tests;
+        sum.blocks_passed += c.blocks_passed;
+        sum.surfels_cut_off += c.surfels_cut_off;
         sum.covered += c.covered;
         sum.unblended += c.unblended;
     }
@@ -113,6 +115,8 @@ TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
 void put_counts(const TileCounts& counts, RenderStats& stats) {
     stats.root_tests = counts.root_tests;
     stats.distance_tests = counts.distance_tests;
+    stats.blocks_passed = counts.blocks_passed;
+    stats.surfels_cut_off = counts.surfels_cut_off;
     stats.covered_pixels = counts.covered;
     stats.unblended_pixels = counts.unblended;
 }

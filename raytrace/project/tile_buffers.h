@@ -26,6 +26,7 @@ struct alignas(64) TilePlane {
 /// Work in lanes, whether or not their pixel lies in the surfel's outline.
 struct TileCounts {
     std::uint64_t root_tests = 0, distance_tests = 0, covered = 0, unblended = 0;
+    std::uint64_t blocks_passed = 0, surfels_cut_off = 0;  ///< of RenderStats
 };
 
 /// The sums that the wanted channels need.

@@ -125,7 +125,10 @@ template <int Degree>
 [[gnu::flatten, gnu::noinline]] void draw_first(const BlockBatch<FirstWork<Degree>>& batch, const TileSums& sums, TileBuffers& t) {
     batch.for_each([&](const FirstWork<Degree>& work, int block) __attribute__((always_inline)) {
         const auto i = static_cast<std::size_t>(block * kLanes);
-        if (stdx::none_of(t.z.load(i) > work.nearest)) return;
+        if (stdx::none_of(t.z.load(i) > work.nearest)) {
+            ++t.counts.blocks_passed;
+            return;
+        }
         t.counts.root_tests += kLanes;
         first_hits<Degree>(work.surfel, work.surfel.row_of(block, kSqTrim), work.surfel.s_of(block), i, work.range, work.entry, sums, t);
     });
@@ -241,7 +244,10 @@ template <int Degree>
             some.find(list, list.core.data(), entries, e, t, [](const DrawItem& item) {
                 return DepthPair{item.near_hit - 1e-5 * static_cast<double>(item.radius), item.near_hit};
             });
-        if (some.depths.second(lane) > far) break;
+        if (some.depths.second(lane) > far) {
+            t.counts.surfels_cut_off += entries.size() - e;
+            break;
+        }
         const std::uint32_t i = entries[e];
         const DrawItem& item = list.items[i];
         const auto entry = static_cast<float>(e);
@@ -252,7 +258,9 @@ template <int Degree>
         }
         const float nearest = some.depths.first(lane);
         BlockMask blocks = some.spans.blocks(lane);
+        const int n_blocks = blocks.count();
         blocks &= t.beyond(nearest);
+        t.counts.blocks_passed += static_cast<std::uint64_t>(n_blocks - blocks.count());
         if (!blocks.any()) continue;
         const SurfelOnTile<Degree> surfel(list.records[i], item, list.core[i], some.depths.scale(lane), t);
         batch.add(FirstWork<Degree>(surfel, nearest, near_plane, entry), blocks);
@@ -286,6 +294,7 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
         batch.clear();
     };
     const std::vector<std::uint32_t> left = reaching(list.items.span(), entries, t);
+    t.counts.surfels_cut_off += entries.size() - left.size();
     for (std::size_t e = 0; e < left.size(); ++e) {
         const std::size_t lane = e % kLanes;
         if (lane == 0)
@@ -300,7 +309,9 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
             continue;
         }
         BlockMask blocks = some.spans.blocks(lane);
+        const int n_blocks = blocks.count();
         blocks &= t.within(some.depths.first(lane), some.depths.second(lane));
+        t.counts.blocks_passed += static_cast<std::uint64_t>(n_blocks - blocks.count());
         if (!blocks.any()) continue;
         const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i], some.depths.scale(lane), t);
         batch.add(BlendWork<Degree>(surfel), blocks);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <png.h>
 
 namespace slim {
@@ -93,6 +94,19 @@ TEST_F(ImageIo, ExrKeepsNamesTypesValuesAndText) {
     EXPECT_EQ(back.matrices.at("worldToCamera"), m);
     EXPECT_TRUE(back.has_chromaticities);
     EXPECT_TRUE(back.zip);
+}
+
+TEST_F(ImageIo, HalvesAreHeldAtTheirLargest) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const std::vector<float> red{65504, 65519, 65520, -1e6f, inf, -inf}, z{1e6f, inf, 0, 0, 0, 0};
+    const std::vector<ExrChannel> channels{{"R", ChannelType::half_float, red, {}}, {"Z", ChannelType::float32, z, {}}};
+    ExrWriter writer(file("a.exr"), 3, 2, channels);
+    writer.add_rows(2, channels);
+    EXPECT_EQ(writer.n_clamped(), 5u);
+    writer.commit();
+    const ExrImage back = read_exr(file("a.exr"));
+    EXPECT_EQ(back.channels.at("R").floats, (std::vector<float>{65504, 65504, 65504, -65504, 65504, -65504}));
+    EXPECT_EQ(back.channels.at("Z").floats, z);  // floats are as they are
 }
 
 TEST_F(ImageIo, SamePicturesAreSameBytesAndBringNoClock) {

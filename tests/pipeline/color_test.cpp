@@ -131,6 +131,35 @@ TEST_F(ModelColor, AModelWithoutItIsTheSameBytesAndSaysHowToGetIt) {
                 18.0 * static_cast<double>(with.tree().n_nodes()), 200);
 }
 
+TEST_F(ModelColor, TheyAreReadOnlyForPicturesThatShowThem) {
+    write_cloud("c.ply", {});
+    build("c.ply", "m.slim", true);
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    const std::uint64_t n_colors = 18 * model.tree().n_nodes();
+    EXPECT_EQ(model.colors_size(), n_colors);
+    EXPECT_EQ(model.surface_size(), model.file_size() - n_colors);
+    RenderConfig c = config("x.png");
+    const auto bytes_read = [&](const std::string& aov) {
+        c.aov = {aov};
+        return run(c, true)["model_bytes_read"].get<std::uint64_t>();
+    };
+    for (const char* mode : {"forward", "raytrace"}) {
+        c.mode = mode;
+        EXPECT_EQ(bytes_read("shaded"), model.surface_size());
+        EXPECT_EQ(bytes_read("mean"), model.surface_size());
+        EXPECT_EQ(bytes_read("color"), model.file_size());
+    }
+    // No byte of them is looked at otherwise, in further models of the scene neither.
+    std::string damaged = bytes("m.slim");
+    damaged[model.chunks().offset("colors") + n_colors / 2] ^= 1;
+    std::ofstream(file("damaged.slim"), std::ios::binary) << damaged;
+    c.add = {file("damaged.slim")};
+    EXPECT_EQ(bytes_read("shaded"), model.surface_size());
+    c.add = {}, c.mode = "forward", c.model = file("damaged.slim");
+    EXPECT_EQ(bytes_read("shaded"), model.surface_size());
+    EXPECT_THROW(bytes_read("color"), FormatError);
+}
+
 TEST_F(ModelColor, ColoursOfAllTypesAreRead) {
     const std::pair<const char*, const char*> cases[] = {
         {"uchar", "255 0 51"}, {"ushort", "65535 0 13107"}, {"float", "1 0 0.2"}};

@@ -53,6 +53,18 @@ std::string refusal(const std::vector<std::string>& words) {
     }
 }
 
+TEST(CommandLine, ListsOfFilesAreWrittenWithCommasOrAgain) {
+    LineConfig config;
+    parse(config, {"x.ply", "-o", "m.slim", "--extra-path", "a.slim,b.slim", "--extra-path=c.slim"});
+    EXPECT_EQ(config.extra, (std::vector<std::string>{"a.slim", "b.slim", "c.slim"}));
+    // A file that has a comma in its name is one.
+    const auto file = std::filesystem::temp_directory_path() / ("slim,comma" + std::to_string(getpid()));
+    std::ofstream(file) << 'x';
+    parse(config, {"x.ply", "-o", "m.slim", "--extra-path", file.string()});
+    EXPECT_EQ(config.extra, std::vector<std::string>{file.string()});
+    std::filesystem::remove(file);
+}
+
 TEST(CommandLine, ReadsWordsOptionsAndFlags) {
     LineConfig config;
     const CommonOptions common =
@@ -76,11 +88,11 @@ TEST(CommandLine, NegativeNumbersAreValues) {
     EXPECT_EQ(config.camera, "-1,2,3");
 }
 
-TEST(CommandLine, PathsAreNotSplitAtCommas) {
+TEST(CommandLine, WordsAreNotSplitAtCommas) {
     LineConfig config;
-    parse(config, {"a,b.ply", "--extra-path", "c,d.ply"});
+    parse(config, {"a,b.ply", "-o", "c,d.slim"});
     EXPECT_EQ(config.inputs, (std::vector<std::string>{"a,b.ply"}));
-    EXPECT_EQ(config.extra, (std::vector<std::string>{"c,d.ply"}));
+    EXPECT_EQ(config.output, "c,d.slim");
 }
 
 TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {

@@ -1,6 +1,7 @@
 #include "pipeline/console.h"
 
 #include "pipeline/memory_size.h"
+#include "pipeline/plain_number.h"
 #include "pipeline/peak_memory.h"
 #include "slim/base/error.h"
 
@@ -66,6 +67,8 @@ TEST(MemorySize, RefusesEverythingElse) {
 TEST(MemorySize, PrintsForPeople) {
     EXPECT_EQ(memory_size_text(17), "17 B");
     EXPECT_EQ(memory_size_text(1536), "1.5 KiB");
+    EXPECT_EQ(memory_size_text(1030000), "1006 KiB");
+    EXPECT_EQ(memory_size_text(1023 << 20), "1023 MiB");
     EXPECT_EQ(memory_size_text(1ull << 30), "1 GiB");
 }
 
@@ -81,6 +84,18 @@ TEST(PeakMemory, TheOuterMeterSeesWhatTheInnerOneSaw) {
     const PeakMeter later;  // starts anew where the kernel allows it
     EXPECT_GE(outer.bytes(), kBytes);
     EXPECT_LE(later.bytes(), outer.bytes());
+}
+
+TEST(PlainNumber, IsWrittenAsPeopleDo) {
+    EXPECT_EQ(plain_number(1005.4, 3), "1005");
+    EXPECT_EQ(plain_number(12.345, 3), "12.3");
+    EXPECT_EQ(plain_number(-54321.9, 4), "-54322");
+    EXPECT_EQ(plain_number(0.00012345, 3), "0.000123");
+    EXPECT_EQ(plain_number(3e9, 3), "3e+09");
+    EXPECT_EQ(duration_text(12.34), "12.3 ms");
+    EXPECT_EQ(duration_text(999.7), "1 s");
+    EXPECT_EQ(duration_text(1050), "1.05 s");
+    EXPECT_EQ(duration_text(1234567), "1235 s");
 }
 
 }  // namespace

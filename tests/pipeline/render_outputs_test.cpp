@@ -186,7 +186,7 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"frames is for a ", [](RenderConfig& c) { c.frames = 3; }},
         {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},
         {"expected 1 to 3", [](RenderConfig& c) { c.turntable = 3, c.frame = 4; }},
-        {"camera: expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
+        {"path: keyframe 2 \"sideways\": expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
         {"zoom", [](RenderConfig& c) { c.path = "front zoom x", c.frames = 4; }},
     };
     for (const auto& [words, change] : cases) {

@@ -190,6 +190,21 @@ TEST(Camera, ValidationNamesWhatIsWrong) {
     EXPECT_THROW(validate(c), ConfigError);
     c = good, c.up = {0, 0, 3};
     EXPECT_THROW(validate(c), ConfigError);
+    // Each is blamed for what it is, not another one.
+    const auto blame = [](const Camera& camera) -> std::string {
+        try {
+            validate(camera);
+            return "";
+        } catch (const ConfigError& e) {
+            return e.what();
+        }
+    };
+    c = good, c.eye = {0, 0, 1e300};
+    EXPECT_NE(blame(c).find("camera: eye (0, 0, 1e+300) must lie"), std::string::npos) << blame(c);
+    c = good, c.up = {0, 1e300, 0};
+    EXPECT_NE(blame(c).find("camera: up must be"), std::string::npos) << blame(c);
+    c = good, c.up = {};
+    EXPECT_EQ(blame(c), "camera: up is zero");
     c = good, c.up = {};
     EXPECT_THROW(validate(c), ConfigError);
     c = good, c.fov_y_deg = 180;

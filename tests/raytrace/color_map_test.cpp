@@ -85,6 +85,40 @@ TEST(ColorMap, PercentileCountsOnlyFiniteHits) {
     EXPECT_DOUBLE_EQ(full.hi, 99);
 }
 
+TEST(ColorMap, FlatFacesLeaveCurvedOnesTheirRange) {
+    // A part: 97 of 100 pixels are flat but for rounding, the others are rounded by 0.3.
+    std::vector<float> values(10000, 1e-17f);
+    const std::vector<std::uint8_t> hit(values.size(), 1);
+    for (std::size_t i = 0; i < values.size(); i += 33) values[i] = i % 2 ? 0.3f : -0.29f;
+    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3).hi, 1e-3);
+    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi, 0.3);
+    // A plane with a few wild pixels is a plane.
+    std::vector<float> plane(10000, 1e-4f);
+    for (std::size_t i = 0; i < 9; ++i) plane[i] = 5;
+    EXPECT_DOUBLE_EQ(symmetric_range(plane, hit, 95, 1e-3, 0.01).hi, 1e-3);
+    // Of a scan some is flat: the same as without.
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.00002f * static_cast<float>(i % 700);
+    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi, symmetric_range(values, hit, 95, 1e-3).hi);
+}
+
+TEST(ColorMap, ZeroIsNeutralWhateverTheEndsOfASignedRange) {
+    const ValueRange uneven{-10, 300, true}, above{10, 300, true}, below{-300, -10, true};
+    EXPECT_FLOAT_EQ(place_on_map(uneven, 0), 0.5f);
+    EXPECT_FLOAT_EQ(place_on_map(uneven, -10), 0);
+    EXPECT_FLOAT_EQ(place_on_map(uneven, -5), 0.25f);
+    EXPECT_FLOAT_EQ(place_on_map(uneven, 150), 0.75f);
+    EXPECT_FLOAT_EQ(place_on_map(uneven, 999), 1);
+    EXPECT_FLOAT_EQ(place_on_map(above, -5), place_on_map(above, 10));
+    EXPECT_GT(place_on_map(above, 10), 0.5f);
+    EXPECT_FLOAT_EQ(place_on_map(below, -10), 0.5f - 0.5f / 30);
+    EXPECT_FLOAT_EQ(place_on_map({-10, 300}, 145), 0.5f);  // one that is not about zero
+    const std::vector<float> values{0, -10, 300};
+    const std::vector<std::uint8_t> hit{1, 1, 1};
+    const Picture8 out = encode_srgb8(paint(3, 1, cool_warm(), uneven, values, hit));
+    const std::vector<std::uint8_t> expected{221, 221, 221, 255, 59, 76, 192, 255, 180, 4, 38, 255};
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(out.rgba[i], expected[i], 1) << i;
+}
+
 TEST(ColorMap, RangeOfNothingAndOfRoundingErrorsIsSane) {
     const std::vector<float> values{0, 1e-12f, -1e-12f};
     const std::vector<std::uint8_t> hit{1, 1, 1}, none{0, 0, 0};

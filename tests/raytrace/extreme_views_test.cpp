@@ -9,8 +9,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -51,8 +55,9 @@ Difference against_brute(const SurfelTreeData& model, const RenderRequest& reque
 }
 
 // Near a double root every method is limited to the square root of the rounding: 3e-4 in floats.
+constexpr double kReach = 4e-4;
+
 TEST(ExtremeViews, Row36TangentRaysHitOrMissWithinSqrtOfRounding) {
-    constexpr float kReach = 4e-4f;
     for (int i = -100; i <= 100; ++i) {
         // The paraboloid w = -t^2 / 2 along a level ray at height h: tangent at h = 0.
         const float h = static_cast<float>(i) * 1e-9f;
@@ -75,6 +80,32 @@ TEST(ExtremeViews, Row36TangentRaysHitOrMissWithinSqrtOfRounding) {
     EXPECT_LE(d.hits, 2u);
 }
 
+/// The same paraboloid as a surfel of radius 1, seen along its tangent plane: rows of the picture lie 2e-8 apart.
+TEST(ExtremeViews, Row36TangentRaysOfTheRenderersKernels) {
+    constexpr int kRows = 201;
+    constexpr double kStep = 2e-8;
+    for (const int degree : {2, 3}) {
+        Surfel cap{{}, 1, frame_from_normal(round_normal({0, 0, 1})), {}, degree};
+        cap.polynomial.a[3] = cap.polynomial.a[5] = -0.5;
+        const auto model = test::flat_tree({cap}, degree);
+        RenderRequest request = request_at({4, 0, 0}, {0, 0, 0}, 35, 16, kRows);
+        request.camera.up = {0, 0, 1};
+        request.camera.orthographic = true, request.camera.width = 16 * kStep;
+        GBuffer out;
+        render_forward(model.view(), request, out);
+        int n_hits = 0;
+        for (int y = 0; y < kRows; ++y) {
+            const double h = (kRows / 2 - y) * kStep;  // of the ray over the tangent plane
+            const std::size_t i = out.index(8, y);
+            if (std::abs(h) > kReach * kReach / 2) { ASSERT_EQ(out.hit[i], h < 0) << degree << ' ' << h; }
+            if (!out.hit[i]) continue;
+            ++n_hits;
+            EXPECT_NEAR(out.position[0][i], std::sqrt(std::max(0.0, -2 * h)), kReach) << degree << ' ' << h;
+        }
+        EXPECT_GT(n_hits, kRows / 2 - 5) << degree;
+    }
+}
+
 TEST(ExtremeViews, Row37AnEyeInsideABallAndBallsAcrossTheNearPlane) {
     const auto model = test::sphere_model(1, 400);
     // Inside a ball, within it of the surface; and grazing along the surface.
@@ -91,15 +122,43 @@ TEST(ExtremeViews, Row37AnEyeInsideABallAndBallsAcrossTheNearPlane) {
 }
 
 TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
+    // Paraboloids of radius 0.155 lie within 1e-4 of the sphere, their normals within 2e-3, near and far.
+    constexpr double kOffSphere = 1e-4, kOffNormal = 2e-3;
     const auto model = test::sphere_model(1, 1000);
     const double far = 1e6 * model.header.diagonal;
     const double fov = 2 * std::atan(1.1 / far) * 180 / std::numbers::pi;
     const RenderRequest request =
         request_at(Vec3d{0.3, 0.4, std::sqrt(0.75)} * far, {}, fov, 160, 160);
-    const Difference d = against_brute(model, request);
-    EXPECT_GT(d.covered, 15000u);
-    EXPECT_LE(d.hits, 2u);
-    EXPECT_LT(d.depth * far, 0.5);  // depth itself is a float: 24 bits of it
+    const PixelView view = pixel_view(request.camera, 160, 160);
+    GBuffer fast, slow;
+    render_forward(model.view(), request, fast);
+    render_brute(model.view(), request, slow);
+    std::size_t covered = 0, other_hits = 0, other_places = 0, other_normals = 0;
+    for (int y = 0; y < 160; ++y)
+        for (int x = 0; x < 160; ++x) {
+            const std::size_t i = fast.index(x, y);
+            other_hits += fast.hit[i] != slow.hit[i];
+            if (!fast.hit[i] || !slow.hit[i]) continue;
+            ++covered;
+            const auto at = [&](const std::array<std::vector<float>, 3>& plane) {
+                return Vec3d{plane[0][i], plane[1][i], plane[2][i]};
+            };
+            const Vec3d p = at(fast.position), n = at(fast.normal);
+            other_places += length(p - at(slow.position)) > 2e-6;
+            other_normals += length(n - at(slow.normal)) > 2e-5;
+            // The truth: on the sphere, on the pixel's own ray, its normal.
+            EXPECT_NEAR(length(p), 1, kOffSphere) << x << ' ' << y;
+            EXPECT_LT(length(n - normalized(p)), kOffNormal) << x << ' ' << y;
+            const Vec3d c = view.camera_from_local(p);
+            EXPECT_NEAR(c.x / c.z * view.focal_px + view.center_x, x + 0.5, 1e-3);
+            EXPECT_NEAR(c.y / c.z * view.focal_px + view.center_y, y + 0.5, 1e-3);
+            // A float of 3.5e6 has steps of 0.25.
+            EXPECT_LE(std::abs(static_cast<double>(fast.depth[i]) - c.z), 0.13);
+        }
+    EXPECT_GT(covered, 15000u);
+    EXPECT_LE(other_hits, 2u);
+    EXPECT_LE(other_places, 3u);   // at the rim a rounding moves the root
+    EXPECT_LE(other_normals, 3u);
 }
 
 TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
@@ -143,15 +202,51 @@ TEST(ExtremeViews, PicturesMuchNarrowerThanASurfel) {
     }
 }
 
-TEST(ExtremeViews, Row40TinyAndHugePicturesAreCropsOfLargerOnes) {
+/// A picture against the crop in the middle of a larger one of the same pixels: sides grow by an even number. (Bytes may
+/// differ: tiles begin elsewhere.)
+void expect_middle_of(const SurfelTreeData& model, const RenderRequest& small, int width, int height) {
+    RenderRequest large = small;
+    large.width = width, large.height = height;
+    const double half = std::tan(small.camera.fov_y_deg * std::numbers::pi / 360) * height / small.height;
+    large.camera.fov_y_deg = std::atan(half) * 360 / std::numbers::pi;
+    GBuffer alone, whole;
+    const auto n_alone = render_forward(model.view(), small, alone).covered_pixels;
+    EXPECT_GT(render_forward(model.view(), large, whole).covered_pixels, n_alone);
+    const int left = (width - small.width) / 2, top = (height - small.height) / 2;
+    std::size_t n = 0;
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x) {
+            const std::size_t i = alone.index(x, y), j = whole.index(left + x, top + y);
+            ASSERT_EQ(alone.hit[i], whole.hit[j]) << x << ' ' << y;
+            n += alone.hit[i];
+            EXPECT_NEAR(alone.depth[i], whole.depth[j], 1e-6f * whole.depth[j]) << x << ' ' << y;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                EXPECT_NEAR(alone.normal[axis][i], whole.normal[axis][j], 2e-5f) << x << ' ' << y;
+                EXPECT_NEAR(alone.position[axis][i], whole.position[axis][j], 2e-6f) << x << ' ' << y;
+            }
+        }
+    EXPECT_EQ(n, n_alone);
+}
+
+TEST(ExtremeViews, Row40TinyPicturesAreCropsOfLargerOnes) {
     const auto model = test::sphere_model(1, 600);
-    for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 97}, std::pair{131, 1}}) {
-        const Difference d = against_brute(model, request_at({0, 0, 4}, {}, 30, width, height));
-        EXPECT_EQ(d.covered, static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > 1
-                                 ? d.covered
-                                 : 1u);
-        EXPECT_EQ(d.hits, 0u) << width << 'x' << height;
+    // The sphere takes up 28 degrees from there: 93 of 97 rows of 30, 15 of 131 pixels in a row of 2.
+    const RenderRequest pixel = request_at({0, 0, 4}, {}, 2, 1, 1), column = request_at({0, 0, 4}, {}, 30, 1, 97),
+                        row = request_at({0, 0, 4}, {}, 2, 131, 1);
+    for (const auto& [request, covered] : {std::pair{pixel, 1u}, std::pair{column, 93u}, std::pair{row, 15u}}) {
+        const Difference d = against_brute(model, request);
+        EXPECT_NEAR(static_cast<double>(d.covered), covered, 1.5);
+        EXPECT_EQ(d.hits, 0u);
     }
+    expect_middle_of(model, pixel, 31, 27);
+    expect_middle_of(model, column, 133, 97);
+    expect_middle_of(model, column, 65, 121);
+    expect_middle_of(model, row, 131, 41);
+    expect_middle_of(model, row, 157, 33);
+}
+
+TEST(ExtremeViews, Row40WindowsOfHugePicturesAgree) {
+    const auto model = test::sphere_model(1, 600);
     // Of 16,384 x 16,384 pixels only a window is ever held; two that overlap agree byte for byte.
     RenderRequest request = request_at({0, 0, 4}, {}, 30, 16384, 16384);
     GBuffer wide, narrow;

@@ -173,6 +173,35 @@ TEST(Legend, SvgIsAsWideAsItsWordsNeed) {
     EXPECT_NE(svg.find("viewBox=\"0 0 " + std::to_string(static_cast<int>(width)) + " "), std::string::npos);
 }
 
+TEST(Legend, TheBarHasTheColoursOfItsValuesWhereTheSidesDifferInScale) {
+    Legend legend = mean_legend();
+    legend.range = {-10, 300, true};
+    Picture p = white(1000, 1000);
+    ASSERT_TRUE(burn_legend(legend, p));
+    // The neutral colour is found where the tick of 0 is: a thirtieth of the bar above its lower end.
+    int first = 1000, last = 0, neutral = 0;
+    const int x = [&] {
+        for (int u = 999; u > 0; --u)
+            for (int v = 0; v < 1000; ++v)
+                if (p.pixel(u, v)[0] > p.pixel(u, v)[2] + 0.3f) return u - 5;
+        return 0;
+    }();
+    for (int y = 0; y < 1000; ++y) {
+        const float *c = p.pixel(x, y), spread = std::abs(c[0] - c[2]);
+        const bool blue = c[2] > c[0] + 0.02f, red = c[0] > c[2] + 0.02f;
+        if (!blue && !red) continue;
+        first = std::min(first, y), last = std::max(last, y);
+        if (blue && spread > 0.02f) neutral = neutral ? neutral : y;  // the first that is blue
+    }
+    EXPECT_NEAR(last - first, 330, 12);
+    EXPECT_NEAR(last - neutral, 330.0 * 10 / 310, 4);
+    // The SVG has a stop there, of the neutral colour.
+    const std::string svg = legend_svg(legend);
+    const std::size_t stop = svg.find("offset=\"0.0322581\" stop-color=\"#dd");
+    EXPECT_NE(stop, std::string::npos) << svg;
+    EXPECT_NE(svg.find(">0<"), std::string::npos);
+}
+
 TEST(Font, EveryPrintableCharacterHasAGlyphOfItsOwn) {
     Picture missing = white(40, 40);
     draw_text(missing, "\x01", 8, 30, {});
