@@ -19,7 +19,7 @@ void CurvatureSamples::add(const LineScene& s) {
     if (step_ == 0) {
         step_ = (shorter + kMostSamples - 1) / kMostSamples;
         width_ = picture_width / step_, height_ = picture_height / step_;
-        samples_.assign(width_ * height_, {kNone, kNone, kNone});
+        samples_.assign(width_ * height_, {Vec3f{kNone}, kNone, kNone});
         near_px_ = std::max(3.0f, 0.003f * static_cast<float>(shorter));
         view_ = s.view;
     }
@@ -28,7 +28,7 @@ void CurvatureSamples::add(const LineScene& s) {
         if (y % step_ != step_ / 2 || y / step_ >= height_) continue;
         for (std::size_t x = 0; x < width_; ++x) {
             const std::size_t i = row * picture_width + x * step_ + step_ / 2;
-            if (s.hit(i)) samples_[y / step_ * width_ + x] = {s.depth(i), s.buffer.k1[i], s.buffer.k2[i]};
+            if (s.hit(i)) samples_[y / step_ * width_ + x] = {s.point(i), s.buffer.k1[i], s.buffer.k2[i]};
         }
     }
 }
@@ -43,11 +43,9 @@ float CurvatureSamples::fall_at(const Vec3f& p, const Vec3f& q, float k, bool ri
     if (!(x >= 0 && y >= 0 && x < static_cast<double>(width_) && y < static_cast<double>(height_))) return kNone;
     const auto column = static_cast<std::size_t>(x), row = static_cast<std::size_t>(y);
     const Sample& sample = samples_[row * width_ + column];
-    if (std::isnan(sample.depth)) return kNone;
-    const auto pixel = [&](std::size_t at) { return static_cast<double>(at * step_ + step_ / 2) + 0.5; };
-    const Vec3f there = to_float(view_.point_at(pixel(column), pixel(row), static_cast<double>(sample.depth)));
+    if (std::isnan(sample.k1)) return kNone;
     const float sq_way = sq_length(p - q);
-    if (sq_length(there - q) > 4 * sq_way || dot(there - q, p - q) < 0.5f * sq_way) return kNone;
+    if (sq_length(sample.point - q) > 4 * sq_way || dot(sample.point - q, p - q) < 0.5f * sq_way) return kNone;
     return 1 - (ridge ? sample.k1 : -sample.k2) / k;
 }
 

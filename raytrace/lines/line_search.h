@@ -18,7 +18,7 @@ int line_margin(int picture_width, int picture_height);
 
 /// The feature lines of a picture that is seen band by band, the same to the bit as of the whole at once. What is kept
 /// of a band is its crossings with their links, 36 bytes each, of crest lines 60, and some samples of the curvature
-/// (raytrace/lines/notes/0005, 0008).
+/// (raytrace/lines/notes/0005, 0009).
 ///
 /// Bands follow each other from the top down. Of each, rows [rows.begin, rows.end) of the planes are searched, which
 /// begin where those of the band before ended; around them lie line_margin rows, as far as the picture has them.

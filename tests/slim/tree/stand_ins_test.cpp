@@ -118,7 +118,7 @@ TEST(StandIns, NeedAGoodFitManyChildrenAndSoundLeaves) {
 TEST(StandIns, AreDrawnInTheWholeOfTheirBall) {
     Surfel s = flat({0, 0, 0}, {0, 0, 1}, 2);
     s.polynomial.a = {0.1, 0.02, -0.03, 0.2, 0.05, -0.1, 0.01, 0.02, -0.03, 0.04};
-    const Surfel drawn = stand_in(s);
+    const Surfel drawn = in_larger_ball(s, kStandInScale);
     EXPECT_DOUBLE_EQ(drawn.support_radius * kHitTrim, s.support_radius);
     for (const Vec3d& p : {Vec3d{0.3, -0.4, 0.2}, Vec3d{1.1, 0.9, -0.3}}) {
         const Vec3d x = p / s.support_radius, y = p / drawn.support_radius;
