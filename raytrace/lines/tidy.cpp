@@ -17,6 +17,7 @@ constexpr float kClear = 0.5f;     ///< evidence
 constexpr float kUnclear = 12;     ///< pixels: an unclear part as long cuts a line
 constexpr float kBeside = 1.5f;    ///< pixels: lines so near are one
 constexpr float kCrossing = 4;     ///< pixels: lines that cross or meet are that near for so long
+
 /// Points [begin, end) of a line.
 struct Run {
     std::size_t begin, end;
