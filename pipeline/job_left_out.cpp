@@ -44,12 +44,13 @@ std::string fit_remedy(LineKind kind) {
 
 std::vector<std::string> left_out_of_views(std::span<const AskedView> views, const BuildStages& stages) {
     Channels channels = 0;
-    std::set<std::string> aovs;
+    std::set<std::string> aovs, asked;
     bool lines = false, rays = false, shadows = false, openness = false;
     for (const AskedView& view : views) {
         const ViewWork work = work_of(view, stages);
         channels |= work.channels;
         aovs.insert(work.aovs.begin(), work.aovs.end());
+        asked.insert(view.aovs.begin(), view.aovs.end());
         lines = lines || !work.lines.drawn.empty();
         const bool cast = view.render.mode == "raytrace", shaded = contains(work.aovs, "shaded");
         rays = rays || cast;
@@ -59,7 +60,7 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views, con
     std::vector<std::string> out;
     if (!(channels & kHessianChannels))
         out.push_back("curvature: no AOV and no line asks for it (no second derivatives)");
-    if (!(channels & kThirdOrderChannel)) out.push_back("third derivatives: no AOV and no line asks for them");
+    if (!(channels & kThirdOrderChannel)) out.push_back("third derivatives: no AOV and no line that can be drawn asks for them");
     if (!lines) out.push_back("feature lines: no view asks for them");
     if (!aovs.contains("color"))
         out.push_back(stages.color ? "colours: no view shows them (their section of the model is not read)"
@@ -71,8 +72,9 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views, con
     RenderConfig render;
     const FieldList fields = fields_of(render);
     for (const std::string& name : fields.find("aov")->choices)
-        if (name != "all" && name != "lines" && !aovs.contains(name)) rest.push_back(name);
-    if (!rest.empty())
+        if (name != "all" && name != "lines" && !asked.contains(name)) rest.push_back(name);
+    // What "all" passes over is told as missing.
+    if (!rest.empty() && !asked.contains("all"))
         out.push_back(fmt::format("pictures of {}: no view asks for them", fmt::join(rest, ", ")));
     return out;
 }

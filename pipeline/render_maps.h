@@ -19,7 +19,7 @@ struct MapSpec {
     const char* low_note;
 };
 
-/// The map of an AOV that is painted as one (mean, gauss, k1, k2, depth, error, coverage,
+/// The map of an AOV that is painted as one (mean, gauss, k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth, error, coverage,
 /// truth_distance), else null.
 const MapSpec* map_spec(const std::string& aov);
 

@@ -93,7 +93,7 @@ bool has_background(const RenderConfig& config, const std::string& aov) {
 }
 
 std::string write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
-                const ImageMetadata& metadata, PictureFiles& files) {
+                       const ImageMetadata& metadata, PictureFiles& files) {
     Missing missing;
     for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
         const std::string& aov = job.plan.drawn[k];

@@ -21,7 +21,7 @@ struct Camera {
     double near_plane = 0;  ///< camera z before which nothing is seen; 0: 1e-6 |target - eye|
 };
 
-/// Throws ConfigError naming the value: not finite, eye = target or beyond 1e150 from it, up zero or parallel to the
+/// Throws ConfigError naming the value: not finite, eye = target, nearer than 1e-150 or beyond 1e150 from it, up zero or parallel to the
 /// view, angle outside (0, 180), width <= 0, near plane < 0.
 void validate(const Camera& camera);
 

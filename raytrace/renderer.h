@@ -38,7 +38,7 @@ struct RenderStats {
     std::uint64_t tile_entries = 0;     ///< (surfel, tile) pairs
     std::uint64_t root_tests = 0;       ///< lanes whose root was asked for, both stages
     std::uint64_t distance_tests = 0;   ///< lanes of the test |q^ - c| < rho
-    /// Blocks of 16 pixels in a surfel's outline that are passed over without a test, in both stages: all that is seen
+    /// Blocks of kLanes pixels (16 with AVX-512, else 8) in a surfel's outline that are passed over without a test, in both stages: all that is seen
     /// there is nearer, or out of the ball's reach. Forward renderer only, and smooth surfels.
     std::uint64_t blocks_passed = 0;
     /// (surfel, tile) pairs that are left out at once: the rest of a tile's list once it lies behind all that is seen

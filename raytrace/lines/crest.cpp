@@ -1,6 +1,5 @@
 #include "raytrace/lines/crest_look.h"
 #include "raytrace/lines/crossings.h"
-#include "raytrace/lines/line_search.h"
 #include "raytrace/lines/sheet_blur.h"
 
 #include <algorithm>

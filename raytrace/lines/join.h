@@ -6,7 +6,7 @@
 
 namespace slim {
 
-/// Joins lines whose ends meet: 3 pixels apart or less, on one surface, and going on without a sharp turn (1.5 pixels
+/// Joins lines whose ends meet: 6 px apart or less, on one surface, and going on without a sharp turn (1.5 px
 /// apart, round corners too); the nearest and straightest first. Lines that meet themselves are closed. Lengths and
 /// strengths are not filled in.
 ///

@@ -40,10 +40,16 @@ std::vector<Run> runs_of(const std::vector<std::uint8_t>& marked) {
     return runs;
 }
 
-/// A loop is opened at its first marked point, so that no run is cut in two at its seam.
+/// A loop is opened where a run of marked points begins, so that no run is cut in two at its seam.
 void open_at_mark(FeatureLine& line, std::vector<std::uint8_t>& marked) {
-    const auto first = std::find(marked.begin(), marked.end(), 1) - marked.begin();
-    if (!line.closed || first == static_cast<std::ptrdiff_t>(marked.size())) return;
+    if (!line.closed) return;
+    std::ptrdiff_t first = 0;
+    const auto n = static_cast<std::ptrdiff_t>(marked.size());
+    const auto begins = [&](std::ptrdiff_t i) {
+        return marked[static_cast<std::size_t>(i)] != 0 && marked[static_cast<std::size_t>((i + n - 1) % n)] == 0;
+    };
+    while (first < n && !begins(first)) ++first;
+    if (first == n) return;
     std::rotate(line.points.begin(), line.points.begin() + first, line.points.end());
     std::rotate(marked.begin(), marked.begin() + first, marked.end());
 }

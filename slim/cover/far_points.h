@@ -16,7 +16,7 @@ struct FarPoint {
 };
 
 /// The places of a tree that far_points() should look at, rising: all but those where each leaf that may take part in the
-/// blend is within half of `farthest` to first order, as a mean of them then is, and one surely does.
+/// blend is well within `farthest` to first order, as a mean of them then is, and one surely does.
 /// Cost: a gather of its ball a leaf, a few ns a point in it.
 std::vector<std::uint32_t> maybe_far(const PointTree& points, const std::vector<const Surfel*>& leaves, double farthest);
 

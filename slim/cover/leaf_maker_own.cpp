@@ -40,9 +40,12 @@ std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_bef
         choice.radius = static_cast<float>(finest * std::pow(kGoldenRatio, rung));
         CoveringSurfel leaf = fit_with_air(p, normal, choice, work);
         Surfel& s = leaf.fitted.surfel;
-        s = level_linear(s);  // as the file's: its rims need no other axes
-        if (n_before > 0) s.polynomial.a[0] = 0;
         s.rims = rims_of(leaf);
+        s = level_linear(s);  // as the file's
+        if (n_before > 0) {
+            leaf.fitted.fit_error = std::hypot(leaf.fitted.fit_error, s.polynomial.a[0] * s.support_radius);
+            s.polynomial.a[0] = 0;
+        }
         leaf.fitted.point_id = block_.id[point];
         const Surfel* alone = &s;
         const auto at = project_along(p, normal, std::span(&alone, 1));

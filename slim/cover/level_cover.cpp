@@ -281,7 +281,7 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
 void LevelCover::finish_leaves() {
     out_.counts.refitted += second_.run(pyramid_.all());
     const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
-    second_.for_each([&](const FittedSurfel& leaf) {
+    second_.hand_over([&](const FittedSurfel& leaf) {
         if (is_kept(leaf)) keep(leaf);
     });
     for (const CoveringSurfel& leaf : own) {

@@ -14,7 +14,7 @@ namespace slim {
 namespace {
 
 constexpr int kRounds = 6;
-constexpr int kTries = 2;       // leaves of a point
+constexpr int kTries = 2;       // of a point
 constexpr double kApart = 0.5;  // over rho: a leaf of the same round may have mended what is so near
 
 class OwnLeaves {
@@ -22,11 +22,11 @@ public:
     OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules, const LeafMaker& maker,
               const SecondFit& others, std::span<const std::uint64_t> strays, LeafWork& work)
         : points_(points), block_(block), rules_(rules), maker_(maker), work_(work),
-          dropped_(rules.dropped.begin(), rules.dropped.end()) {
+          mended_in_(points.size(), 0), dropped_(rules.dropped.begin(), rules.dropped.end()) {
         dropped_.insert(strays.begin(), strays.end());
         if (rules.done)
             rules.done([&](const FittedSurfel& f) {
-                if (f.flags & kLeaf) blend(copies_.emplace_back(f.surfel));
+                if (f.flags & kLeaf) leaves_.push_back(&copies_.emplace_back(level_linear(f.surfel)));
             });
         others.for_each([&](const FittedSurfel& f) { blend(f.surfel); });
     }
@@ -36,7 +36,7 @@ public:
         for (int round = 0; round < kRounds && !places.empty(); ++round) {
             auto far = far_points(points_, places, leaves_, rules_.farthest());
             std::stable_sort(far.begin(), far.end(), [](const auto& a, const auto& b) { return a.off > b.off; });
-            places = mend(far);
+            places = mend(far, static_cast<std::uint8_t>(round + 1));
         }
         return std::move(own_);
     }
@@ -45,41 +45,40 @@ private:
     /// Adds a leaf as the file will hold it, which turns the axes of linear ones, and so their rims a little.
     void blend(const Surfel& s) { leaves_.push_back(s.degree < 2 ? &copies_.emplace_back(level_linear(s)) : &s); }
 
+    bool owns(std::uint32_t place) const { return !rules_.owns || rules_.owns(points_.position(place)); }
+
     std::vector<std::uint32_t> first_places() const {
         std::vector<std::uint32_t> out = maybe_far(points_, leaves_, rules_.farthest());
-        if (rules_.owns) std::erase_if(out, [&](std::uint32_t i) { return !rules_.owns(points_.position(i)); });
+        std::erase_if(out, [&](std::uint32_t i) { return !owns(i); });
         return out;
     }
 
-    /// Gives points their leaves; returns the places to look at again, rising.
-    std::vector<std::uint32_t> mend(const std::vector<FarPoint>& far) {
+    /// Gives points their leaves; returns the places to look at again, rising. round: from 1 on
+    std::vector<std::uint32_t> mend(const std::vector<FarPoint>& far, std::uint8_t round) {
         std::vector<std::uint32_t> again;
-        const std::size_t n_before = own_.size();
+        const BallPoints<double>& ball = work_.exact.ball;
         for (const FarPoint& p : far) {
-            if (is_near_one(points_.position(p.place), n_before))
+            if (mended_in_[p.place] == round)
                 again.push_back(p.place);
             else if (add_leaf(p.place))
-                again.insert(again.end(), work_.exact.ball.index.begin(),
-                             work_.exact.ball.index.begin() + static_cast<std::ptrdiff_t>(work_.exact.ball.n));
+                for (std::size_t i = 0; i < ball.n; ++i) {
+                    if (ball.sq[i] < kApart * kApart) mended_in_[ball.index[i]] = round;
+                    if (owns(ball.index[i])) again.push_back(ball.index[i]);
+                }
         }
         std::sort(again.begin(), again.end());
         again.erase(std::unique(again.begin(), again.end()), again.end());
         return again;
     }
-    /// Whether one of the leaves from number `first` on is near.
-    bool is_near_one(const Vec3d& p, std::size_t first) const {
-        return std::any_of(own_.begin() + static_cast<std::ptrdiff_t>(first), own_.end(), [&](const CoveringSurfel& leaf) {
-            const double reach = kApart * leaf.fitted.surfel.support_radius;
-            return sq_length(p - leaf.fitted.surfel.center) < reach * reach;
-        });
-    }
     /// Gives a point its leaf, whose ball is left in the workspace.
     bool add_leaf(std::uint32_t place) {
         const std::uint32_t point = points_.source(place);
-        int& n_tries = n_tries_[place];
-        if (n_tries == kTries || dropped_.contains(block_.id[point])) return false;
-        auto leaf = maker_.make_own(point, n_tries++, work_);
+        Tries& tries = tries_[place];
+        if (tries.made == kTries || dropped_.contains(block_.id[point])) return false;
+        ++tries.made;
+        auto leaf = maker_.make_own(point, tries.leaves, work_);
         if (!leaf) return false;
+        ++tries.leaves;
         FittedSurfel& f = own_.emplace_back(std::move(*leaf)).fitted;
         const Surfel& s = f.surfel;
         f.flags = kLeaf | kForced;
@@ -98,7 +97,11 @@ private:
     LeafWork& work_;
     std::deque<CoveringSurfel> own_;  // whose surfels leaves_ refers to, as to
     std::deque<Surfel> copies_;       // these
-    std::unordered_map<std::uint32_t, int> n_tries_;
+    struct Tries {
+        int made = 0, leaves = 0;
+    };
+    std::unordered_map<std::uint32_t, Tries> tries_;  // of places
+    std::vector<std::uint8_t> mended_in_;             // the last round in which a leaf came near a place
     std::unordered_set<std::uint64_t> dropped_;
 };
 

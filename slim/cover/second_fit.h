@@ -28,6 +28,15 @@ public:
         for (const std::vector<FittedSurfel>& leaves : waiting_)
             for (const FittedSurfel& leaf : leaves) visit(leaf);
     }
+    /// The same, whose memory is given back piece by piece: none waits after it.
+    template <class Visit>
+    void hand_over(const Visit& visit) {
+        for (std::vector<FittedSurfel>& leaves : waiting_) {
+            for (const FittedSurfel& leaf : leaves) visit(leaf);
+            std::vector<FittedSurfel>().swap(leaves);
+        }
+        waiting_.clear();
+    }
 
 private:
     std::vector<BlendResidual> blend_;

@@ -34,15 +34,15 @@ inline BucketLanes lanes_of(const float (&values)[kAuditBucket]) {
 [[gnu::flatten]] inline bool is_of_one_mind(const LocalBucket& b) {
     FloatV sum[3] = {0, 0, 0};
     for (std::size_t k = 0; k < kAuditBucket; k += kLanes) {
-        sum[0] += FloatV(b.nx + k, stdx::element_aligned);
-        sum[1] += FloatV(b.ny + k, stdx::element_aligned);
-        sum[2] += FloatV(b.nz + k, stdx::element_aligned);
+        sum[0] += audit_lanes(b.nx + k);
+        sum[1] += audit_lanes(b.ny + k);
+        sum[2] += audit_lanes(b.nz + k);
     }
     const float x = stdx::reduce(sum[0]), y = stdx::reduce(sum[1]), z = stdx::reduce(sum[2]);
     constexpr float kLeast = kOfOneMind * kAuditBucket;
     if (!(x * x + y * y + z * z > kLeast * kLeast)) return false;
     for (std::size_t k = 0; k < kAuditBucket; k += kLanes) {
-        const FloatV nx(b.nx + k, stdx::element_aligned), ny(b.ny + k, stdx::element_aligned), nz(b.nz + k, stdx::element_aligned);
+        const FloatV nx = audit_lanes(b.nx + k), ny = audit_lanes(b.ny + k), nz = audit_lanes(b.nz + k);
         const FloatV mx = x - nx, my = y - ny, mz = z - nz;
         const FloatV along = mx * nx + my * ny + mz * nz;
         const FloatV sq_own = nx * nx + ny * ny + nz * nz, sq_mean = mx * mx + my * my + mz * mz;

@@ -213,6 +213,10 @@ TEST(Job, SaysWhatIsLeftOut) {
     for (const char* part :
          {"curvature: no AOV and no line asks for it", "colours: color = false", "measure:", "scan:", "index.html:", "normal"})
         EXPECT_NE(plain.find(part), std::string::npos) << part;
+    // What "all" cannot have is missing, not unasked for.
+    const std::string all = left_out("[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\naovs = ['all']\n");
+    EXPECT_EQ(all.find("pictures of"), std::string::npos) << all;
+    EXPECT_NE(all.find("no line that can be drawn"), std::string::npos) << all;
     const std::string demo = left_out(kDemo);
     for (const char* part : {"curvature: no", "measure:", "scan:", "index.html:"})
         EXPECT_EQ(demo.find(part), std::string::npos) << part;

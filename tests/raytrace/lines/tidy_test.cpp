@@ -87,6 +87,16 @@ TEST(TidyContours, AnUnclearPartOpensALoopOnce) {
     EXPECT_EQ(lines[0].points.size(), 310u);
 }
 
+TEST(TidyContours, AnUnclearPartAtALoopsSeamIsOne) {
+    FeatureLine ring = arc(40, 0, 359);  // 0.7 pixels a point
+    ring.closed = true;
+    for (std::size_t i = 0; i < 12; ++i) ring.points[i].evidence = ring.points[359 - i].evidence = 0;
+    const auto lines = tidy_contours({ring}, 1);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_FALSE(lines[0].closed);
+    EXPECT_EQ(lines[0].points.size(), 360u - 24);
+}
+
 TEST(JoinEnds, EndsThatMeetAreOneLineHoweverTheyRun) {
     FeatureLine back = level_line(43, 80, 0);
     std::reverse(back.points.begin(), back.points.end());
