@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
+#include "slim/model/surfel_encoder.h"
 #include "tests/slim/cover/cover_support.h"
 
 #include <gtest/gtest.h>
@@ -13,10 +14,12 @@
 namespace slim::test {
 namespace {
 
-/// Largest distance of points to the blend of leaves, along their normals; infinite where none supports one.
+/// Largest distance of points to the blend of leaves as the file holds them, along their normals; infinite where none
+/// supports one.
 double farthest_off(const PointBlock& points, const Cover& c) {
     double most = 0;
-    const auto leaves = leaves_of(c);
+    auto leaves = leaves_of(c);
+    for (FittedSurfel& s : leaves) s.surfel = level_linear(s.surfel);
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::vector<const Surfel*> near;
         for (const FittedSurfel& s : leaves)
@@ -54,6 +57,19 @@ TEST(OwnLeaves, NoPointIsFartherOffThanTAndNoiseAllow) {
     EXPECT_EQ(c.counts.leaves, leaves_of(c).size());
     rules.refits = false;
     EXPECT_GT(farthest_off(block, cover(block, rules)), 1.5 * rules.farthest()) << "the ridge is no test of it";
+}
+
+// Upright walls are where frames of normals near each other differ most: the rims of linear leaves turn with the file's.
+TEST(OwnLeaves, OfAWallOfLinearLeavesToo) {
+    PointBlock wall = ridge();
+    for (Vec3d& p : wall.position) p = {p.z, p.x, p.y};
+    for (Vec3f& n : wall.normal) n = {n.z, n.x, n.y};
+    const PointBlock block = along_curve(wall);
+    CoverRules rules = clean_rules(block, 0.005);
+    rules.degree = 1;
+    const Cover c = cover(block, rules);
+    EXPECT_LE(farthest_off(block, c), rules.farthest());
+    EXPECT_GT(c.counts.own, 0u);
 }
 
 TEST(OwnLeaves, ALargerTAllowsMore) {
