@@ -51,6 +51,10 @@ struct ValueRange {
 
 /// Where on a map, from 0 to 1, a value stands; those beyond the range at its ends.
 float place_on_map(const ValueRange& range, double value);
+/// The same of the value at a share of the range, from 0 at its lower end to 1: the colours of a legend's bar.
+inline float place_of_share(const ValueRange& range, double share) {
+    return place_on_map(range, range.lo + share * (range.hi - range.lo));
+}
 
 /// The next number of the form {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8} * 10^k that is >= v; 0 for v <= 0.
 double nice_ceiling(double v);

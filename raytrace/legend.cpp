@@ -45,8 +45,7 @@ void fill_tip(const Canvas& canvas, const Layout& l, float base, float height, c
 
 /// The colour of the value at a height of the bar, 0 to 1.
 Vec3f bar_color(const Legend& legend, float height) {
-    const ValueRange& r = legend.range;
-    return legend.map->linear(place_on_map(r, r.lo + static_cast<double>(height) * (r.hi - r.lo)));
+    return legend.map->linear(place_of_share(legend.range, static_cast<double>(height)));
 }
 
 void fill_bar(const Canvas& canvas, const Layout& l, const Legend& legend) {

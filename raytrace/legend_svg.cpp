@@ -26,10 +26,9 @@ void write_text(std::ostream& out, double x, double y, const std::string& text,
         << escaped_markup(text) << "</text>\n";
 }
 
-/// The colour of the value at a height of the bar, 0 to 1.
+/// The colour of the value at a height of the bar, 0 to 1; of the screen, where the picture's legend has light.
 Vec3f bar_color(const Legend& legend, double height) {
-    const ValueRange& r = legend.range;
-    return legend.map->srgb(place_on_map(r, r.lo + height * (r.hi - r.lo)));
+    return legend.map->srgb(place_of_share(legend.range, height));
 }
 
 /// Heights of the gradient's stops: even ones, and that of 0, where the sides of a diverging map may differ in scale.

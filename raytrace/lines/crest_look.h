@@ -30,6 +30,7 @@ public:
     /// Sharpness of a crest line at p: the -k''/k^3 that makes k (k1, of valleys -k2) fall as it does to either side
     /// of the line until the normal has turned by 40 degrees; the lesser of the sides that are seen. 0 on a torus, about
     /// 3 (1 - b^2/a^2) at the tip of an ellipse, in [-1, 4]. NaN where neither side is seen. cost O(1)
+    /// Departs from NUMERICS 5.4, which has no such test: e alone has false zeros at every surfel.
     float sharpness(const LinePoint& p, const CrestLook& look, bool ridge) const;
 
 private:
