@@ -86,6 +86,17 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
 }
 
+/// Estimates are wrong here and there, too: the sensor's word at a grazing angle, a vote at a crease.
+/// How many are is what the fit takes for the noise of normals.
+void audit_estimates(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
+                     const std::vector<std::uint32_t>& wanted, NormalsReport& report) {
+    std::vector<bool> counted(points.size(), false);
+    for (const std::uint32_t i : wanted) counted[i] = own[i];
+    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), counted);
+    report.turned += audit.contrary;
+    report.noisy += audit.noisy;
+}
+
 /// points: in Morton order, `search` over them; the report is of the slice's own
 NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                            const std::vector<bool>& own,
@@ -126,9 +137,11 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     }
     if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
         report.kept = n_points - count_own(own, wanted) - report.turned;
-    if (!wanted.empty())
+    if (!wanted.empty()) {
         estimate_missing(points, search, own, wanted, center, sensors, hints,
                          static_cast<std::size_t>(config.neighbors), seen_from_above, report);
+        audit_estimates(points, search, own, wanted, report);
+    }
     return report;
 }
 

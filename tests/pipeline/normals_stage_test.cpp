@@ -155,6 +155,21 @@ TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
     EXPECT_EQ(inwards(oriented()), 5000u);
 }
 
+// Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along the
+// surface it gives them the wrong sign.
+TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
+    const Cloud cloud = sampled("sphere", 20000, 1, 5e-3);
+    const std::string path = write(cloud, "c.ply", false);
+    // From inside, near the surface: nothing is seen at more than 82 degrees.
+    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "position": [0, 0, 0.99]}]})");
+    slice(path, 1);
+    const auto r = normals();
+    EXPECT_EQ(r["oriented_by_sensor"], 20000);
+    const std::size_t turned = r["turned"], outwards = 20000 - inwards(oriented());
+    EXPECT_GT(turned, 200u);
+    EXPECT_LT(2 * outwards, turned);
+}
+
 TEST_F(NormalsStage, WorksSliceBySlice) {
     slice(write(sampled("sphere", 10000), "c.ply"), 3);
     NormalsConfig config;

@@ -1,6 +1,7 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
 #include "slim/normals/repair.h"
+#include "slim/normals/sign_merge.h"
 
 #include "slim/base/frame.h"
 #include "slim/base/parallel.h"
@@ -128,6 +129,58 @@ TEST(Orient, ClosedShapesFaceOutwards) {
         EXPECT_EQ(report.components, 1u);
         EXPECT_EQ(report.by_rule, block.size());
     }
+}
+
+/// A box of 1 by 1 by `height`, points at random by area.
+PointBlock box_points(std::size_t n, double height) {
+    PointBlock block;
+    const double sides = 4 * height;
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto unit = [&](std::uint64_t k) { return unit_interval(keyed_hash(k, i)); };
+        const double u = unit(1), v = unit(2), which = unit(3) * (2 + sides);
+        Vec3d p{u, v, which < 1 ? 0 : height}, n_out{0, 0, which < 1 ? -1.0 : 1.0};
+        if (which > 2) {
+            const int side = std::min(3, static_cast<int>((which - 2) / height));
+            const double at = side % 2;
+            p = side < 2 ? Vec3d{at, u, v * height} : Vec3d{u, at, v * height};
+            n_out = side < 2 ? Vec3d{2 * at - 1, 0, 0} : Vec3d{0, 2 * at - 1, 0};
+        }
+        block.position.push_back(p);
+        block.normal.push_back(to_float(n_out));
+        block.id.push_back(i);
+    }
+    return block;
+}
+
+// A plate four spacings thick, of 16 neighbours: a spanning tree that joins the nearest to parallel
+// first goes over the rim by a pair that says the wrong thing, and half of the plate faces inwards.
+TEST(Orient, ManyVotesCarryTheSignRoundAThinRim) {
+    for (const double height : {0.06, 0.1, 1.0}) {
+        SCOPED_TRACE(height);
+        PointBlock block = along_curve(box_points(4000, height));
+        const std::vector<Vec3f> truth = block.normal;
+        estimate_and_orient(block);
+        EXPECT_GT(share_agreeing(block, truth), 0.99);
+    }
+}
+
+TEST(SignMerge, AWrongVoteIsOutvotedWhereASpanningTreeFollowsIt) {
+    // 0 and 1 are surely alike, 2 and 3 too; a single sure vote says that 1 and 2 are opposite, three
+    // weaker ones between the two pairs that they are alike.
+    const std::vector<SignVote> votes{{0, 1, 5}, {2, 3, 5}, {1, 2, -2}, {0, 2, 1}, {0, 3, 1}, {1, 3, 1}};
+    SignedForest forest = merge_by_votes(5, votes);
+    for (std::uint32_t i = 1; i < 4; ++i) {
+        EXPECT_EQ(forest.find(i).index, forest.find(0).index);
+        EXPECT_EQ(forest.find(i).flipped, forest.find(0).flipped);
+    }
+    EXPECT_NE(forest.find(4).index, forest.find(0).index);  // nobody votes on it
+}
+
+TEST(SignMerge, OppositeGroupsHandOnWhatTheySayOfOthers) {
+    const std::vector<SignVote> votes{{0, 1, -3}, {1, 2, 1}, {0, 2, 0.5}};
+    SignedForest forest = merge_by_votes(3, votes);
+    EXPECT_NE(forest.find(1).flipped, forest.find(0).flipped);
+    EXPECT_NE(forest.find(2).flipped, forest.find(0).flipped);  // as 1, by 1 against 0.5
 }
 
 TEST(Orient, ATerrainFacesUp) {

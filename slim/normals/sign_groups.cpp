@@ -1,0 +1,151 @@
+#include "slim/normals/sign_groups.h"
+
+#include "slim/base/parallel.h"
+#include "slim/normals/signed_forest.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace slim {
+namespace {
+
+// rows of the graph whose points may be in one group: larger groups would take the word of a single
+// pair for that of many (notes/0002)
+constexpr std::size_t kRows = 64;
+// pairs are joined by rising 1 - |vote|; the last: within 26 degrees on a plane
+constexpr std::array<float, 5> kClasses = {1e-3f, 3e-3f, 0.01f, 0.03f, 0.1f};
+
+/// How much two neighbours speak for one sign of their normals, in [-1, 1]: the product of what the
+/// normals are across the line from one to the other. It is the mean of the product of the normals
+/// (Hoppe et al. 1992) and of that with one of them mirrored at the plane between the points (Xie
+/// et al. 2003), which is right on every circle but takes noise of a plane for its two sides.
+float sign_vote(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
+    const Vec3f line = to_float(points.position[b] - points.position[a]);
+    const Vec3f &m = points.normal[a], &n = points.normal[b];
+    const float square = sq_length(line);
+    const float along = square > 0 ? dot(m, line) * dot(n, line) / square : 0.0f;
+    return dot(m, n) - along;
+}
+
+struct Pair {
+    float vote;
+    std::uint32_t a, b;  ///< rows of a block
+};
+
+/// The pairs of neighbours in rows [begin, end) that may be in one group, rows relative to begin.
+void list_pairs(const PointBlock& points, const NeighborGraph& graph, const std::vector<bool>& known,
+                std::size_t begin, std::size_t end, std::vector<Pair>& pairs) {
+    pairs.clear();
+    const std::span rows(graph.points.data() + begin, end - begin);
+    const bool is_whole = rows.back() - rows.front() + 1 == rows.size();  // no point is left out
+    for (std::uint32_t a = 0; a < rows.size(); ++a) {
+        const std::uint32_t i = rows[a];
+        if (known[i]) continue;
+        for (const std::uint32_t j : graph.of(begin + a)) {
+            if (j == i || j < rows.front() || j > rows.back() || known[j]) continue;
+            const auto b = is_whole ? j - rows.front()
+                                    : static_cast<std::uint32_t>(std::ranges::lower_bound(rows, j) -
+                                                                 rows.begin());
+            if (rows[b] != j) continue;
+            const float vote = sign_vote(points, i, j);
+            if (1 - std::abs(vote) < kClasses.back()) pairs.push_back({vote, a, b});
+        }
+    }
+}
+
+void join_pairs(const std::vector<Pair>& pairs, SignedForest& forest) {
+    float least = -1;  // rounding may leave a vote above 1
+    for (const float most : kClasses) {
+        for (const Pair& p : pairs) {
+            const float doubt = 1 - std::abs(p.vote);
+            if (doubt < most && doubt >= least) forest.join(p.a, p.b, p.vote < 0);
+        }
+        least = most;
+    }
+}
+
+/// Numbers the groups of rows [begin, end) from 0; returns how many they are.
+std::uint32_t number_groups(const NeighborGraph& graph, const std::vector<bool>& known,
+                            std::size_t begin, std::size_t end, SignedForest& forest,
+                            SignGroups& groups) {
+    constexpr std::uint32_t kNone = ~0u;
+    std::array<std::uint32_t, kRows> number;
+    number.fill(kNone);
+    std::uint32_t n = 0;
+    for (std::size_t row = begin; row < end; ++row) {
+        const std::uint32_t i = graph.points[row];
+        if (known[i]) continue;
+        const SignedForest::Root root = forest.find(static_cast<std::uint32_t>(row - begin));
+        if (number[root.index] == kNone) number[root.index] = n++;
+        groups.of[i] = number[root.index];
+        groups.opposed[i] = root.flipped;
+    }
+    return n;
+}
+
+/// Of votes on the same groups their sum is left.
+void add_up(std::vector<SignVote>& votes) {
+    std::sort(votes.begin(), votes.end());
+    std::size_t n = 0;
+    for (const SignVote& vote : votes)
+        if (n > 0 && votes[n - 1].a == vote.a && votes[n - 1].b == vote.b)
+            votes[n - 1].weight += vote.weight;
+        else votes[n++] = vote;
+    votes.resize(n);
+}
+
+}  // namespace
+
+SignGroups group_by_sign(const PointBlock& points, const NeighborGraph& graph,
+                         const std::vector<bool>& known) {
+    SignGroups groups;
+    groups.of.assign(points.size(), SignGroups::kKnown);
+    groups.opposed.assign(points.size(), 0);
+    const std::size_t n_rows = graph.points.size();
+    std::vector<std::uint32_t> counts((n_rows + kRows - 1) / kRows);
+    parallel_blocks(n_rows, kRows, [&](std::size_t begin, std::size_t end) {
+        thread_local std::vector<Pair> pairs;
+        list_pairs(points, graph, known, begin, end, pairs);
+        SignedForest forest(end - begin);
+        join_pairs(pairs, forest);
+        counts[begin / kRows] = number_groups(graph, known, begin, end, forest, groups);
+    });
+    for (std::size_t block = 0; block < counts.size(); ++block) {
+        for (std::size_t row = block * kRows; row < std::min(n_rows, (block + 1) * kRows); ++row)
+            if (const std::uint32_t i = graph.points[row]; !known[i]) groups.of[i] += groups.n;
+        groups.n += counts[block];
+    }
+    return groups;
+}
+
+std::vector<SignVote> votes_between(const PointBlock& points, const NeighborGraph& graph,
+                                    const SignGroups& groups) {
+    const std::size_t n_rows = graph.points.size();
+    std::vector<std::vector<SignVote>> parts((n_rows + kRows - 1) / kRows);
+    parallel_blocks(n_rows, kRows, [&](std::size_t begin, std::size_t end) {
+        thread_local std::vector<SignVote> votes;
+        votes.clear();
+        for (std::size_t row = begin; row < end; ++row) {
+            const std::uint32_t i = graph.points[row];
+            for (const std::uint32_t j : graph.of(row)) {
+                const auto [a, b] = std::minmax(groups.of[i], groups.of[j]);
+                if (a == b) continue;
+                const float vote = sign_vote(points, i, j);
+                const float weight = vote * std::abs(vote);
+                votes.push_back({a, b, groups.opposed[i] == groups.opposed[j] ? weight : -weight});
+            }
+        }
+        add_up(votes);
+        parts[begin / kRows] = votes;
+    });
+    std::vector<SignVote> votes;
+    for (std::vector<SignVote>& part : parts) {
+        votes.insert(votes.end(), part.begin(), part.end());
+        part = {};
+    }
+    return votes;
+}
+
+}  // namespace slim

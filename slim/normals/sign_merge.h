@@ -1,0 +1,25 @@
+#pragma once
+
+#include "slim/normals/signed_forest.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace slim {
+
+/// What is known of the signs of two groups: they are the same (weight > 0) or opposite.
+struct SignVote {
+    std::uint32_t a, b;  ///< a < b
+    double weight;
+
+    bool operator<(const SignVote& o) const { return a != o.a ? a < o.a : b < o.b; }
+};
+
+/// The signs of n groups by their votes: the pair that is surest of all is joined, what both
+/// say of others is added up, and so on (greedy additive edge contraction, Keuper et al. 2015). So a
+/// single wrong vote at a crease is outvoted where there are more, unlike in a spanning tree.
+/// Votes on the same groups are added up. Deterministic.
+/// Cost: 1 us a vote, one thread; 100 bytes a vote.
+SignedForest merge_by_votes(std::uint32_t n, const std::vector<SignVote>& votes);
+
+}  // namespace slim
