@@ -16,7 +16,7 @@ namespace slim {
 /// (tests).
 struct TraceCounts {
     std::uint64_t rays = 0;
-    std::uint64_t nodes_visited = 0;
+    std::uint64_t nodes_visited = 0;  ///< boxes tested
     std::uint64_t root_tests = 0;
     std::uint64_t distance_tests = 0;
 
