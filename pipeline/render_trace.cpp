@@ -167,7 +167,6 @@ std::vector<const ModelHeader*> TracedModels::headers() const {
 }
 
 double TracedModels::lowest_along(const Vec3d& up) const {
-    const SceneFrame& frame = scene_->frame();
     double lowest = INFINITY;
     for (const TraceModel& model : scene_->models()) {
         std::vector<double> heights;
@@ -177,7 +176,7 @@ double TracedModels::lowest_along(const Vec3d& up) const {
         if (heights.empty()) continue;
         const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 1000);
         std::nth_element(heights.begin(), low, heights.end());
-        lowest = std::min(lowest, *low * frame.unit + dot(frame.middle, up));
+        lowest = std::min(lowest, *low * model.frame.unit + dot(model.frame.middle, up));
     }
     return std::isfinite(lowest) ? lowest : dot(header_.bounds.lo, up);
 }

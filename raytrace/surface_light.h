@@ -14,6 +14,7 @@ namespace slim {
 /// Points of a surface to shade, one per lane; scene coordinates.
 struct ShadePoints {
     LanesOfVec point{Vec3f{}};
+    LanesOfVec point_low{Vec3f{}};  ///< what its floats lack, where that is known
     LanesOfVec normal{Vec3f{0, 0, 1}},
         toward_eye{Vec3f{0, 0, 1}};      ///< unit; the normal turned to the eye
     LanesOfVec outward{Vec3f{0, 0, 1}};  ///< the normal that the surface has, facing whomever

@@ -12,10 +12,14 @@ namespace slim {
 struct BoxF {
     Vec3f lo, hi;
 
+    /// lo and hi in a row.
+    const float* planes() const { return &lo.x; }
     void extend(const BoxF& b);
     /// Half its surface: what a ray's chance to meet it goes with.
     float half_area() const;
 };
+
+static_assert(sizeof(BoxF) == 6 * sizeof(float));
 
 /// A box that holds nothing; the first extend() makes it that of something.
 BoxF empty_box();

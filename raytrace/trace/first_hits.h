@@ -17,6 +17,7 @@ struct FirstHits {
     FloatV t{kFar};       ///< also the far end of the search; negative: no ray
     FloatV record{0.0f};  ///< bits of the record's number
     LanesOfVec gradient;  ///< of the winner, times rho
+    FloatV own_t{0.0f};   ///< of winners in a frame of their own: there, from where their PlacedRays begin
 
     /// Lanes where a root t of record number `id` comes first; of equal ones the lower number does,
     /// so that a lane's hit does not depend on the order of the search.
@@ -29,7 +30,7 @@ struct FirstHits {
 /// is.
 struct RayAtBall {
     LanesOfVec p;
-    FloatV t;  ///< scene units
+    FloatV t;  ///< units of the model's frame
     FloatV sq_distance;
 
     [[gnu::always_inline]] RayAtBall(const TraceRecord& r, const RayPacket& rays) {

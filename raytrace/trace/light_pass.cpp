@@ -1,8 +1,7 @@
 #include "raytrace/trace/light_pass.h"
 
 #include "raytrace/trace/light_tracer.h"
-
-#include <algorithm>
+#include "raytrace/trace/primary_rays.h"
 
 namespace slim {
 namespace {
@@ -14,6 +13,17 @@ struct BlockSurface {
     FloatV open{1.0f};
 };
 
+/// A lane's place in two floats, where the frame keeps what one lacks.
+void load_exact_point(const TracedSurface& surface, std::size_t pixel, int lane, ShadePoints& at) {
+    const auto& low = surface.traced.position_low;
+    const auto& p = surface.planes.buffer.position;
+    const auto axis = [&](std::size_t a) { return double{p[a][pixel]} + double{low[a][pixel]}; };
+    const SceneFrame& frame = surface.scene.frame();
+    const Vec3d exact = (Vec3d{axis(0), axis(1), axis(2)} - frame.middle) / frame.unit;
+    const Vec3f rounded = to_float(exact);
+    at.point.set(lane, rounded), at.point_low.set(lane, to_float(exact - to_double(rounded)));
+}
+
 BlockSurface load_block(const TracedSurface& surface, std::span<const float> open,
                         const PixelBlock& block) {
     BlockSurface out{load_points(surface.planes, surface.scene.frame(), block), {}, FloatV(1.0f)};
@@ -21,8 +31,11 @@ BlockSurface load_block(const TracedSurface& surface, std::span<const float> ope
         if (!block.holds(lane)) continue;
         const auto k = static_cast<std::size_t>(lane);
         const std::size_t i = surface.planes.index(block, lane);
-        out.at.clearance[k] = surface.traced.clearance[i] + kPlaceRounding;
         if (!surface.traced.model.empty()) out.model[k] = surface.traced.model[i];
+        const float unit = surface.scene.models()[out.model[k]].place.unit;
+        out.at.clearance[k] = surface.traced.clearance[i] + unit * kPlaceRounding;
+        if (!surface.traced.position_low[0].empty() && surface.planes.buffer.hit[i])
+            load_exact_point(surface, i, lane, out.at);
         if (!open.empty()) out.open[k] = open[i];
     }
     return out;
@@ -34,28 +47,10 @@ TraceCounts sum_of(const std::vector<TraceCounts>& rows) {
     return sum;
 }
 
-/// Rays through a block's pixels towards the ground, from no farther before the scene's middle than
-/// it matters: floats are exact enough from there.
-RayPacket rays_to_ground(const PixelView& view, const SceneFrame& frame, const PixelBlock& block) {
-    constexpr double kFarthest = 64;
-    RayPacket rays;
-    rays.origin = rays.direction = LanesOfVec(Vec3f{0, 0, 1});
-    for (int lane = 0; lane < kLanes; ++lane) {
-        if (!block.holds(lane)) continue;
-        const double px = block.x_of(lane) + 0.5, py = block.y_of(lane) + 0.5;
-        const Vec3d direction = view.ray_direction(px, py);
-        const Vec3d origin = (view.ray_origin(px, py) - frame.middle) / frame.unit;
-        const double start = std::max(0.0, -dot(origin, direction) - kFarthest);
-        rays.origin.set(lane, to_float(origin + direction * start));
-        rays.direction.set(lane, to_float(direction));
-        rays.far[static_cast<std::size_t>(lane)] = kFar;
-    }
-    return rays;
-}
-
 /// Distance of the surface from the rays' origins; infinite where there is none.
 FloatV distance_of(const ShadePoints& at, const RayPacket& rays) {
-    return select<FloatV>(at.on, (at.point - rays.origin).dot(rays.direction), FloatV(kFar));
+    const LanesOfVec way = (at.point - rays.origin) + (at.point_low - rays.origin_low);
+    return select<FloatV>(at.on, way.dot(rays.direction), FloatV(kFar));
 }
 
 void light_block(const TracedSurface& surface, const LightTracer& tracer, bool ground,

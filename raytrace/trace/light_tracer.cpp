@@ -1,5 +1,8 @@
 #include "raytrace/trace/light_tracer.h"
 
+#include "raytrace/trace/two_floats.h"
+
+#include <algorithm>
 #include <bit>
 
 namespace slim {
@@ -12,7 +15,9 @@ constexpr std::uint64_t kOpenness = 1 << 15;
 RayPacket leaving(const ShadePoints& at, const FloatV::mask_type& wanted,
                   const LanesOfVec& direction, const FloatV& far) {
     RayPacket rays;
-    rays.origin = at.point + at.normal * at.clearance, rays.direction = direction;
+    const TwoFloatVecs origin =
+        place_along({at.point, at.point_low}, {at.normal, LanesOfVec(Vec3f{})}, at.clearance);
+    rays.origin = origin.high, rays.origin_low = origin.low, rays.direction = direction;
     rays.far = select<FloatV>(wanted, far, FloatV(-1.0f));
     rays.normal = at.outward, rays.leaves_surface = true;
     return rays;
@@ -36,20 +41,24 @@ FloatV luminance(const LanesOfVec& c) { return 0.2126f * c.x + 0.7152f * c.y + 0
 
 }  // namespace
 
-SceneGround::SceneGround(const GroundPlane& plane, const SceneFrame& frame)
-    : normal(to_float(plane.normal)),
-      height(static_cast<float>((plane.height - dot(plane.normal, frame.middle)) / frame.unit)) {}
+SceneGround::SceneGround(const GroundPlane& plane, const TraceScene& scene)
+    : normal(to_float(plane.normal)), clearance(1e-5f) {
+    const double exact = (plane.height - dot(plane.normal, scene.frame().middle)) / scene.frame().unit;
+    height = static_cast<float>(exact), height_low = static_cast<float>(exact - static_cast<double>(height));
+    for (const TraceModel& model : scene.models()) clearance = std::min(clearance, 1e-5f * model.place.unit);
+}
 
-FloatV SceneGround::distance(const LanesOfVec& origin, const LanesOfVec& direction) const {
+FloatV SceneGround::distance(const RayPacket& rays) const {
     const LanesOfVec n(normal);
-    const FloatV above = origin.dot(n) - height, down = -direction.dot(n);
+    const FloatV above = (rays.origin.dot(n) - height) + (rays.origin_low.dot(n) - height_low);
+    const FloatV down = -rays.direction.dot(n);
     const auto meets = above > 0.0f && down > 1e-6f;
     return select<FloatV>(meets, above / select<FloatV>(meets, down, FloatV(1.0f)), FloatV(kFar));
 }
 
 LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
     : scene_(scene), look_(look), rig_(look.rig, scene.frame()) {
-    if (look.ground) ground_.emplace(*look.ground, scene.frame());
+    if (look.ground) ground_.emplace(*look.ground, scene);
 }
 
 FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int samples,
@@ -63,7 +72,7 @@ FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int sam
         const LanesOfVec direction = about(at.normal, s, t);
         const RayPacket rays = leaving(at, at.on, direction, far);
         auto free = scene_.unblocked(rays, site.counts);
-        if (ground_) free = free && ground_->distance(rays.origin, direction) > far;
+        if (ground_) free = free && ground_->distance(rays) > far;
         open += select<FloatV>(free, FloatV(1.0f), FloatV(0.0f));
     }
     return open * (1 / static_cast<float>(grid.n()));
@@ -105,7 +114,7 @@ LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) con
     const LanesOfVec direction = (at.normal * (2.0f * at.normal.dot(e)) - e).unit();
     const RayPacket rays = leaving(at, at.on, direction, FloatV(kFar));
     const SurfaceHits hits = scene_.surface(rays, Derivatives::first, site.counts);
-    const FloatV ground = ground_ ? ground_->distance(rays.origin, direction) : FloatV(kFar);
+    const FloatV ground = ground_ ? ground_->distance(rays) : FloatV(kFar);
     LanesOfVec seen = background(direction);
     if (ground_) {
         FloatV alpha;
@@ -115,13 +124,17 @@ LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) con
     const auto hit = at.on && hits.hit() && hits.t <= ground;
     if (stdx::none_of(hit)) return seen;
     ShadePoints there;
-    there.point = hits.point, there.toward_eye = -direction, there.on = hit;
-    there.clearance = hits.clearance + kPlaceRounding;
+    there.point = hits.point, there.point_low = hits.point_low;
+    there.toward_eye = -direction, there.on = hit;
+    there.clearance = hits.clearance;
     there.outward = hits.normal;
     there.normal = select_vec(hits.normal.dot(direction) > 0.0f, -hits.normal, hits.normal);
     std::array<std::uint16_t, kLanes> model;
-    for (std::size_t k = 0; k < kLanes; ++k) model[k] = static_cast<std::uint16_t>(hits.model[k]);
-    return select_vec(hit, color(there, model, FloatV(1.0f), site), seen);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        model[k] = static_cast<std::uint16_t>(hits.model[k]);
+        there.clearance[k] += scene_.models()[hits.model[k]].place.unit * kPlaceRounding;
+    }
+    return select_vec(hit, color(there, model, openness(there, site), site), seen);
 }
 
 LanesOfVec LightTracer::lit(const ShadePoints& at, const Material& material, const FloatV& open,
@@ -134,6 +147,10 @@ LanesOfVec LightTracer::lit(const ShadePoints& at, const Material& material, con
     if (!(material.mirror > 0) || site.level >= look_.bounces) return own;
     return own * FloatV(1 - material.mirror) +
            mirrored(at, site.behind_mirror()) * FloatV(material.mirror);
+}
+
+FloatV LightTracer::openness(const ShadePoints& at, const RaySite& site) const {
+    return look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
 }
 
 LanesOfVec LightTracer::color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
@@ -166,15 +183,17 @@ FloatV LightTracer::shadow_alpha(const ShadePoints& at, const FloatV& open,
 LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
                                      FloatV& alpha) const {
     alpha = FloatV(0.0f);
-    const FloatV t = ground_->distance(rays.origin, rays.direction);
+    const FloatV t = ground_->distance(rays);
     ShadePoints at;
     at.on = rays.active() && t < far && t < kFar;
     if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
-    at.point = rays.origin + rays.direction * select<FloatV>(at.on, t, FloatV(0.0f));
+    const TwoFloatVecs place = place_along({rays.origin, rays.origin_low}, {rays.direction, rays.direction_low},
+                                           select<FloatV>(at.on, t, FloatV(0.0f)));
+    at.point = place.high, at.point_low = place.low;
     at.outward = LanesOfVec{Vec3f{}};  // no surfel makes it
     at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
-    at.clearance = FloatV(1e-5f);
-    const FloatV open = look_.openness ? open_share(at, *look_.openness, site) : FloatV(1.0f);
+    at.clearance = FloatV(ground_->clearance);
+    const FloatV open = openness(at, site);
     if (!look_.ground->color) {
         alpha = shadow_alpha(at, open, site);
         return LanesOfVec{Vec3f{}};

@@ -10,18 +10,19 @@
 
 namespace slim {
 
-/// Places in the floats of a G-buffer, and of rays, are this exact (scene units).
+/// Places in the floats of a G-buffer, and of rays, are this exact (units of the model's frame).
 inline constexpr float kPlaceRounding = 4e-7f;
 
 /// A ground plane in scene coordinates.
 struct SceneGround {
     Vec3f normal;
-    float height;
+    float height, height_low;  ///< in two floats
+    float clearance;           ///< rays that leave it start this far above
 
-    SceneGround(const GroundPlane& plane, const SceneFrame& frame);
+    SceneGround(const GroundPlane& plane, const TraceScene& scene);
 
     /// Where rays meet the upper side, infinite where they do not.
-    FloatV distance(const LanesOfVec& origin, const LanesOfVec& direction) const;
+    FloatV distance(const RayPacket& rays) const;
 };
 
 /// Where rays are sent for: the pixels of a block, after so many mirrors.
@@ -55,6 +56,8 @@ public:
 
 private:
     FloatV free_share(const ShadePoints& at, const FloatV& far, int samples, const RaySite& site) const;
+    /// open_share if the look asks for it, else 1.
+    FloatV openness(const ShadePoints& at, const RaySite& site) const;
     FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
                                 const IncidentLight& light, TraceCounts& counts) const;
     LanesOfVec lit(const ShadePoints& at, const Material& material, const FloatV& open,

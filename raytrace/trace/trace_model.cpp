@@ -10,7 +10,7 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-/// Boxes are wider by this (scene units), for the rounding of rays and boxes.
+/// Boxes are wider by this (units of the frame), for the rounding of rays and boxes.
 constexpr float kBoxMargin = 1e-6f;
 
 std::array<float, 3> floats(const Vec3d& v) {
@@ -96,20 +96,6 @@ BoxF ball_box(const TraceRecord& r, float share) {
     return {c - e, c + e};
 }
 
-/// What stage 1 can hit. A sharp surfel reaches anywhere in its shrunken ball.
-BoxF core_box(const TraceRecord& r) {
-    constexpr auto share = static_cast<float>(kHitTrim);
-    BoxF box = ball_box(r, share);
-    if (r.sharp != TraceRecord::kNotSharp) return box;
-    const Slab slab(r.a, share);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float n = r.normal[axis];
-        box.hi[axis] = r.center[axis] + r.radius * slab.reach(n, share) + kBoxMargin;
-        box.lo[axis] = r.center[axis] - r.radius * slab.reach(-n, share) - kBoxMargin;
-    }
-    return box;
-}
-
 std::vector<std::uint32_t> wanted_leaves(const SurfelTree& tree, bool loose,
                                          std::uint64_t& hidden) {
     std::vector<std::uint32_t> leaves;
@@ -147,9 +133,24 @@ void reorder(TraceModel& model) {
 
 }  // namespace
 
-TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Vec3d& offset,
-                       bool loose) {
+BoxF hit_box(const TraceRecord& r) {
+    constexpr auto share = static_cast<float>(kHitTrim);
+    BoxF box = ball_box(r, share);
+    if (r.sharp != TraceRecord::kNotSharp) return box;
+    const Slab slab(r.a, share);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float n = r.normal[axis];
+        box.hi[axis] = r.center[axis] + r.radius * slab.reach(n, share) + kBoxMargin;
+        box.lo[axis] = r.center[axis] - r.radius * slab.reach(-n, share) - kBoxMargin;
+    }
+    return box;
+}
+
+TraceModel trace_model(const SurfelTree& tree, const SceneFrame& scene, const ModelPlace& place,
+                       const Vec3d& offset, bool loose) {
     TraceModel model;
+    model.place = place;
+    const SceneFrame& frame = model.frame = place.frame(scene);
     model.is_sharp = !tree.sharp().empty();
     const auto leaves = wanted_leaves(tree, loose, model.loose_hidden);
     model.records.resize(leaves.size());
@@ -164,7 +165,7 @@ TraceModel trace_model(const SurfelTree& tree, const SceneFrame& frame, const Ve
     add_sharp(tree, frame, model);
     parallel_blocks(leaves.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            cores[i] = core_box(model.records[i]), balls[i] = ball_box(model.records[i], 1);
+            cores[i] = hit_box(model.records[i]), balls[i] = ball_box(model.records[i], 1);
     });
     model.bvh = build_bvh(cores);
     model.balls = refitted_boxes(model.bvh, balls);

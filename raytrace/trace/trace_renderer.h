@@ -4,6 +4,7 @@
 #include "raytrace/renderer.h"
 #include "raytrace/trace/trace_scene.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct TracedPlanes {
     std::vector<float> clearance;  ///< SurfaceHits::clearance
     std::vector<std::uint16_t>
         model;  ///< number of the model that is hit; empty if the scene has but one
+    /// What the floats of GBuffer::position lack; empty unless the scene is wide.
+    std::array<std::vector<float>, 3> position_low;
 };
 
 /// Draws a scene by a ray through each pixel's centre: the same surface as render_forward at lod 0

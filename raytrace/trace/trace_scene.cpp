@@ -4,20 +4,18 @@
 
 #include <algorithm>
 #include <bit>
-#include <tuple>
 
 namespace slim {
 namespace {
 
-Bbox bounds_of(std::span<const ScenePart> parts) {
+Bbox bounds_of(const ScenePart& part) {
     Bbox box;
-    for (const ScenePart& part : parts)
-        for (std::size_t i = 0; i < part.tree->n_nodes(); ++i) {
-            if (!part.tree->node(i).is_leaf()) continue;
-            const double rho = part.tree->support_radius(i);
-            const Vec3d c = part.tree->center(i) + part.offset, reach{rho, rho, rho};
-            box.extend(c - reach), box.extend(c + reach);
-        }
+    for (std::size_t i = 0; i < part.tree->n_nodes(); ++i) {
+        if (!part.tree->node(i).is_leaf()) continue;
+        const double rho = part.tree->support_radius(i);
+        const Vec3d c = part.tree->center(i) + part.offset, reach{rho, rho, rho};
+        box.extend(c - reach), box.extend(c + reach);
+    }
     return box;
 }
 
@@ -26,21 +24,60 @@ std::uint32_t record_at(const FirstHits& hits, int lane) {
         static_cast<float>(hits.record[static_cast<std::size_t>(lane)]));
 }
 
-/// o + t d per lane and axis in two floats each: q^ to a few units of the second.
-void point_on(const FloatV& o, const FloatV& o_low, const FloatV& d, const FloatV& d_low,
-              const FloatV& t, FloatV& high, FloatV& low) {
-    const FloatV product = t * d, product_low = lanes_fma<FloatV>(t, d, -product) + t * d_low;
-    high = o + product;
-    const FloatV back = high - o;
-    low = ((o - (high - back)) + (product - back)) + (product_low + o_low);
+/// q^ to a few units of the second float.
+void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
+    const TwoFloatVecs p =
+        place_along({rays.origin, rays.origin_low}, {rays.direction, rays.direction_low}, t);
+    at.point = p.high, at.point_low = p.low;
 }
 
-void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
-    const auto& [o, d, o_low, d_low] =
-        std::tie(rays.origin, rays.direction, rays.origin_low, rays.direction_low);
-    point_on(o.x, o_low.x, d.x, d_low.x, t, at.point.x, at.point_low.x);
-    point_on(o.y, o_low.y, d.y, d_low.y, t, at.point.y, at.point_low.y);
-    point_on(o.z, o_low.z, d.z, d_low.z, t, at.point.z, at.point_low.z);
+/// Nearer hits on one model, in the frame of its records.
+[[gnu::always_inline]] inline void find_hits(const TraceModel& model, const RayPacket& rays, FirstHits& hits,
+                                             TraceCounts& counts) {
+    counts.nodes_visited += for_leaves_along(model.bvh, rays, hits.t, [&](const BvhNode& leaf) {
+        for (std::uint32_t k = 0; k < leaf.n_items; ++k)
+            if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits}))
+                counts.root_tests += kLanes;
+    });
+}
+
+/// The same of a model with a frame of its own, for rays and hits of the scene's.
+[[gnu::noinline]] void find_hits_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
+                                              FirstHits& hits, TraceCounts& counts) {
+    RayPacket up_to = scene_rays;
+    up_to.far = hits.t;
+    const PlacedRays placed(model.place, up_to);
+    if (stdx::none_of(placed.rays.active())) return;
+    FirstHits own;
+    own.t = placed.rays.far, own.gradient = hits.gradient;
+    find_hits(model, placed.rays, own, counts);
+    const FloatV t = (placed.start + own.t) * FloatV(model.place.unit);
+    const auto won = own.t < placed.rays.far && t < hits.t;
+    hits.t = select<FloatV>(won, t, hits.t);
+    hits.own_t = select<FloatV>(won, own.t, hits.own_t);
+    hits.record = select<FloatV>(won, own.record, hits.record);
+    hits.gradient = select_vec(won, own.gradient, hits.gradient);
+}
+
+/// Lanes that meet the model this side of `far` get a negative one.
+[[gnu::always_inline]] inline void end_at_any(const TraceModel& model, const RayPacket& rays, FloatV& far,
+                                              TraceCounts& counts) {
+    counts.nodes_visited += for_leaves_along(model.bvh, rays, far, [&](const BvhNode& leaf) {
+        for (std::uint32_t k = 0; k < leaf.n_items; ++k)
+            if (surfel_hits(model, leaf.first + k, rays, EndAtAny{far}))
+                counts.root_tests += kLanes;
+    });
+}
+
+[[gnu::noinline]] void end_at_any_in_own_frame(const TraceModel& model, const RayPacket& scene_rays, FloatV& far,
+                                               TraceCounts& counts) {
+    RayPacket up_to = scene_rays;
+    up_to.far = far;
+    const PlacedRays placed(model.place, up_to);
+    if (stdx::none_of(placed.rays.active())) return;
+    FloatV own_far = placed.rays.far;
+    end_at_any(model, placed.rays, own_far, counts);
+    far = select<FloatV>(placed.rays.active() && own_far < 0.0f, FloatV(-1.0f), far);
 }
 
 /// Stage 2 within one model, for the lanes whose q^ is its own.
@@ -84,6 +121,36 @@ void average(const RaysAtHits& at, const FloatV& t_first, SurfaceHits& out) {
     out.normal = select_vec(blended, out.sums.gradient, at.gradient).unit();
 }
 
+/// Lengths of some lanes from one unit to another.
+void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const FloatV& unit, BlendLanes& sums) {
+    const auto scale = [&](FloatV& x, const FloatV& by) { x = select<FloatV>(lanes, x * by, x); };
+    scale(sums.offset, unit), scale(sums.spread, unit);
+    if (wanted == Derivatives::first) return;
+    const FloatV inverse = 1.0f / unit;
+    for (FloatV& h : sums.hessian) scale(h, inverse);
+    for (FloatV& c : sums.third) scale(c, inverse * inverse);
+}
+
+/// Both stages of lanes whose winner has a frame of its own: found there, told in the scene's.
+void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays, const FirstHits& hits,
+                          const RaysAtHits& scene_at, Derivatives wanted, SurfaceHits& out,
+                          TraceCounts& counts) {
+    const PlacedRays placed(model.place, scene_rays);
+    RaysAtHits at = scene_at;
+    const FloatV t = select<FloatV>(at.hit, hits.own_t, FloatV(0.0f)), unit(model.place.unit);
+    points_on(placed.rays, t, at);
+    blend_in(model, wanted, at, out.sums, counts);
+    SurfaceHits own;
+    own.sums.weight = out.sums.weight, own.sums.offset = out.sums.offset, own.sums.gradient = out.sums.gradient;
+    average(at, t, own);
+    scale_lengths(at.hit, wanted, unit, out.sums);
+    const TwoFloatVecs p = model.place.to_scene({own.point, own.point_low});
+    out.t = select<FloatV>(at.hit, (placed.start + own.t) * unit, out.t);
+    out.point = select_vec(at.hit, p.high, out.point);
+    out.point_low = select_vec(at.hit, p.low, out.point_low);
+    out.normal = select_vec(at.hit, own.normal, out.normal);
+}
+
 }  // namespace
 
 TraceCounts& TraceCounts::operator+=(const TraceCounts& b) {
@@ -93,11 +160,22 @@ TraceCounts& TraceCounts::operator+=(const TraceCounts& b) {
 }
 
 TraceScene::TraceScene(std::span<const ScenePart> parts, bool loose)
-    : parts_(parts.begin(), parts.end()), bounds_(bounds_of(parts)) {
+    : parts_(parts.begin(), parts.end()) {
+    std::vector<Bbox> boxes;
+    for (const ScenePart& part : parts_) {
+        boxes.push_back(bounds_of(part));
+        bounds_.extend(boxes.back());
+    }
     frame_.middle = bounds_.center();
     frame_.unit = std::max(0.5 * bounds_.diagonal(), 1e-300);
-    for (const ScenePart& part : parts_)
-        models_.push_back(trace_model(*part.tree, frame_, part.offset, loose));
+    for (std::size_t m = 0; m < parts_.size(); ++m)
+        models_.push_back(trace_model(*parts_[m].tree, frame_, ModelPlace::of(boxes[m], frame_),
+                                      parts_[m].offset, loose));
+}
+
+bool TraceScene::is_wide() const {
+    return std::any_of(models_.begin(), models_.end(),
+                       [](const TraceModel& model) { return !model.place.is_scene; });
 }
 
 std::size_t TraceScene::n_surfels() const {
@@ -116,11 +194,10 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
         // A root as far as an earlier model's does not come before it, whatever its number: none is below 0.
         const FloatV before = hits.t, earlier = hits.record;
         hits.record = FloatV(0.0f);
-        counts.nodes_visited += for_leaves_along(model.bvh, rays, hits.t, [&](const BvhNode& leaf) {
-            for (std::uint32_t k = 0; k < leaf.n_items; ++k)
-                if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits}))
-                    counts.root_tests += kLanes;
-        });
+        if (model.place.is_scene)
+            find_hits(model, rays, hits, counts);
+        else
+            find_hits_in_own_frame(model, rays, hits, counts);
         const auto won = hits.t < before;
         hits.record = select<FloatV>(won, hits.record, earlier);
         for (std::uint64_t bits = lane_bits(won); bits != 0; bits &= bits - 1)
@@ -143,19 +220,31 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
     const FloatV t = select<FloatV>(at.hit, hits.t, FloatV(0.0f));
     points_on(rays, t, at);
     if (wanted > Derivatives::first) out.sums.clear_derivatives();
-    for (std::uint32_t m = 0; m < models_.size(); ++m) {
+    const auto of_model = [&](std::uint32_t m) {
         RaysAtHits own = at;
         if (models_.size() > 1)
             own.hit =
                 own.hit && FloatV([&](auto k) { return out.model[k] == m ? 1.0f : 0.0f; }) > 0.0f;
+        return own;
+    };
+    for (std::uint32_t m = 0; m < models_.size(); ++m) {
+        if (!models_[m].place.is_scene) continue;
+        const RaysAtHits own = of_model(m);
         if (stdx::any_of(own.hit)) blend_in(models_[m], wanted, own, out.sums, counts);
     }
     average(at, hits.t, out);
+    for (std::uint32_t m = 0; m < models_.size(); ++m) {
+        if (models_[m].place.is_scene) continue;
+        const RaysAtHits own = of_model(m);
+        if (stdx::any_of(own.hit))
+            surface_in_own_frame(models_[m], rays, hits, own, wanted, out, counts);
+    }
     for (std::uint64_t bits = lane_bits(at.hit); bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
         const auto k = static_cast<std::size_t>(lane);
+        const TraceModel& model = models_[out.model[k]];
         out.record[k] = record_at(hits, lane);
-        out.clearance[k] = models_[out.model[k]].records[out.record[k]].clearance;
+        out.clearance[k] = model.records[out.record[k]].clearance * model.place.unit;
     }
     return out;
 }
@@ -163,11 +252,10 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
 FloatV::mask_type TraceScene::unblocked(const RayPacket& rays, TraceCounts& counts) const {
     FloatV far = rays.far;
     for (const TraceModel& model : models_)
-        counts.nodes_visited += for_leaves_along(model.bvh, rays, far, [&](const BvhNode& leaf) {
-            for (std::uint32_t k = 0; k < leaf.n_items; ++k)
-                if (surfel_hits(model, leaf.first + k, rays, EndAtAny{far}))
-                    counts.root_tests += kLanes;
-        });
+        if (model.place.is_scene)
+            end_at_any(model, rays, far, counts);
+        else
+            end_at_any_in_own_frame(model, rays, far, counts);
     counts.rays += static_cast<std::uint64_t>(stdx::popcount(rays.active()));
     return rays.active() && far >= 0.0f;
 }

@@ -16,7 +16,7 @@ namespace slim {
 /// (tests).
 struct TraceCounts {
     std::uint64_t rays = 0;
-    std::uint64_t nodes_visited = 0;
+    std::uint64_t nodes_visited = 0;  ///< boxes tested
     std::uint64_t root_tests = 0;
     std::uint64_t distance_tests = 0;
 
@@ -53,6 +53,8 @@ public:
     /// Every surfel's ball lies in it; frame of the job.
     const Bbox& bounds() const { return bounds_; }
     std::size_t n_surfels() const;
+    /// Some models have a frame of their own: floats of scene coordinates are not enough for them.
+    bool is_wide() const;
 
     /// Stage 1: the first hits on the shrunken balls (Ohtake 2005, sec. 3), front to back; of
     /// several models the nearest, of equally near ones the first. `model` gets the number of the winner's.

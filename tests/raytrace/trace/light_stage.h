@@ -39,10 +39,11 @@ struct Stage {
     TraceLook look;
     mutable TraceCounts counts;
 
-    explicit Stage(SurfelTreeData model, const Camera& from, int size = kSize)
+    /// `more` models stand beside it; their trees must outlive the stage.
+    explicit Stage(SurfelTreeData model, const Camera& from, int size = kSize, std::vector<ScenePart> more = {})
         : data(std::move(model)),
           tree(data.view()),
-          scene(std::vector<ScenePart>{{&tree, {}}}, false),
+          scene(parts(tree, std::move(more)), false),
           camera(from),
           view(pixel_view(camera, size, size)) {
         const double px = view.orthographic ? view.px_per_unit : view.focal_px;
@@ -56,6 +57,10 @@ struct Stage {
         look.rig.sky = look.rig.ground = {};
     }
 
+    static std::vector<ScenePart> parts(const SurfelTree& first, std::vector<ScenePart> more) {
+        more.insert(more.begin(), {&first, {}});
+        return more;
+    }
     TracedSurface surface() const {
         return {scene, {view, {0, 0, buffer.width, buffer.height}, buffer, normals}, traced};
     }
