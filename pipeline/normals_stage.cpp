@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 namespace slim {
@@ -33,8 +35,14 @@ constexpr std::size_t kGrain = 16384;        // points a task
 // beyond this share a cloud's own normals are not to be trusted
 constexpr double kManyContrary = 0.1;
 
+// Points of which noise and spacing are measured before normals are estimated.
+constexpr double kFewSamples = 4000;
+// Neighbours for an estimate: their ball, sqrt(k / pi) spacings, must be half as wide again as noise is thick (slim/normals/notes/0002).
+constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
+
 /// Counts of one slice, by what became of the normals.
 struct NormalsReport {
+    std::size_t neighbors = 0;  ///< that each was estimated from
     std::size_t kept = 0, turned = 0, estimated = 0, degenerate = 0, noisy = 0;
     OrientReport orientation;
 };
@@ -66,13 +74,48 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
+/// About that share of a slice's own points, by rising hash of their id.
+std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
+                                         double share) {
+    using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
+    std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
+            if (own[i] && unit_interval(h) < share)
+                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
+        }
+    });
+    Chosen chosen;
+    for (const Chosen& part : parts) chosen.insert(chosen.end(), part.begin(), part.end());
+    std::sort(chosen.begin(), chosen.end());
+    std::vector<std::uint32_t> samples;
+    for (const auto& [hash, i] : chosen) samples.push_back(i);
+    return samples;
+}
+
+/// Neighbours enough for a ball as wide as the noise is thick.
+std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
+                                const std::vector<bool>& own) {
+    const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
+    const NoiseVariance noise =
+        estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
+    if (!(noise.spacing > 0)) return kUsualNeighbors;
+    const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
+    return static_cast<std::size_t>(
+        std::clamp(std::ceil(k), double{kUsualNeighbors}, double{kMostNeighbors}));
+}
+
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
 void estimate_missing(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
                       const std::vector<std::uint32_t>& wanted,
                       const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
-                      const std::vector<Vec3f>& hints, std::size_t k, bool seen_from_above,
+                      const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
                       NormalsReport& report) {
-    const NeighborGraph graph = estimate_normals(points, search, wanted, k, report.degenerate, own);
+    report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
+                                     : neighbors_for_noise(points, search, own);
+    const NeighborGraph graph =
+        estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {
@@ -138,31 +181,11 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
         report.kept = n_points - count_own(own, wanted) - report.turned;
     if (!wanted.empty()) {
-        estimate_missing(points, search, own, wanted, center, sensors, hints,
-                         static_cast<std::size_t>(config.neighbors), seen_from_above, report);
+        estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
+                         seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
     }
     return report;
-}
-
-/// About that share of a slice's own points, by rising hash of their id.
-std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
-                                         double share) {
-    using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
-    std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
-    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
-            if (own[i] && unit_interval(h) < share)
-                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
-        }
-    });
-    Chosen chosen;
-    for (const Chosen& part : parts) chosen.insert(chosen.end(), part.begin(), part.end());
-    std::sort(chosen.begin(), chosen.end());
-    std::vector<std::uint32_t> samples;
-    for (const auto& [hash, i] : chosen) samples.push_back(i);
-    return samples;
 }
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
@@ -198,6 +221,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"kept", r.kept},
             {"turned", r.turned},
             {"estimated", r.estimated},
+            {"neighbors", r.neighbors},
             {"degenerate", r.degenerate},
             {"noisy", r.noisy},
             {"oriented_by_sensor", r.orientation.by_sensor},
@@ -268,15 +292,19 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
                             "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
                             "unanchored_components"})
         sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
+    sum["neighbors"] = std::max(sum.value("neighbors", std::uint64_t{0}),
+                                one.at("neighbors").get<std::uint64_t>());
 }
 
 }  // namespace
 
 void check_normals_config(const NormalsConfig& config) {
+    if (config.neighbors != 0 && config.neighbors < 4)
+        throw ConfigError(fmt::format("neighbors: expected 0, or 4 to 200, found {}", config.neighbors));
     if (config.normals != "keep") return;
     if (!config.sensors.empty())
         throw ConfigError("sensors: turn estimated normals; --normals keep estimates none");
-    if (config.neighbors != NormalsConfig{}.neighbors)
+    if (config.neighbors != 0)
         throw ConfigError("neighbors: are what normals are estimated from; --normals keep estimates none");
 }
 

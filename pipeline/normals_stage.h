@@ -15,7 +15,7 @@ namespace slim {
 struct NormalsConfig : SliceChoice {
     std::string work;
     std::string normals = "auto";
-    int neighbors = 16;
+    int neighbors = 0;
     std::string sensors;
 
     template <class Visitor>
@@ -26,8 +26,10 @@ struct NormalsConfig : SliceChoice {
                      "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
                      "those that oppose their neighbours, estimate missing ones",
                      {"auto", "keep", "estimate"});
-        field("neighbors", neighbors, "neighbours of a point that its normal is estimated from", 4,
-              200);
+        field("neighbors", neighbors,
+              "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up to 64 where noise "
+              "is thicker than they reach",
+              0, 200);
         field.path("sensors", sensors,
                    "JSON with the position of each scan's sensor, or the direction to it (as `slim scan` writes); default: "
                    "<input>.scans.json beside an input, if there");

@@ -4,10 +4,12 @@
 #include "slim/base/hash.h"
 #include "tests/pipeline/fit_stages_support.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <tuple>
 
 namespace slim::test {
 namespace {
@@ -155,6 +157,22 @@ TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
     EXPECT_EQ(inwards(oriented()), 5000u);
 }
 
+TEST_F(NormalsStage, TakesMoreNeighboursWhereNoiseIsThick) {
+    for (const auto& [noise, least, most] : {std::tuple{0.0, 16, 16}, {0.001, 16, 16}, {0.02, 40, 64}}) {
+        SCOPED_TRACE(noise);
+        slice(write(sampled("sphere", 50000, 1, noise), fmt::format("c{}.ply", noise), false), 1);
+        const int n = normals()["neighbors"];
+        EXPECT_GE(n, least);
+        EXPECT_LE(n, most);
+    }
+    NormalsConfig config;
+    config.neighbors = 24;
+    slice(write(sampled("sphere", 5000), "few.ply", false), 1);
+    EXPECT_EQ(normals(config)["neighbors"], 24);
+    config.neighbors = 3;
+    EXPECT_THROW(normals(config), ConfigError);
+}
+
 // Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along the
 // surface it gives them the wrong sign.
 TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
@@ -295,7 +313,7 @@ TEST_F(NormalsStage, KeepsNormalsWithoutOptionsOfTheirEstimate) {
     config.normals = "keep";
     config.neighbors = 5;
     EXPECT_EQ(code_of([&] { normals(config); }), ExitCode::usage);
-    config.neighbors = 16, config.sensors = file("c.scans.json");
+    config.neighbors = 0, config.sensors = file("c.scans.json");
     EXPECT_EQ(code_of([&] { normals(config); }), ExitCode::usage);
     config.sensors.clear();
     EXPECT_EQ(code_of([&] { normals(config); }), ExitCode::ok);
