@@ -66,7 +66,7 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
               rules.degree, ladder_rules(rules)),
       windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
-      sharp_(pyramid, rules.energy(), level_radius(rules.diagonal, 1 + rules.top_rung()),
+      sharp_(pyramid, rules.energy(), rules.typical_variance, level_radius(rules.diagonal, 1 + rules.top_rung()),
              rules.usual_degree(), rules.ladder),
       place_(points.size()),
       spacing_(rules.spacing) {
