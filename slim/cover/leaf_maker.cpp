@@ -66,7 +66,7 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
               rules.degree, ladder_rules(rules)),
       windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
-      sharp_(pyramid, rules.energy(), level_radius(rules.diagonal, 1 + rules.top_rung()),
+      sharp_(pyramid, rules.energy(), rules.typical_variance, level_radius(rules.diagonal, 1 + rules.top_rung()),
              rules.usual_degree(), rules.ladder),
       place_(points.size()),
       spacing_(rules.spacing) {
@@ -238,7 +238,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by chance: unless edges
         // are looked for, no leaf becomes smaller than the finest ball that its search admits.
         const double radius = smaller.value_or(kGoldenRatio * c.choice.radius);
-        if (!rules_.sharp && radius < c.choice.finest) return;
+        if (edges() != Edges::real && radius < c.choice.finest) return;
         make_smaller(c, radius, lower);
         if (!c.leaf) return;
     }
@@ -262,7 +262,7 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, Le
     const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
     // Never larger than at the border: it still stands near it.
     const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
-    if (choice.forced || (!rules_.sharp && radius < choice.finest)) return {};
+    if (choice.forced || (edges() != Edges::real && radius < choice.finest)) return {};
     if (radius < kClearlySmaller * rho) return radius;
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
     RadiusChoice moved_choice = choice;

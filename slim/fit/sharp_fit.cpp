@@ -1,12 +1,12 @@
 #include "slim/fit/sharp_fit.h"
 
 #include "slim/fit/sharp_clusters.h"
+#include "slim/fit/sheet_by_normals.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/model/weight_kernel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace slim {
@@ -18,9 +18,6 @@ constexpr double kExplained = 4;        // residuals up to this many eps belong 
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
 constexpr double kFollows = 0.9;         // mean cosine of a sheet's gradients to its points' normals
 constexpr int kRefits = 2;
-constexpr double kLeastGap = 0.25;      // of the radius: places on a sheet have a point as near as that,
-constexpr double kFacing = 0.5;         // whose normal has at least this cosine to the sheet's
-constexpr int kGrid = 3;                // places from the middle of a sheet to the core's rim
 
 template <class T>
 Vec3d place_of(const BallPoints<T>& p, std::size_t i) {
@@ -39,7 +36,7 @@ void reserve_part(BallPoints<T>& part, std::size_t n) {
     for (auto* a : {&part.nx, &part.ny, &part.nz}) a->resize(2 * size);
 }
 
-/// The points of sheet k as a ball of their own.
+/// The points of sheet k as a ball of their own; normals of those that are its alone.
 template <class T>
 void gather_part(const BallPoints<T>& p, const std::vector<std::uint8_t>& sheets, std::size_t k,
                  BallPoints<T>& part) {
@@ -49,12 +46,15 @@ void gather_part(const BallPoints<T>& p, const std::vector<std::uint8_t>& sheets
     std::size_t n = 0;
     for (std::size_t i = 0; i < p.n; ++i) {
         part.x[n] = p.x[i], part.y[n] = p.y[i], part.z[n] = p.z[i], part.sq[n] = p.sq[i];
+        const float own = sheets[i] == 1u << k ? 1.0f : 0.0f;
+        part.nx[n] = own * p.nx[i], part.ny[n] = own * p.ny[i], part.nz[n] = own * p.nz[i];
         n += (sheets[i] >> k) & 1u;
     }
     part.n = n;
     for (std::size_t i = n; i < part.padded(); ++i) {
         part.x[i] = part.y[i] = part.z[i] = T(0);
         part.sq[i] = T(2);
+        part.nx[i] = part.ny[i] = part.nz[i] = 0;
     }
 }
 
@@ -93,6 +93,12 @@ private:
         return dot(fit_.frame[k].world_from_local(g), n) / length(g);
     }
 
+    /// The fit of the full degree to the points of a sheet, those in work_.part; of few, by their normals too.
+    LocalFit full_fit(std::size_t k) {
+        const LocalFit full = fit_ball(work_.part, 1, fit_.frame[k], degree_);
+        return full.degree > 1 ? full : fit_by_normals(work_.part, fit_.frame[k]).value_or(full);
+    }
+
     /// Each sheet to its own points; the plane if the full degree is not clearly better: a sheet must not
     /// swing where it has no points.
     bool fit_sheets() {
@@ -103,7 +109,7 @@ private:
             LocalFit best = fit_ball(work_.part, 1, fit_.frame[k], 1);
             if (!(best.n_effective > 0)) return false;
             if (degree_ > 1) {
-                const LocalFit full = fit_ball(work_.part, 1, fit_.frame[k], degree_);
+                const LocalFit full = full_fit(k);
                 if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
             }
             fit_.polynomial[k] = best.polynomial;
@@ -261,15 +267,6 @@ private:
     std::array<double, kMostSheets> error_{};  // eps of each sheet, relative
 };
 
-/// Whether a point that faces along `normal` lies within `gap` of x.
-template <class T>
-bool has_point_near(const BallPoints<T>& p, const Vec3d& x, const Vec3d& normal, double gap) {
-    for (std::size_t i = 0; i < p.n; ++i)
-        if (sq_length(place_of(p, i) - x) <= gap * gap && dot(normal_of(p, i), normal) > kFacing)
-            return true;
-    return false;
-}
-
 }  // namespace
 
 Surfel SharpFit::surfel(const Vec3d& center, double radius) const {
@@ -289,25 +286,6 @@ std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_she
     return SharpFitter<T>(points, degree, noise_variance, work).run(n_sheets);
 }
 
-template <class T>
-bool is_filled(const SharpFit& fit, const BallPoints<T>& points) {
-    const Surfel s = fit.surfel({}, 1);
-    const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(points.n));
-    const double gap = std::max(kLeastGap, 2.5 * spacing);
-    for (std::size_t k = 0; k < fit.n_sheets; ++k)
-        for (int i = -kGrid; i <= kGrid; ++i)
-            for (int j = -kGrid; j <= kGrid; ++j) {
-                const double u = kTrim * i / kGrid, v = kTrim * j / kGrid;
-                const Vec3d x = fit.frame[k].world_from_local({u, v, fit.polynomial[k].value(u, v)});
-                if (sq_length(x) >= kTrim * kTrim) continue;
-                if (!s.sharp->on_surface(k, s.sheet_values(x))) continue;
-                if (!has_point_near(points, x, normalized(s.sheet_gradient(k, x)), gap)) return false;
-            }
-    return true;
-}
-
-template bool is_filled(const SharpFit&, const BallPoints<float>&);
-template bool is_filled(const SharpFit&, const BallPoints<double>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<float>&, std::size_t, int, double,
                                            SharpWork<float>&);
 template std::optional<SharpFit> fit_sharp(const BallPoints<double>&, std::size_t, int, double,

@@ -47,10 +47,4 @@ template <class T>
 std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_sheets, int degree,
                                   double noise_variance, SharpWork<T>& work);
 
-/// Whether there are points wherever the joined surface runs inside the core (kTrim of the ball): within
-/// max(0.25 rho, 2.5 spacings) of a place on a sheet, facing its way. Else a sheet is extended into the
-/// air, where it would stand as a spike or a fin. Cost: up to 49 places a sheet against all points.
-template <class T>
-bool is_filled(const SharpFit& fit, const BallPoints<T>& points);
-
 }  // namespace slim

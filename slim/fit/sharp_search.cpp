@@ -1,5 +1,6 @@
 #include "slim/fit/sharp_search.h"
 
+#include "slim/fit/sharp_filled.h"
 #include "slim/model/surfel.h"
 
 #include <algorithm>
@@ -47,7 +48,7 @@ std::optional<SharpSearch::Rung> SharpSearch::evaluate(double radius, std::size_
         const double freedom = std::max(fit->n_effective - fit->n_coefficients, 0.5);
         const double upper = energy + 2 * fit->sq_error * std::sqrt(2 / freedom);
         if (best && energy >= best->energy) continue;
-        if (is_filled(*fit, work.ball)) best = Rung{{radius, k}, energy, upper};
+        if (is_filled(*fit, work.ball, typical_variance_)) best = Rung{{radius, k}, energy, upper};
     }
     return best;
 }

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numbers>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -216,6 +218,30 @@ TEST(ProjectAlong, OppositeSheetsDoNotMix) {
     ASSERT_TRUE(p);
     EXPECT_EQ(p->n_supporters, 1);
     EXPECT_NEAR(p->point.z, gap, 1e-15);
+}
+
+TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
+    // Of a convex edge the face z = 0.01 is met; the other face's leaves pass nearer, but p lies beyond the rim of one, and the
+    // rest of them is far off.
+    const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
+    Surfel edge{{0, 0, 0}, 1, frame_from_normal(up), {}, 1};
+    edge.polynomial.a[0] = 0.01;
+    SharpSheets sheets;
+    sheets.extra[0] = {frame_from_normal(other), {}};
+    sheets.extra[0].polynomial.a[0] = 0.5;
+    edge.sharp = std::make_shared<const SharpSheets>(sheets);
+    Surfel ended{{0, 0, 0}, 1, frame_from_normal(other), {}, 1}, far{other * 0.1, 1, frame_from_normal(other), {}, 1};
+    ended.center = ended.frame.u_axis * -0.5;
+    ended.rims.first = pack_rim(0, 0.3);
+    for (const std::vector<const Surfel*>& supporters : {std::vector<const Surfel*>{&edge, &ended, &far}, {&far, &ended, &edge}}) {
+        const auto hit = project_along({0, 0, 0}, up, supporters);
+        ASSERT_TRUE(hit);
+        EXPECT_NEAR(hit->t, 0.01, 1e-12);
+        EXPECT_EQ(hit->n_supporters, 1);
+    }
+    // Where all are beyond theirs, they still say it.
+    const Surfel* alone = &ended;
+    EXPECT_TRUE(project_along({0, 0, 0}, up, std::span(&alone, 1)));
 }
 
 TEST(NormalAt, GivesTheModelsOwnNormal) {
