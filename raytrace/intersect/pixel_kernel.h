@@ -12,7 +12,9 @@
 
 namespace slim {
 
-/// What a record has in common where t is: pixels of one row, or of rows that repeat along a strip of blocks.
+/// What a record has in common where t is: pixels of one row, or of rows that repeat along a strip of blocks. Of quadrics,
+/// coefficients in s and tau are worked out where they are used: numbers loaded before a branch and spread to lanes after it are
+/// two instructions each instead of a part of the product (project/notes/0008).
 template <int Degree, class V>
 class RowOf {
 public:
@@ -22,10 +24,9 @@ public:
         ball_m = t * V(r.ball_t) + V(2 * r.kappa * sq_radius);
         ball_l = V(r.ball_tau - r.kappa * r.kappa * sq_radius);
         std::size_t at = 0;
-        for (int p = 0; p < Degree; ++p)
-            for (int i = 0; i < Degree - p; ++i) in_s[at++] = coefficient(p, i);
-        for (std::size_t axis = 0; axis < r.gradient.size(); ++axis)
-            in_gradient[axis] = V(r.gradient[axis][0]) + t * V(r.gradient[axis][2]);
+        if constexpr (!kAtUse)
+            for (int p = 0; p < Degree; ++p)
+                for (int i = 0; i < Degree - p; ++i) in_s[at++] = coefficient(p, i);
     }
 
     /// h^2 (|q|^2 - R^2).
@@ -40,7 +41,10 @@ public:
         for (int p = 0; p <= Degree; ++p) {
             const int n = Degree - p;
             V value(r.f[power_start(Degree, p) + n_planar(n - 1)]);
-            for (int i = n; i-- > 0;) value = in_s[at + static_cast<std::size_t>(i)] + s * value;
+            for (int i = n; i-- > 0;) {
+                if constexpr (kAtUse) value = coefficient(p, i) + s * value;
+                else value = in_s[at + static_cast<std::size_t>(i)] + s * value;
+            }
             at += static_cast<std::size_t>(n);
             k[static_cast<std::size_t>(p)] = value;
         }
@@ -60,7 +64,8 @@ public:
     [[gnu::always_inline]] GradientLanes<V> gradient(const V& s, const V& tau, const V& share) const {
         if constexpr (Degree == 2) {
             const auto at = [&](std::size_t axis) __attribute__((always_inline)) {
-                return share * (in_gradient[axis] + s * V(r.gradient[axis][1]) + tau * V(r.gradient[axis][3]));
+                const auto& g = r.gradient[axis];
+                return share * (V(g[0]) + t * V(g[2]) + s * V(g[1]) + tau * V(g[3]));
             };
             return {at(0), at(1), at(2)};
         } else {
@@ -80,6 +85,7 @@ public:
     [[gnu::always_inline]] V height(const V& tau) const { return 1.0f - tau * V(r.kappa); }
 
 private:
+    static constexpr bool kAtUse = Degree == 2;
     /// The coefficient of s^i tau^p.
     [[gnu::always_inline]] V coefficient(int p, int i) const {
         const int n = Degree - p;
@@ -93,8 +99,7 @@ private:
 
     const PixelRecord<Degree>& r;
     V t, ball_n, ball_m, ball_l;
-    std::array<V, n_planar(Degree - 1)> in_s;
-    std::array<V, Degree == 2 ? 3 : 0> in_gradient;
+    std::array<V, kAtUse ? 0 : n_planar(Degree - 1)> in_s;
 };
 
 /// The first root in a ball at tau >= lo; none in the ball is larger than `reach`. Lo: a float, or one per lane.

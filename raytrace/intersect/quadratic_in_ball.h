@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/intersect/ball_lanes.h"
+#include "raytrace/intersect/fused_lanes.h"
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
 
@@ -15,13 +16,15 @@ public:
     [[gnu::always_inline]] explicit QuadraticRoots(const PolynomialLanes<V>& k) : k_(k) {
         // Exact products by fma (Kahan): the discriminant near a tangent.
         const V h = 0.5f * k[1], w = k[0] * k[2];
-        const V discriminant = lanes_fma(h, h, -w) - lanes_fma(k[0], k[2], -w);
+        const V discriminant = lanes_fms(h, h, w) - lanes_fms(k[0], k[2], w);
         const V inverse = inverse_sqrt_estimate(discriminant), root = discriminant * inverse;
-        q_ = h + lanes_copysign(root + (0.5f * inverse) * lanes_fma(-root, root, discriminant), h);
+        const V exact = root + (0.5f * inverse) * lanes_fnma(root, root, discriminant);
+        q_ = h + exact;
+        stdx::where(h < 0.0f, q_) = h - exact;
     }
     [[gnu::always_inline]] V small() const {
-        const V inverse = reciprocal_estimate(q_), t = -k_[0] * inverse;
-        return t - inverse * lanes_fma(t, q_, k_[0]);
+        const V inverse = reciprocal_estimate(q_), quotient = k_[0] * inverse;
+        return -quotient - inverse * lanes_fnma(quotient, q_, k_[0]);
     }
     [[gnu::always_inline]] V large() const { return -q_ / k_[2]; }
     /// Where the larger one is at most `reach` in size.

@@ -35,4 +35,23 @@ inline FloatV lane_rows() {
     return FloatV([](auto k) { return static_cast<float>(static_cast<int>(k) / kBlockWidth); });
 }
 
+/// Columns and rows of every block's lanes in their tile: a load instead of a number made a float and spread to the lanes.
+struct alignas(64) LanePlaces {
+    float column[kBlockColumns][kLanes], row[kBlockRows][kLanes];
+};
+inline constexpr LanePlaces kLanePlaces = [] {
+    LanePlaces places{};
+    for (int k = 0; k < kLanes; ++k) {
+        for (int c = 0; c < kBlockColumns; ++c) places.column[c][k] = static_cast<float>(c * kBlockWidth + k % kBlockWidth);
+        for (int r = 0; r < kBlockRows; ++r) places.row[r][k] = static_cast<float>(r * kBlockHeight + k / kBlockWidth);
+    }
+    return places;
+}();
+[[gnu::always_inline]] inline FloatV tile_columns(int block) {
+    return FloatV(kLanePlaces.column[block % kBlockColumns], stdx::vector_aligned);
+}
+[[gnu::always_inline]] inline FloatV tile_rows(int block) {
+    return FloatV(kLanePlaces.row[block / kBlockColumns], stdx::vector_aligned);
+}
+
 }  // namespace slim

@@ -43,13 +43,11 @@ struct SurfelOnTile {
     }
 
     [[gnu::always_inline]] FloatV s_of(int block) const {
-        const float left = x + static_cast<float>(block % kBlockColumns * kBlockWidth);
-        return (lane_columns() + left) * record.step + record.base_x;
+        return (tile_columns(block) + x) * record.step + record.base_x;
     }
     /// sq_radius is that of the ball.
     [[gnu::always_inline]] Row row_of(int block, float sq_radius) const {
-        const float top = y + static_cast<float>(block / kBlockColumns * kBlockHeight);
-        return Row(record, (lane_rows() + top) * record.step + record.base_y, sq_radius);
+        return Row(record, (tile_rows(block) + y) * record.step + record.base_y, sq_radius);
     }
 };
 
