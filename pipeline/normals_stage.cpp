@@ -14,6 +14,7 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
 #include "slim/normals/repair.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
@@ -275,7 +276,10 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     check_normals_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
-    keep_freed_memory(plan.slices.size() == 1);
+    if (plan.slices.size() > 1)
+        keep_freed_memory_of_balls(plan.n_points / plan.slices.size() * kBytesPerPoint);
+    else
+        keep_freed_memory(true);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;

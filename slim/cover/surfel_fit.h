@@ -61,6 +61,10 @@ struct CoveringSurfel {
     bool normals_disagree = false;
 };
 
+/// Whether the points that a surfel covers are listed at once, or only measured: list_points adds them. Many a leaf is given
+/// up by its measures, and the lists take as long as the fit.
+enum class Lists : std::uint8_t { made, left_out };
+
 /// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
 /// With `forced` (the radius was not chosen by E, the points are few) the surfel takes the lowest degree
 /// that explains them within the noise, eps <= 2 sqrt(lambda): a higher one would fit the noise and
@@ -68,11 +72,12 @@ struct CoveringSurfel {
 /// the ball holds one, if they leave enough freedom: few points beside an edge would bend it.
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& work, Edges edges = Edges::ignored);
+                          BallPoints<double>& work, Edges edges = Edges::ignored, Lists lists = Lists::made);
 
 /// The same of the points in a ball about the centre that was gathered already.
 CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges);
+                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges,
+                                   Lists lists = Lists::made);
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {
@@ -84,7 +89,10 @@ struct SteadyWork {
 /// curvature is steadied by wider balls (slim/fit/steady_curvature.h).
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
-                                 double noise_variance, SteadyWork& work);
+                                 double noise_variance, SteadyWork& work, Lists lists = Lists::made);
+
+/// Adds the lists that were left out of a surfel, from the ball as its fit left it.
+void list_points(const PointTree& points, const BallPoints<double>& ball, double noise_variance, CoveringSurfel& surfel);
 
 /// The exact fit of an edge's or a corner's sheets at a chosen radius (SharpSearch), all points of the ball.
 /// Nothing if they do not fall into so many sheets as the search's sample did.
