@@ -83,11 +83,7 @@ public:
     }
 
 private:
-    static Bbox box_of(const PointBlock& points) {
-        Bbox box;
-        for (const Vec3d& p : points.position) box.extend(p);
-        return box;
-    }
+    static Bbox box_of(const PointBlock& points);
     bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
     bool is_kept(const FittedSurfel& f) const {
         const bool is_provisional = f.level == rules_.last_level &&
@@ -126,6 +122,19 @@ private:
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
+
+Bbox LevelCover::box_of(const PointBlock& points) {
+    constexpr std::size_t kGrain = 65536;
+    std::vector<Bbox> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Bbox box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
+        parts[begin / kGrain] = box;
+    });
+    Bbox box;
+    for (const Bbox& part : parts) box.extend(part);
+    return box;
+}
 
 /// Marks the leaves of the levels before. Their sums are taken one after the other, whatever finds their points.
 void LevelCover::mark_done() {

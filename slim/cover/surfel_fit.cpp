@@ -62,9 +62,11 @@ public:
         if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
         return lane_bits(sq < 1.0 && stdx::abs(off_) <= most);
     }
-    double off(std::size_t lane) const { return off_[lane]; }
-    float u(std::size_t lane) const { return static_cast<float>(u_[lane]); }
-    float v(std::size_t lane) const { return static_cast<float>(v_[lane]); }
+    /// Bits of those of the group that lie no farther than that, whoever they are.
+    std::uint64_t no_farther_than(double most) const { return lane_bits(stdx::abs(off_) <= most); }
+    const Lanes& off() const { return off_; }
+    const Lanes& u() const { return u_; }
+    const Lanes& v() const { return v_; }
 
 private:
     double joined_at(std::size_t i) const {
@@ -75,6 +77,18 @@ private:
     Frame<Lanes> frame_;
     Polynomial<Lanes> polynomial_;
     Lanes off_ = 0, u_ = 0, v_ = 0;
+};
+
+/// What is told of a group's covered points, in memory.
+struct CoveredLanes {
+    alignas(64) float weight[Lanes::size()], u[Lanes::size()], v[Lanes::size()], off[Lanes::size()];
+
+    CoveredLanes(const Residuals& residuals, const Lanes& weights) {
+        const auto store = [](const Lanes& from, float* to) {
+            stdx::static_simd_cast<LanesOfDouble<float>>(from).copy_to(to, stdx::element_aligned);
+        };
+        store(weights, weight), store(residuals.u(), u), store(residuals.v(), v), store(residuals.off(), off);
+    }
 };
 
 /// How a normal at a point leans over a smooth surfel, in its tangent plane.
@@ -221,18 +235,20 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     const double tolerance = std::min(
         kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
     const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
-    out.covered.reserve(ball.n);
+    out.covered.resize(ball.n);
+    std::size_t n_covered = 0;
     Residuals residuals(s, ball);
     const EdgePoints edge_points(s, ball);
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
         const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
-        const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
+        const CoveredLanes lanes(residuals, weight_kernel(lanes_at(ball.sq, first)));
         const std::uint64_t inside = s.sharp ? 0 : lane_bits(lanes_at(ball.sq, first) < 1.0);
         for (std::uint64_t bits = inside & ~near; bits != 0; bits &= bits - 1) {
             const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
             const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, {ball.nx[i], ball.ny[i], ball.nz[i]});
             if (sign) out.edges.push_back(*sign);
         }
+        const std::uint64_t explained = residuals.no_farther_than(tolerance);
         for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
             const std::size_t i = first + lane;
@@ -240,17 +256,18 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
                                       {ball.nx[i], ball.ny[i], ball.nz[i]}))
                 continue;
             const std::uint32_t point = tree.source(ball.index[i]);
-            if (!(std::abs(residuals.off(lane)) <= tolerance)) {
+            if ((explained >> lane & 1) == 0) {
                 out.beside.push_back(point);
                 continue;
             }
-            out.covered.push_back({point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
-                                   static_cast<float>(residuals.off(lane)), ball.sq[i] < kTrim * kTrim});
+            out.covered[n_covered++] = {point, lanes.weight[lane], lanes.u[lane], lanes.v[lane], lanes.off[lane],
+                                        ball.sq[i] < kTrim * kTrim};
+            // The heaviest weight is G(0) = 1, which only points at the centre have.
+            out.explains_center |= lanes.weight[lane] >= kAtCenter;
             if (out.edges_are_real) edge_points.add(i, out.edge_points);
         }
     }
-    // The heaviest weight is G(0) = 1, which only points at the centre have.
-    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
+    out.covered.resize(n_covered);
 }
 
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/unfilled_vector.h"
 #include "slim/cover/air_places.h"
 #include "slim/fit/local_fit.h"
 #include "slim/fit/radius_ladder.h"
@@ -45,7 +46,7 @@ enum class Edges : std::uint8_t { ignored, doubtful, real };
 /// that do not face away (DESIGN 4, lesson 4; notes/0001).
 struct CoveringSurfel {
     FittedSurfel fitted;
-    std::vector<Covered> covered;
+    UnfilledVector<Covered> covered;
     /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
     std::vector<std::uint32_t> beside;
     std::vector<EdgeSign> edges;  ///< of points that it does not explain (notes/0008)
