@@ -154,6 +154,24 @@ void resize_exactly(std::size_t n, bool has_normals, bool has_scans, PointBlock&
     });
 }
 
+void resize_columns(std::size_t n, bool has_normals, bool has_scans, PointBlock& out) {
+    out.position.resize(n);
+    out.id.resize(n);
+    if (has_normals) out.normal.resize(n);
+    if (has_scans) out.scan.resize(n);
+}
+
+/// Copies all of a block to the places from `at` on of one that has room for it.
+void copy_columns(const PointBlock& from, PointBlock& out, std::size_t at) {
+    const auto copy = [at](const auto& values, auto& to) {
+        std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
+    };
+    copy(from.position, out.position);
+    copy(from.id, out.id);
+    copy(from.normal, out.normal);
+    copy(from.scan, out.scan);
+}
+
 }  // namespace
 
 /// A slice, and what to take of each of its pieces.
@@ -161,6 +179,7 @@ struct SliceSelection::Part {
     std::string path;
     SliceReader slice;
     std::vector<Taken> taken;
+    std::vector<PointBlock> kept;  // of every piece, those taken; empty: they are read again
     std::size_t n = 0;
 
     explicit Part(const std::string& of_slice) : path(of_slice), slice(of_slice) {}
@@ -173,6 +192,7 @@ struct SliceSelection::Part {
         for (std::size_t i = 1; i < at.size(); ++i) at[i] = at[i - 1] + taken[i - 1].n;
         parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
             if (taken[i].n == 0) return;
+            if (!kept.empty()) return copy_columns(kept[i], out, at[i]);
             slice.with_piece(i, [&](const PieceColumns& columns) { columns.copy_to(taken[i].chosen, out, at[i]); });
         });
     }
@@ -194,12 +214,22 @@ void SliceSelection::add(const std::string& path) {
     add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
 }
 
+/// What is asked of every point is asked of few in vain: a piece is read once, and what is wanted of it is kept.
 void SliceSelection::add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
-    const auto some = [](const Bbox&) { return WantedOf::some; };
-    part->take(choose_points(part->slice, some, [&](const PieceColumns& columns, std::size_t k) {
-        return is_wanted(columns.id(k));
-    }));
+    const SliceReader& slice = part->slice;
+    std::vector<Taken> taken(slice.pieces().size());
+    part->kept.resize(taken.size());
+    parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
+        std::vector<bool> chosen(slice.pieces()[i].n_points);
+        slice.with_piece(i, [&](const PieceColumns& columns) {
+            for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = is_wanted(columns.id(k));
+            taken[i].n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
+            resize_columns(taken[i].n, slice.has_normals(), slice.has_scans(), part->kept[i]);
+            columns.copy_to(chosen, part->kept[i], 0);
+        });
+    });
+    part->take(std::move(taken));
     if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 

@@ -311,7 +311,10 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     check_fit_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
-    keep_freed_memory(plan.slices.size() == 1);
+    if (plan.slices.size() > 1)
+        keep_freed_memory_of_balls(plan.n_points / plan.slices.size() * kBytesPerPoint);
+    else
+        keep_freed_memory(true);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
         throw DataError(fmt::format(
             "{}: {} within a box of diagonal {}: a surface needs at least 3 points that do not "

@@ -14,6 +14,7 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
 #include "slim/normals/repair.h"
+#include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +31,9 @@ namespace {
 // (happy_stand_raw) to 2.8 times (igea, autzen_stadium) that: 60,000 give the mean to 1 %, which is
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
+constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean over many neighbours
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
+constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
 constexpr std::size_t kGrain = 16384;        // points a task
 // beyond this share a cloud's own normals are not to be trusted
 constexpr double kManyContrary = 0.1;
@@ -197,9 +200,11 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearc
         sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
     if (plan.slices.size() == 1)
         return {estimate_noise_variance(search, samples, 0, points.normal)};
+    // All slices together have four times as many as one slice would, or more.
+    const std::size_t fewest = std::clamp(4 * kFewestSamples / plan.slices.size(), kFewestOfSlice, kFewestSamples);
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
-        noise.push_back(estimate_noise_variance(search, samples, k, points.normal));
+        noise.push_back(estimate_noise_variance(search, samples, k, points.normal, fewest));
         if (k >= kUsualMostNeighbors && noise.back().flatness <= kFlat) break;
     }
     return noise;
@@ -286,6 +291,15 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     return result;
 }
 
+/// Whether the arrays of one slice may be kept for the next one: not all find room among them, half as much memory again,
+/// which slices do not need where their fits hold wide halos besides.
+bool has_room_for_freed(const SlicePlan& plan) {
+    if (plan.slices.size() == 1) return true;
+    std::uint64_t most = 0;
+    for (const PlanSlice& slice : plan.slices) most = std::max(most, slice.n_points);
+    return kBytesKept * most <= kBytesPerPoint * plan.most_within.back();
+}
+
 /// Counts of all slices added up.
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     for (const char* key : {"points", "kept", "turned", "estimated", "degenerate", "noisy",
@@ -316,13 +330,14 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     check_normals_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
-    keep_freed_memory(plan.slices.size() == 1);
+    const bool keeps = has_room_for_freed(plan);
+    keep_freed_memory(keeps);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
-        if (plan.slices.size() > 1) return_freed_memory();
+        if (!keeps) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenSamples{5};
 
+constexpr int kLarge = 1 << 20, kLargest = 32 << 20;  // the most that glibc takes
+
 int n_alive = 0;
 
 /// An entry of /proc/self/status such as "VmHWM", in bytes; 0 if there is none.
@@ -43,11 +45,24 @@ std::uint64_t high_water_mark() {
 
 }  // namespace
 
+namespace {
+
+void set_kept(std::uint64_t largest_block, std::uint64_t at_the_end) {
+    mallopt(M_MMAP_THRESHOLD, static_cast<int>(largest_block));  // set, it no longer adapts
+    mallopt(M_TRIM_THRESHOLD, static_cast<int>(at_the_end));
+}
+
+}  // namespace
+
 void keep_freed_memory(bool keep) {
-    constexpr int kLarge = 1 << 20, kLargest = 32 << 20;  // the most that glibc takes
-    mallopt(M_MMAP_THRESHOLD, keep ? kLargest : kLarge);  // set, it no longer adapts
-    mallopt(M_TRIM_THRESHOLD, keep ? 1 << 30 : kLarge);
+    set_kept(keep ? kLargest : kLarge, keep ? 1 << 30 : kLarge);
     if (!keep) malloc_trim(0);
+}
+
+void keep_freed_memory_of_balls(std::uint64_t bytes_in_use) {
+    const std::uint64_t large = std::clamp<std::uint64_t>(bytes_in_use / 64, kLarge, kLargest);
+    set_kept(large, 4 * large);
+    malloc_trim(0);
 }
 
 void return_freed_memory() { malloc_trim(0); }

@@ -19,11 +19,13 @@ CoverStates::CoverStates(const PointBlock& points, const CoverRules& rules)
       states_(points.size()),
       radius_(points.size(), 0.0f),
       finest_(points.size(), 0.0f) {
+    if (rules.dropped.empty()) return;
     std::vector<std::uint64_t> dropped(rules.dropped.begin(), rules.dropped.end());
     std::sort(dropped.begin(), dropped.end());
-    for (std::size_t i = 0; i < points.size() && !dropped.empty(); ++i)
-        if (std::binary_search(dropped.begin(), dropped.end(), points.id[i]))
-            states_[i].flags = kClosed;
+    parallel_blocks(points.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) states_[i].flags = kClosed;
+    });
 }
 
 std::size_t CoverStates::count_open() const {

@@ -123,29 +123,36 @@ bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
 }
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
-                              const RadiusChoice& choice, LeafWork& work) const {
+                              const RadiusChoice& choice, LeafWork& work, Lists lists) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
     if (lends && !choice.widened && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
-                                 choice.forced, rules_.noise_variance, work.exact);
+                                 choice.forced, rules_.noise_variance, work.exact, lists);
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced && !choice.widened, rules_.noise_variance, work.exact.ball, edges());
+                      choice.forced && !choice.widened, rules_.noise_variance, work.exact.ball, edges(), lists);
 }
 
 /// sqrt(lambda) over the spacing.
 double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_variance) / spacing_; }
 
-/// A leaf, and where it stands in the air if it ended early. Real edges have rims of their own (notes/0011).
+/// A leaf with its points, and where it stands in the air if it ended early.
 CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                        LeafWork& work) const {
-    CoveringSurfel leaf = fit(center, normal, choice, work);
+    CoveringSurfel leaf = fit(center, normal, choice, work, Lists::left_out);
+    list_with_air(choice, work, leaf);
+    return leaf;
+}
+
+/// Adds the points of a leaf that was fitted last, and where it stands in the air. Real edges have rims of their own
+/// (notes/0011).
+void LeafMaker::list_with_air(const RadiusChoice& choice, const LeafWork& work, CoveringSurfel& leaf) const {
+    list_points(pyramid_.all(), work.exact.ball, rules_.noise_variance, leaf);
     const std::size_t n = work.exact.ball.n;
     const bool is_thin = leaf.fitted.fit_error <= kThickForAir * leaf.fitted.surfel.support_radius;
     const bool ended_early = (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
     if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
-    return leaf;
 }
 
 /// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013). It does not wait
@@ -217,9 +224,13 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
                                          work.exact.ball, work.sharp);
         return;
     }
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        c.surfel = fit_with_air(center, normal, c.choice, work);
-        if (c.choice.forced && c.sparse) shrink_to_few(c, work);
+    for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
+        c.surfel = fit(center, normal, c.choice, work, Lists::left_out);
+        const bool may_shrink = c.choice.forced && c.sparse;
+        // In thick noise half of all fits are given up by their measures: nobody asks for their points.
+        const bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
+        if (may_shrink || !is_given_up || attempt == kMostAttempts) list_with_air(c.choice, work, c.surfel);
+        if (may_shrink) shrink_to_few(c, work);
         if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel) || is_too_large(c)) {
             make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
             if (!c.leaf) return;

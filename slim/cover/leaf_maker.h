@@ -74,7 +74,8 @@ private:
                                LeafWork& work) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
-                       LeafWork& work) const;
+                       LeafWork& work, Lists lists) const;
+    void list_with_air(const RadiusChoice& choice, const LeafWork& work, CoveringSurfel& leaf) const;
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                                 LeafWork& work) const;
     /// Takes the largest of a few larger balls that is accepted. leaf_maker_wider.cpp.

@@ -46,16 +46,19 @@ struct Directions {
 /// reach farther than any rim everywhere, as they soon do on most surfaces.
 std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf) {
     static const Directions directions;
-    constexpr std::size_t kAtOnce = 24;
+    constexpr std::size_t kAtOnce = 24, kRounds = 16;
     PerDirection reach{};
-    for (std::size_t i = 0; i < leaf.covered.size();) {
-        for (const std::size_t end = std::min(i + kAtOnce, leaf.covered.size()); i < end; ++i) {
-            const float u = leaf.covered[i].u, v = leaf.covered[i].v;
-            for (std::size_t k = 0; k < reach.size(); ++k)
-                reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
+    // Points that lie side by side reach one way: those far apart are asked first.
+    for (std::size_t round = 0; round < kRounds; ++round)
+        for (std::size_t i = round; i < leaf.covered.size();) {
+            const std::size_t end = std::min(i + kAtOnce * kRounds, leaf.covered.size());
+            for (; i < end; i += kRounds) {
+                const float u = leaf.covered[i].u, v = leaf.covered[i].v;
+                for (std::size_t k = 0; k < reach.size(); ++k)
+                    reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
+            }
+            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(kLongestRim)) return {};
         }
-        if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(kLongestRim)) return {};
-    }
     return reach;
 }
 

@@ -17,6 +17,7 @@
 #include <iterator>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -30,6 +31,7 @@ constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCovera
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
+constexpr std::size_t kMarkedAtOnce = 8;    // leaves of levels before whose points are listed at the same time
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
@@ -81,24 +83,15 @@ public:
     }
 
 private:
-    static Bbox box_of(const PointBlock& points) {
-        Bbox box;
-        for (const Vec3d& p : points.position) box.extend(p);
-        return box;
-    }
+    static Bbox box_of(const PointBlock& points);
     bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
     bool is_kept(const FittedSurfel& f) const {
         const bool is_provisional = f.level == rules_.last_level &&
                                     f.surfel.support_radius <= rules_.provisional;
         return !is_provisional && owns(f.surfel.center);
     }
-    void mark_done() {
-        BallPoints<double> work;
-        rules_.done([&](const FittedSurfel& s) {
-            if (s.flags & kLeaf)
-                mark(cover_again(pyramid_.all(), s, rules_.noise_variance, work));
-        });
-    }
+    void mark_done();
+    void mark_again(std::span<const FittedSurfel> leaves);
     void keep(const FittedSurfel& f) {
         if (rules_.keep)
             rules_.keep(f);
@@ -129,6 +122,40 @@ private:
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
+
+Bbox LevelCover::box_of(const PointBlock& points) {
+    constexpr std::size_t kGrain = 65536;
+    std::vector<Bbox> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Bbox box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(points.position[i]);
+        parts[begin / kGrain] = box;
+    });
+    Bbox box;
+    for (const Bbox& part : parts) box.extend(part);
+    return box;
+}
+
+/// Marks the leaves of the levels before. Their sums are taken one after the other, whatever finds their points.
+void LevelCover::mark_done() {
+    std::vector<FittedSurfel> some;
+    rules_.done([&](const FittedSurfel& s) {
+        if (!(s.flags & kLeaf)) return;
+        some.push_back(s);
+        if (some.size() < kMarkedAtOnce) return;
+        mark_again(some);
+        some.clear();
+    });
+    mark_again(some);
+}
+
+void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
+    std::vector<CoveringSurfel> covering(leaves.size());
+    parallel_blocks(leaves.size(), 1, [&](std::size_t i, std::size_t) {
+        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance, work_.local().exact.ball);
+    });
+    for (const CoveringSurfel& leaf : covering) mark(leaf);
+}
 
 /// The coarsest thinning that still has enough points in a usual ball of this radius.
 std::size_t LevelCover::thinning_for(double radius) const {

@@ -62,9 +62,11 @@ public:
         if (surfel_.sharp) off_ = Lanes([&](auto lane) { return joined_at(first + lane); });
         return lane_bits(sq < 1.0 && stdx::abs(off_) <= most);
     }
-    double off(std::size_t lane) const { return off_[lane]; }
-    float u(std::size_t lane) const { return static_cast<float>(u_[lane]); }
-    float v(std::size_t lane) const { return static_cast<float>(v_[lane]); }
+    /// Bits of those of the group that lie no farther than that, whoever they are.
+    std::uint64_t no_farther_than(double most) const { return lane_bits(stdx::abs(off_) <= most); }
+    const Lanes& off() const { return off_; }
+    const Lanes& u() const { return u_; }
+    const Lanes& v() const { return v_; }
 
 private:
     double joined_at(std::size_t i) const {
@@ -75,6 +77,18 @@ private:
     Frame<Lanes> frame_;
     Polynomial<Lanes> polynomial_;
     Lanes off_ = 0, u_ = 0, v_ = 0;
+};
+
+/// What is told of a group's covered points, in memory.
+struct CoveredLanes {
+    alignas(64) float weight[Lanes::size()], u[Lanes::size()], v[Lanes::size()], off[Lanes::size()];
+
+    CoveredLanes(const Residuals& residuals, const Lanes& weights) {
+        const auto store = [](const Lanes& from, float* to) {
+            stdx::static_simd_cast<LanesOfDouble<float>>(from).copy_to(to, stdx::element_aligned);
+        };
+        store(weights, weight), store(residuals.u(), u), store(residuals.v(), v), store(residuals.off(), off);
+    }
 };
 
 /// How a normal at a point leans over a smooth surfel, in its tangent plane.
@@ -124,46 +138,6 @@ private:
     const BallPoints<double>& ball_;
     Vec3d normal_;
 };
-
-/// Lists the ball's points that the surfel explains and those beside it.
-[[gnu::flatten]] void list_covered(const PointTree& tree, const BallPoints<double>& ball,
-                                   double noise_variance, CoveringSurfel& out) {
-    const Surfel& s = out.fitted.surfel;
-    const double noise = std::sqrt(noise_variance);
-    const double tolerance = std::min(
-        kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
-    const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
-    out.covered.reserve(ball.n);
-    Residuals residuals(s, ball);
-    const EdgePoints edge_points(s, ball);
-    for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
-        const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
-        const Lanes weight = weight_kernel(lanes_at(ball.sq, first));
-        const std::uint64_t inside = s.sharp ? 0 : lane_bits(lanes_at(ball.sq, first) < 1.0);
-        for (std::uint64_t bits = inside & ~near; bits != 0; bits &= bits - 1) {
-            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
-            const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, {ball.nx[i], ball.ny[i], ball.nz[i]});
-            if (sign) out.edges.push_back(*sign);
-        }
-        for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
-            const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-            const std::size_t i = first + lane;
-            if (s.sharp && faces_away(s, {ball.x[i], ball.y[i], ball.z[i]},
-                                      {ball.nx[i], ball.ny[i], ball.nz[i]}))
-                continue;
-            const std::uint32_t point = tree.source(ball.index[i]);
-            if (!(std::abs(residuals.off(lane)) <= tolerance)) {
-                out.beside.push_back(point);
-                continue;
-            }
-            out.covered.push_back({point, static_cast<float>(weight[lane]), residuals.u(lane), residuals.v(lane),
-                                   static_cast<float>(residuals.off(lane)), ball.sq[i] < kTrim * kTrim});
-            if (out.edges_are_real) edge_points.add(i, out.edge_points);
-        }
-    }
-    // The heaviest weight is G(0) = 1, which only points at the centre have.
-    for (const Covered& c : out.covered) out.explains_center |= c.weight >= kAtCenter;
-}
 
 /// How the points that take part lie along the tangent plane, over rho.
 struct Footprint {
@@ -232,7 +206,7 @@ BallFit fit_gathered(const Vec3d& normal, int degree, bool forced, double noise_
 }
 
 CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const BallFit& ball_fit,
-                        double noise_variance, Edges edges, BallPoints<double>& ball) {
+                        double noise_variance, Edges edges, Lists lists, BallPoints<double>& ball) {
     const LocalFit& fit = ball_fit.fit;
     CoveringSurfel out;
     const Footprint footprint = footprint_of(ball, ball_fit.frame);
@@ -248,35 +222,77 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = ball_fit.normals_disagree;
-    list_covered(points, ball, noise_variance, out);
+    if (lists == Lists::made) list_points(points, ball, noise_variance, out);
     return out;
 }
 
 }  // namespace
 
+[[gnu::flatten]] void list_points(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
+                                  CoveringSurfel& out) {
+    const Surfel& s = out.fitted.surfel;
+    const double noise = std::sqrt(noise_variance);
+    const double tolerance = std::min(
+        kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
+    const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
+    out.covered.resize(ball.n);
+    std::size_t n_covered = 0;
+    Residuals residuals(s, ball);
+    const EdgePoints edge_points(s, ball);
+    for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
+        const std::uint64_t near = residuals.within(std::max(tolerance, beside), first);
+        const CoveredLanes lanes(residuals, weight_kernel(lanes_at(ball.sq, first)));
+        const std::uint64_t inside = s.sharp ? 0 : lane_bits(lanes_at(ball.sq, first) < 1.0);
+        for (std::uint64_t bits = inside & ~near; bits != 0; bits &= bits - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+            const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, {ball.nx[i], ball.ny[i], ball.nz[i]});
+            if (sign) out.edges.push_back(*sign);
+        }
+        const std::uint64_t explained = residuals.no_farther_than(tolerance);
+        for (std::uint64_t bits = near; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+            const std::size_t i = first + lane;
+            if (s.sharp && faces_away(s, {ball.x[i], ball.y[i], ball.z[i]},
+                                      {ball.nx[i], ball.ny[i], ball.nz[i]}))
+                continue;
+            const std::uint32_t point = tree.source(ball.index[i]);
+            if ((explained >> lane & 1) == 0) {
+                out.beside.push_back(point);
+                continue;
+            }
+            out.covered[n_covered++] = {point, lanes.weight[lane], lanes.u[lane], lanes.v[lane], lanes.off[lane],
+                                        ball.sq[i] < kTrim * kTrim};
+            // The heaviest weight is G(0) = 1, which only points at the centre have.
+            out.explains_center |= lanes.weight[lane] >= kAtCenter;
+            if (out.edges_are_real) edge_points.add(i, out.edge_points);
+        }
+    }
+    out.covered.resize(n_covered);
+}
+
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& ball, Edges edges) {
+                          BallPoints<double>& ball, Edges edges, Lists lists) {
     gather_ball(points, center, radius, ball);
-    return fit_gathered_surfel(points, center, normal, degree, forced, noise_variance, ball, edges);
+    return fit_gathered_surfel(points, center, normal, degree, forced, noise_variance, ball, edges, lists);
 }
 
 CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges) {
+                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges, Lists lists) {
     const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
     const BallFit fit = fit_gathered(normal, degree, forced, noise_variance, enough, edges, ball);
-    return cover_by(points, center, fit, noise_variance, edges, ball);
+    return cover_by(points, center, fit, noise_variance, edges, lists, ball);
 }
 
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
-                                 double noise_variance, SteadyWork& work) {
+                                 double noise_variance, SteadyWork& work, Lists lists) {
     gather_ball(points.all(), center, radius, work.ball);
     BallFit fit = fit_gathered(normal, degree, forced, noise_variance, Enough::freedom, Edges::ignored, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
     if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;
-    return cover_by(points.all(), center, fit, noise_variance, Edges::ignored, work.ball);
+    return cover_by(points.all(), center, fit, noise_variance, Edges::ignored, lists, work.ball);
 }
 
 std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Vec3d& center,
@@ -290,7 +306,7 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
     out.fitted.surfel = fit->surfel(center, choice.radius);
     out.fitted.fit_error = std::sqrt(fit->sq_error);
     out.fitted.n_points = static_cast<std::uint32_t>(fit->n_points);
-    list_covered(points, ball, noise_variance, out);
+    list_points(points, ball, noise_variance, out);
     if (!out.explains_center) return std::nullopt;
     return out;
 }
@@ -305,7 +321,7 @@ CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& fitted,
         set_contrary_aside(ball, fitted.surfel.frame.normal, aside);
         take_back(ball, fitted.surfel.frame.normal, aside);
     }
-    list_covered(points, ball, noise_variance, out);
+    list_points(points, ball, noise_variance, out);
     return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/unfilled_vector.h"
 #include "slim/cover/air_places.h"
 #include "slim/fit/local_fit.h"
 #include "slim/fit/radius_ladder.h"
@@ -45,7 +46,7 @@ enum class Edges : std::uint8_t { ignored, doubtful, real };
 /// that do not face away (DESIGN 4, lesson 4; notes/0001).
 struct CoveringSurfel {
     FittedSurfel fitted;
-    std::vector<Covered> covered;
+    UnfilledVector<Covered> covered;
     /// Points that it does not explain, yet no farther than 9 sqrt(lambda) and 0.35 rho.
     std::vector<std::uint32_t> beside;
     std::vector<EdgeSign> edges;  ///< of points that it does not explain (notes/0008)
@@ -61,6 +62,10 @@ struct CoveringSurfel {
     bool normals_disagree = false;
 };
 
+/// Whether the points that a surfel covers are listed at once, or only measured: list_points adds them. Many a leaf is given
+/// up by its measures, and the lists take as long as the fit.
+enum class Lists : std::uint8_t { made, left_out };
+
 /// The exact fit at a chosen radius: all points of the ball, in doubles, frame of the rounded normal.
 /// With `forced` (the radius was not chosen by E, the points are few) the surfel takes the lowest degree
 /// that explains them within the noise, eps <= 2 sqrt(lambda): a higher one would fit the noise and
@@ -68,11 +73,12 @@ struct CoveringSurfel {
 /// the ball holds one, if they leave enough freedom: few points beside an edge would bend it.
 CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal,
                           double radius, int degree, bool forced, double noise_variance,
-                          BallPoints<double>& work, Edges edges = Edges::ignored);
+                          BallPoints<double>& work, Edges edges = Edges::ignored, Lists lists = Lists::made);
 
 /// The same of the points in a ball about the centre that was gathered already.
 CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges);
+                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges,
+                                   Lists lists = Lists::made);
 
 /// Workspace of fit_steady_surfel.
 struct SteadyWork {
@@ -84,7 +90,10 @@ struct SteadyWork {
 /// curvature is steadied by wider balls (slim/fit/steady_curvature.h).
 CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center,
                                  const Vec3d& normal, double radius, int degree, bool forced,
-                                 double noise_variance, SteadyWork& work);
+                                 double noise_variance, SteadyWork& work, Lists lists = Lists::made);
+
+/// Adds the lists that were left out of a surfel, from the ball as its fit left it.
+void list_points(const PointTree& points, const BallPoints<double>& ball, double noise_variance, CoveringSurfel& surfel);
 
 /// The exact fit of an edge's or a corner's sheets at a chosen radius (SharpSearch), all points of the ball.
 /// Nothing if they do not fall into so many sheets as the search's sample did.

@@ -13,7 +13,7 @@
 namespace slim {
 namespace {
 
-constexpr std::size_t kFew = 1000;  // samples that every mean is over, if there are so many
+constexpr std::size_t kFew = kFewestSamples;
 
 constexpr double kRounding = 1e-12;         // of the squared spacing: below it a neighbourhood is flat
 
@@ -63,8 +63,8 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
 }
 
 /// A mean over fewer samples the more neighbours each has: the cost does not grow with k.
-std::size_t enough_samples(std::size_t n, std::size_t k) {
-    return std::min(n, std::max(n * 10 / k, kFew));
+std::size_t enough_samples(std::size_t n, std::size_t k, std::size_t fewest) {
+    return std::min(n, std::max(n * 10 / k, fewest));
 }
 
 /// The first k whose neighbourhoods are flat, which shows on a tenth of the samples; else the flattest.
@@ -111,10 +111,10 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
 
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples,
-                                      std::size_t neighbors, std::span<const Vec3f> normals) {
+                                      std::size_t neighbors, std::span<const Vec3f> normals, std::size_t fewest) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
     const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
-    NoiseVariance out = with_neighbors(search, places, k, enough_samples(places.size(), k), normals);
+    NoiseVariance out = with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
         out.independence = normal_independence(search, places, normals, k);
     return out;

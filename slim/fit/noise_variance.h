@@ -29,13 +29,17 @@ inline constexpr std::size_t kNoiseNeighbors[] = {10, 20, 40, 80, 160, 320, 640,
 /// More are wanted where noise is several spacings thick, and cost a second a slice.
 inline constexpr std::size_t kUsualMostNeighbors = 160;
 inline constexpr double kFlat = 0.1;
+/// Samples that every mean is over, if there are so many.
+inline constexpr std::size_t kFewestSamples = 1000;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
 /// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points with fewer than three distinct neighbours are left out; none left gives value 0.
 /// samples: points of the search by falling priority, of which the first serve where fewer do;
-/// those that lie at one place count once. normals: of the search's points; empty: none. Cost: one k-NN query a sample, fewer the larger k.
+/// those that lie at one place count once. normals: of the search's points; empty: none. fewest: samples, if there are so
+/// many; of one slice of many fewer will do. Cost: one k-NN query a sample, fewer the larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
-                                      std::span<const Vec3f> normals = {});
+                                      std::span<const Vec3f> normals = {},
+                                      std::size_t fewest = kFewestSamples);
 
 }  // namespace slim

@@ -1,5 +1,9 @@
 #include "slim/model/distinct_points.h"
 
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 
 namespace slim {
@@ -59,9 +63,23 @@ private:
     std::size_t copies_ = 0;
 };
 
+/// Whether any point lies where the one before it does.
+bool has_copies(const PointBlock& points) {
+    std::atomic<bool> any = false;
+    parallel_blocks(points.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i)
+            if (points.position[i] == points.position[i - 1]) {
+                any = true;
+                return;
+            }
+    });
+    return any;
+}
+
 }  // namespace
 
 std::uint64_t keep_distinct(PointBlock& points, const std::function<bool(const Vec3d&)>& is_counted) {
+    if (!has_copies(points)) return 0;
     std::uint64_t copies = 0;
     Place place(points);
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -65,7 +65,7 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
         const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
                                             false, 1e-6, work);
         const CoveringSurfel whole = cover_again(tree, s.fitted, 1e-6, work);
-        const std::vector<Covered>& again = whole.covered;
+        const auto& again = whole.covered;
         EXPECT_EQ(whole.beside, s.beside);
         ASSERT_EQ(again.size(), s.covered.size());
         for (std::size_t k = 0; k < again.size(); ++k) {
