@@ -78,26 +78,30 @@ bool belongs(const SheetRoot& root, double t_guess, const Surfel& s) {
     return std::abs(root.t - (t_guess - root.t_base) / s.support_radius) <= kBelongs;
 }
 
-/// What is seen from p along n: the gradient of the supporter whose root is nearest p, this side of its rim unless all are
-/// beyond theirs. n itself where no supporter is sharp: there every one on n's side counts.
+// weight below which a supporter, near its ball's or its rim's end, does not say which face is seen (slim/fit/notes/0013)
+constexpr double kLeastSay = 0.002;
+
+/// What is seen from p along n: the gradient of the supporter whose root is nearest p, of those that have a say if there are
+/// any. n itself where no supporter is sharp: there every one on n's side counts.
 Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supporters) {
-    Gate gate(n), beyond(n);
+    Gate gate(n), fringe(n);
     const auto is_sharp = [](const Surfel* s) { return s->sharp != nullptr; };
     if (std::none_of(supporters.begin(), supporters.end(), is_sharp)) return gate;
-    double nearest = INFINITY, nearest_beyond = INFINITY;
+    double nearest = INFINITY, nearest_fringe = INFINITY;
     for (const Surfel* s : supporters) {
         const auto root = nearest_root({p, n}, 0, *s);
         if (!root) continue;
         const Vec3d g = world_gradient(*s, root->local.x, root->local.y, root->sheet);
         const double t = std::abs(root->t_base + s->support_radius * root->t);
         if (!(dot(g, n) > 0)) continue;
-        const bool is_inside = rim_share(s->rims, root->local.x, root->local.y) > 0;
-        double& least = is_inside ? nearest : nearest_beyond;
+        const bool has_say = rim_share(s->rims, root->local.x, root->local.y) *
+                                 weight_kernel(sq_length(root->local)) > kLeastSay;
+        double& least = has_say ? nearest : nearest_fringe;
         if (!(t < least)) continue;
         least = t;
-        (is_inside ? gate : beyond) = Gate(g, true);
+        (has_say ? gate : fringe) = Gate(g, true);
     }
-    return nearest < INFINITY ? gate : beyond;
+    return nearest < INFINITY ? gate : fringe;
 }
 
 /// A point that lies beyond the rims of all its supporters still has them: its own surface was left out.
