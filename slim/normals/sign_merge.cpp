@@ -1,39 +1,45 @@
 #include "slim/normals/sign_merge.h"
 
+#include "slim/normals/pair_weights.h"
+
 #include <algorithm>
 #include <cmath>
-#include <memory_resource>
 #include <queue>
-#include <unordered_map>
 #include <utility>
 
 namespace slim {
 namespace {
 
+// least weights of pairs in the queue, one after the other: a queue of all pairs is too large for a cache
+constexpr double kQueued[] = {64, 16, 4, 1, 0.25, 0};
+
 /// The votes between groups that still stand for themselves.
 class VoteGraph {
 public:
     VoteGraph(std::uint32_t n, const std::vector<SignVote>& votes)
-        : neighbors_(n), alive_(n, true), weight_(&memory_) {
-        weight_.reserve(votes.size());
+        : neighbors_(n), alive_(n, true), weights_(votes.size()) {
         for (const SignVote& v : votes) add(v.a, v.b, v.weight);
-        std::vector<Sure> all;
-        all.reserve(weight_.size());
-        for (const auto& [pair, weight] : weight_)
-            all.push_back({std::abs(weight), static_cast<std::uint32_t>(pair >> 32),
-                           static_cast<std::uint32_t>(pair)});
-        queue_ = std::priority_queue<Sure>({}, std::move(all));
     }
 
-    /// Takes the surest pair, joins it in `forest` and adds up their votes; false: there is none.
+    /// Queues the pairs of at least that weight, now and as they come. None may be queued before.
+    void queue_from(double least) {
+        least_ = least;
+        std::vector<Sure> pairs;
+        weights_.for_each([&](std::uint32_t a, std::uint32_t b, double weight) {
+            if (std::abs(weight) >= least) pairs.push_back({std::abs(weight), a, b});
+        });
+        queue_ = std::priority_queue<Sure>({}, std::move(pairs));
+    }
+
+    /// Takes the surest pair, joins it in `forest` and adds up their votes; false: none is queued.
     bool merge_surest(SignedForest& forest) {
         while (!queue_.empty()) {
             const Sure sure = queue_.top();
             queue_.pop();
-            const auto vote = weight_.find(key(sure.a, sure.b));
-            if (vote == weight_.end() || std::abs(vote->second) != sure.weight) continue;
-            const bool opposed = vote->second < 0;
-            weight_.erase(vote);
+            const std::size_t at = weights_.find(sure.a, sure.b);
+            if (at == PairWeights::kNone || std::abs(weights_.weight(at)) != sure.weight) continue;
+            const bool opposed = weights_.weight(at) < 0;
+            weights_.erase(at);
             forest.join(sure.a, sure.b, opposed);
             if (neighbors_[sure.a].size() < neighbors_[sure.b].size())
                 move_votes(sure.a, sure.b, opposed);
@@ -52,42 +58,35 @@ private:
         }
     };
 
-    static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-        return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
-    }
-    void add(std::uint32_t a, std::uint32_t b, double weight) {
-        const auto [at, is_new] = weight_.try_emplace(key(a, b), weight);
-        if (!is_new) {
-            at->second += weight;
-            return;
+    /// Returns what a and b say of each other now.
+    double add(std::uint32_t a, std::uint32_t b, double weight) {
+        const auto [at, is_new] = weights_.add(a, b, weight);
+        if (is_new) {
+            neighbors_[a].push_back(b);
+            neighbors_[b].push_back(a);
         }
-        neighbors_[a].push_back(b);
-        neighbors_[b].push_back(a);
-    }
-    void push(std::uint32_t a, std::uint32_t b) {
-        const double weight = weight_.at(key(a, b));
-        queue_.push({std::abs(weight), std::min(a, b), std::max(a, b)});
+        return weights_.weight(at);
     }
     /// What `from` says of others is said by `to`.
     void move_votes(std::uint32_t from, std::uint32_t to, bool opposed) {
         alive_[from] = false;
         for (const std::uint32_t other : neighbors_[from]) {
             if (!alive_[other] || other == to) continue;
-            const auto vote = weight_.find(key(from, other));
-            if (vote == weight_.end()) continue;
-            const double weight = opposed ? -vote->second : vote->second;
-            weight_.erase(vote);
-            add(to, other, weight);
-            push(to, other);
+            const std::size_t at = weights_.find(from, other);
+            if (at == PairWeights::kNone) continue;
+            const double weight = opposed ? -weights_.weight(at) : weights_.weight(at);
+            weights_.erase(at);
+            const double sure = std::abs(add(to, other, weight));
+            if (sure >= least_) queue_.push({sure, std::min(to, other), std::max(to, other)});
         }
         neighbors_[from] = {};
     }
 
     std::vector<std::vector<std::uint32_t>> neighbors_;  ///< some no longer alive
     std::vector<bool> alive_;
-    std::pmr::unsynchronized_pool_resource memory_;
-    std::pmr::unordered_map<std::uint64_t, double> weight_;
+    PairWeights weights_;
     std::priority_queue<Sure> queue_;
+    double least_ = 0;
 };
 
 }  // namespace
@@ -95,7 +94,10 @@ private:
 SignedForest merge_by_votes(std::uint32_t n, const std::vector<SignVote>& votes) {
     SignedForest forest(n);
     VoteGraph graph(n, votes);
-    while (graph.merge_surest(forest)) {}
+    for (const double least : kQueued) {
+        graph.queue_from(least);
+        while (graph.merge_surest(forest)) {}
+    }
     return forest;
 }
 

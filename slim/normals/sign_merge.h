@@ -19,7 +19,7 @@ struct SignVote {
 /// say of others is added up, and so on (greedy additive edge contraction, Keuper et al. 2015). So a
 /// single wrong vote at a crease is outvoted where there are more, unlike in a spanning tree.
 /// Votes on the same groups are added up. Deterministic.
-/// Cost: 1 us a vote, one thread; 100 bytes a vote.
+/// Cost: 0.3 to 0.4 us a vote, one thread; 80 bytes a vote.
 SignedForest merge_by_votes(std::uint32_t n, const std::vector<SignVote>& votes);
 
 }  // namespace slim

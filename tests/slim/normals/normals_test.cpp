@@ -1,5 +1,6 @@
 #include "slim/normals/estimate.h"
 #include "slim/normals/orient.h"
+#include "slim/normals/pair_weights.h"
 #include "slim/normals/repair.h"
 #include "slim/normals/sign_merge.h"
 
@@ -9,9 +10,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace slim::test {
@@ -174,6 +178,37 @@ TEST(SignMerge, AWrongVoteIsOutvotedWhereASpanningTreeFollowsIt) {
         EXPECT_EQ(forest.find(i).flipped, forest.find(0).flipped);
     }
     EXPECT_NE(forest.find(4).index, forest.find(0).index);  // nobody votes on it
+}
+
+TEST(PairWeights, FindsWhatAMapFindsAfterManyErasures) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> truth;
+    PairWeights weights(64);
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+        const auto number = [&](std::uint64_t k) {
+            return static_cast<std::uint32_t>(keyed_hash(k, i) % 24);
+        };
+        const auto [a, b] = std::minmax(number(1), number(2));
+        if (a == b) continue;
+        const auto known = truth.find({a, b});
+        const std::size_t at = weights.find(b, a);
+        ASSERT_EQ(at != PairWeights::kNone, known != truth.end());
+        if (at != PairWeights::kNone) {
+            ASSERT_EQ(weights.weight(at), known->second);
+        }
+        if (known != truth.end() && number(3) % 2) {
+            weights.erase(at);
+            truth.erase(known);
+        } else if (known != truth.end() || truth.size() < 64) {
+            weights.add(a, b, static_cast<double>(i));
+            truth[{a, b}] += static_cast<double>(i);
+        }
+    }
+    std::size_t n = 0;
+    weights.for_each([&](std::uint32_t a, std::uint32_t b, double weight) {
+        EXPECT_EQ(weight, truth.at({a, b}));
+        ++n;
+    });
+    EXPECT_EQ(n, truth.size());
 }
 
 TEST(SignMerge, OppositeGroupsHandOnWhatTheySayOfOthers) {
