@@ -6,22 +6,15 @@
 #include "pipeline/normals_rims.h"
 #include "pipeline/peak_memory.h"
 #include "pipeline/sensors.h"
+#include "pipeline/slice_normals.h"
 #include "slim/base/error.h"
-#include "slim/base/hash.h"
-#include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/neighbors/point_tree.h"
-#include "slim/normals/estimate.h"
-#include "slim/normals/orient.h"
-#include "slim/normals/repair.h"
 #include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace slim {
@@ -32,164 +25,7 @@ namespace {
 // 0.2 % of a radius.
 constexpr double kSamples = 60000;
 constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean over many neighbours
-constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
-constexpr std::size_t kGrain = 16384;        // points a task
-// beyond this share a cloud's own normals are not to be trusted
-constexpr double kManyContrary = 0.1;
-
-// Points of which noise and spacing are measured before normals are estimated.
-constexpr double kFewSamples = 4000;
-// Neighbours for an estimate: their ball, sqrt(k / pi) spacings, must be half as wide again as noise is thick (slim/normals/notes/0002).
-constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
-
-/// Counts of one slice, by what became of the normals.
-struct NormalsReport {
-    std::size_t neighbors = 0;  ///< that each was estimated from
-    std::size_t kept = 0, turned = 0, estimated = 0, degenerate = 0, noisy = 0;
-    OrientReport orientation;
-};
-
-/// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
-std::size_t normalize_all(std::vector<Vec3f>& normals) {
-    std::atomic<std::size_t> n_missing = 0;
-    parallel_blocks(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        std::size_t missing = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            Vec3f& n = normals[i];
-            n = is_finite(n) ? normalized(n) : Vec3f{};
-            missing += !(sq_length(n) > 0);
-        }
-        n_missing += missing;
-    });
-    return n_missing;
-}
-
-std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
-    std::vector<std::uint32_t> out;
-    for (std::uint32_t i = 0; i < points.size(); ++i)
-        if (!(sq_length(points.normal[i]) > 0)) out.push_back(i);
-    return out;
-}
-
-std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
-    return static_cast<std::size_t>(
-        std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
-}
-
-/// About that share of a slice's own points, by rising hash of their id.
-std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
-                                         double share) {
-    using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
-    std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
-    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
-            if (own[i] && unit_interval(h) < share)
-                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
-        }
-    });
-    Chosen chosen;
-    for (const Chosen& part : parts) chosen.insert(chosen.end(), part.begin(), part.end());
-    std::sort(chosen.begin(), chosen.end());
-    std::vector<std::uint32_t> samples;
-    for (const auto& [hash, i] : chosen) samples.push_back(i);
-    return samples;
-}
-
-/// Neighbours enough for a ball as wide as the noise is thick.
-std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
-                                const std::vector<bool>& own) {
-    const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
-    const NoiseVariance noise =
-        estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
-    if (!(noise.spacing > 0)) return kUsualNeighbors;
-    const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
-    return static_cast<std::size_t>(
-        std::clamp(std::ceil(k), double{kUsualNeighbors}, double{kMostNeighbors}));
-}
-
-/// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
-void estimate_missing(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
-                      const std::vector<std::uint32_t>& wanted,
-                      const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
-                      const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
-                      NormalsReport& report) {
-    report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
-                                     : neighbors_for_noise(points, search, own);
-    const NeighborGraph graph =
-        estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
-    report.estimated = count_own(own, wanted);
-    std::vector<bool> known(points.size(), true);
-    for (const std::uint32_t i : wanted) {
-        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
-        known[i] = scan < sensors.size() && is_finite(sensors[scan]);
-    }
-    if (orient_to_sensors(points, wanted, sensors) < wanted.size())
-        report.orientation = orient_by_neighbors(points, graph, known, center, hints, own,
-                                                seen_from_above);
-    report.orientation.by_sensor =
-        report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
-}
-
-/// Estimates are wrong here and there, too: the sensor's word at a grazing angle, a vote at a crease.
-/// How many are is what the fit takes for the noise of normals.
-void audit_estimates(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
-                     const std::vector<std::uint32_t>& wanted, NormalsReport& report) {
-    std::vector<bool> counted(points.size(), false);
-    for (const std::uint32_t i : wanted) counted[i] = own[i];
-    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), counted);
-    report.turned += audit.contrary;
-    report.noisy += audit.noisy;
-}
-
-/// points: in Morton order, `search` over them; the report is of the slice's own
-NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
-                           const std::vector<bool>& own,
-                           const std::optional<Vec3d>& center,
-                           const NormalsConfig& config, const SlicePlan& plan,
-                           const std::vector<Vec3d>& sensors, bool seen_from_above,
-                           Reporter& reporter) {
-    NormalsReport report;
-    std::vector<std::uint32_t> wanted;
-    if (normalize_all(points.normal) > 0) wanted = points_without_normal(points);
-    const std::size_t n_points = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
-    if (config.normals == "keep" && count_own(own, wanted) > 0)
-        reporter.warn(fmt::format(
-            "{} points have no normal and none is estimated (--normals keep): they are estimated "
-            "with --normals auto",
-            count_own(own, wanted)));
-    const std::size_t n_own = n_points - count_own(own, wanted);
-    if (config.normals == "keep") {
-        report.kept = n_own;
-        return report;
-    }
-    std::vector<Vec3f> hints;
-    if (n_own > 0 && !signs_carry_over(config, plan)) {
-        const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
-        report.turned = audit.contrary;
-        report.noisy = audit.noisy;
-        const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
-        if (share > kManyContrary || audit.has_mixed_signs()) {
-            reporter.warn(fmt::format(
-                "{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
-                "normals each other: all normals are estimated anew",
-                100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)));
-            report.turned = report.noisy = 0;
-            hints = std::move(points.normal);
-            points.normal.assign(points.size(), Vec3f{});
-            wanted = points_without_normal(points);
-        }
-    }
-    if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
-        report.kept = n_points - count_own(own, wanted) - report.turned;
-    if (!wanted.empty()) {
-        estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
-                         seen_from_above, report);
-        audit_estimates(points, search, own, wanted, report);
-    }
-    return report;
-}
 
 /// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
 /// number of neighbours counts is decided for all slices together: a job of several measures each,
