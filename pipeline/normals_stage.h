@@ -28,7 +28,7 @@ struct NormalsConfig : SliceChoice {
                      {"auto", "keep", "estimate"});
         field("neighbors", neighbors,
               "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up to 64 where noise "
-              "is thicker than they reach",
+              "is thicker than they reach (by slice)",
               0, 200);
         field.path("sensors", sensors,
                    "JSON with the position of each scan's sensor, or the direction to it (as `slim scan` writes); default: "

@@ -24,6 +24,7 @@ constexpr std::size_t kGrain = 16384;        // points a task
 constexpr double kManyContrary = 0.1;
 // points of which noise and spacing are measured before normals are estimated
 constexpr double kFewSamples = 4000;
+constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
 // Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more (slim/normals/notes/0002).
 constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
 
@@ -54,9 +55,10 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
-/// Neighbours enough for a ball as wide as the noise is thick.
+/// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are to be estimated.
 std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
-                                const std::vector<bool>& own) {
+                                const std::vector<bool>& own, std::size_t n_wanted) {
+    if (kFew * n_wanted < points.size()) return kUsualNeighbors;
     const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
     const NoiseVariance noise =
         estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
@@ -73,8 +75,8 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
                       const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
                       NormalsReport& report) {
     report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
-                                     : neighbors_for_noise(points, search, own);
-    const NeighborGraph graph =
+                                     : neighbors_for_noise(points, search, own, wanted.size());
+    NeighborGraph graph =
         estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
@@ -83,7 +85,7 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
     if (orient_to_sensors(points, wanted, sensors) < wanted.size())
-        report.orientation = orient_by_neighbors(points, graph, known, center, hints, own,
+        report.orientation = orient_by_neighbors(points, std::move(graph), known, center, hints, own,
                                                 seen_from_above);
     report.orientation.by_sensor =
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
@@ -93,10 +95,10 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
 /// How many are is what the fit takes for the noise of normals.
 void audit_estimates(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
                      const std::vector<std::uint32_t>& wanted, NormalsReport& report) {
-    std::vector<bool> counted(points.size(), false);
-    for (const std::uint32_t i : wanted) counted[i] = own[i];
-    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), counted);
-    report.turned += audit.contrary;
+    std::vector<bool> estimated(points.size(), false);
+    for (const std::uint32_t i : wanted) estimated[i] = true;
+    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own, estimated);
+    report.estimates_turned = audit.contrary;
     report.noisy += audit.noisy;
 }
 

@@ -12,6 +12,9 @@ namespace {
 // middle / largest eigenvalue below which the points lie on a line
 constexpr double kSpansPlane = 1e-10;
 
+// neighbours of a point that the graph lists of more, evenly: what signs are voted by
+constexpr std::size_t kListed = 16;
+
 /// Repeats take the normal of the point before, which is their only neighbour.
 void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlock& points) {
     for (std::size_t row = 0; row < graph.points.size(); ++row) {
@@ -29,7 +32,7 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,
                                std::size_t& degenerate, const std::vector<bool>& counted) {
     NeighborGraph graph;
-    graph.k = std::min(k, points.size());
+    graph.k = std::min({k, kListed, points.size()});
     graph.points.assign(wanted.begin(), wanted.end());
     graph.neighbors.resize(wanted.size() * graph.k);
     std::vector<std::uint32_t> rows, searched;
@@ -45,10 +48,10 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         const auto row = graph.neighbors.begin() + static_cast<std::ptrdiff_t>(rows[r] * graph.k);
-        std::copy(neighbors.begin(), neighbors.end(), row);
         // Fewer distinct places than k: the rest of the row is the point itself.
-        std::fill(row + static_cast<std::ptrdiff_t>(neighbors.size()),
-                  row + static_cast<std::ptrdiff_t>(graph.k), searched[r]);
+        const std::size_t n = std::min(graph.k, neighbors.size());
+        for (std::size_t i = 0; i < graph.k; ++i)
+            row[static_cast<std::ptrdiff_t>(i)] = i < n ? neighbors[i * neighbors.size() / n] : searched[r];
     });
     degenerate = lines;
     copy_to_repeats(search, graph, points);

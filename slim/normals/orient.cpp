@@ -111,12 +111,14 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
     return turned;
 }
 
-OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
+OrientReport orient_by_neighbors(PointBlock& points, NeighborGraph graph,
                                  std::vector<bool>& known, const std::optional<Vec3d>& center,
                                  std::span<const Vec3f> hints,
                                  const std::vector<bool>& counted, bool seen_from_above) {
     SignGroups groups = group_by_sign(points, graph, known);
-    SignedForest forest = merge_by_votes(groups.n, votes_between(points, graph, groups));
+    std::vector<SignVote> votes = votes_between(points, graph, groups);
+    graph.neighbors = {};
+    SignedForest forest = merge_by_votes(groups.n, std::move(votes));
     const Components components(std::move(groups), std::move(forest));
     const std::vector<Shape> shapes = shapes_of(points, components, center, hints);
     const bool flat = is_flat_scene(shapes);
@@ -134,7 +136,7 @@ OrientReport orient_by_neighbors(PointBlock& points, const NeighborGraph& graph,
                             : !flat && has_outside(s) ? s.flux
                                                       : s.up;
         bool turn = (vote < 0) != (components.opposed[i] != 0);
-        // An airborne scanner sees no overhang, whatever the forest says of a tree or a shed.
+        // An airborne scanner sees no overhang, whatever the votes say of a tree or a shed.
         if (from_above && (seen_from_above || !is_anchored) && !s.has_clear_hints() &&
             std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;

@@ -10,7 +10,7 @@
 namespace slim {
 
 /// Weights of pairs of different numbers, at most `most` at a time: open addresses in one array, as looking them up is what
-/// the joining of groups takes its time for (notes/0002). 32 to 64 bytes a pair.
+/// the joining of groups takes its time for (notes/0002). Weights are finite. 32 to 64 bytes a pair.
 class PairWeights {
 public:
     static constexpr std::size_t kNone = ~std::size_t{0};

@@ -45,8 +45,8 @@ struct Mended {
 class Auditor {
 public:
     Auditor(const PointBlock& points, const Neighborhoods& all, double most_radius,
-            const std::vector<bool>& counted)
-        : points_(points), all_(all), most_radius_(most_radius), counted_(counted) {}
+            const std::vector<bool>& counted, const std::vector<bool>& judged)
+        : points_(points), all_(all), most_radius_(most_radius), counted_(counted), judged_(judged) {}
 
     /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on
     /// either side of a jump of the curve are taken in parts.
@@ -60,7 +60,7 @@ public:
         }
         bool is_gathered = false;
         for (std::size_t first = begin; first < end; first += kBucket) {
-            if (is_plain(first / kBucket)) continue;
+            if (is_plain(first / kBucket) || !is_any_judged(first, std::min(first + kBucket, end))) continue;
             if (!std::exchange(is_gathered, true)) around_.gather(all_, box, most_radius_);
             audit_part(first, std::min(first + kBucket, end));
         }
@@ -76,6 +76,12 @@ private:
     bool is_plain(std::size_t bucket) const {
         return bucket % kSampledBuckets != 0 && (bucket + 1) * kBucket <= points_.size() &&
                all_.tree.bucket(bucket).diagonal() <= 2 * most_radius_ && is_of_one_mind(all_.buckets[bucket]);
+    }
+    bool is_any_judged(std::size_t begin, std::size_t end) const {
+        if (judged_.empty()) return true;
+        for (std::size_t i = begin; i < end; ++i)
+            if (judged_[i]) return true;
+        return false;
     }
     Bbox box_of(std::size_t begin, std::size_t end) const {
         Bbox box;
@@ -111,6 +117,7 @@ private:
 
     /// mean: of the normals about point i
     void judge(std::size_t i, const Vec3d& mean) {
+        if (!judged_.empty() && !judged_[i]) return;
         const Vec3f own = points_.normal[i];
         if (!(sq_length(own) > 0)) {
             ++counts.missing;
@@ -130,6 +137,7 @@ private:
     const Neighborhoods& all_;
     double most_radius_;
     const std::vector<bool>& counted_;
+    const std::vector<bool>& judged_;
     Surroundings around_;
     Candidates candidates_;
 };
@@ -147,14 +155,14 @@ void add(const NormalAudit& one, NormalAudit& sum) {
 }  // namespace
 
 NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
-                                    const std::vector<bool>& counted) {
+                                    const std::vector<bool>& counted, const std::vector<bool>& judged) {
     SLIM_CHECK(boxes.size(), ==, points.size());
     const Neighborhoods all(points, boxes);
     const double most_radius = usual_diagonal(all.tree);
     std::vector<NormalAudit> partial((points.size() + kGrain - 1) / kGrain);
     std::vector<std::vector<Mended>> mended(partial.size());
     parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        Auditor auditor(points, all, most_radius, counted);
+        Auditor auditor(points, all, most_radius, counted, judged);
         for (std::size_t first = begin; first < end; first += kShared)
             auditor.audit(first, std::min(first + kShared, end));
         partial[begin / kGrain] = auditor.counts;

@@ -37,7 +37,9 @@ struct NormalAudit {
 /// Cost: 0.17 us a point and core (notes/0001); 24 bytes a point meanwhile. Parallel.
 /// boxes: of the block's points
 /// counted: the points that contrary and noisy are counted of; empty: all
+/// judged: the points that are looked at, others are neighbours only; empty: all
 NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
-                                    const std::vector<bool>& counted = {});
+                                    const std::vector<bool>& counted = {},
+                                    const std::vector<bool>& judged = {});
 
 }  // namespace slim

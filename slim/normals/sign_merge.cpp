@@ -2,6 +2,8 @@
 
 #include "slim/normals/pair_weights.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -10,6 +12,7 @@
 namespace slim {
 namespace {
 
+constexpr std::size_t kMany = std::size_t{1} << 16;
 // least weights of pairs in the queue, one after the other: a queue of all pairs is too large for a cache
 constexpr double kQueued[] = {64, 16, 4, 1, 0.25, 0};
 
@@ -91,9 +94,22 @@ private:
 
 }  // namespace
 
-SignedForest merge_by_votes(std::uint32_t n, const std::vector<SignVote>& votes) {
+void add_up(std::vector<SignVote>& votes) {
+    // A task that waited for others' work in the sort of a few would take up another of its kind.
+    if (votes.size() > kMany) tbb::parallel_sort(votes.begin(), votes.end());
+    else std::sort(votes.begin(), votes.end());
+    std::size_t n = 0;
+    for (const SignVote& vote : votes)
+        if (n > 0 && votes[n - 1].a == vote.a && votes[n - 1].b == vote.b)
+            votes[n - 1].weight += vote.weight;
+        else votes[n++] = vote;
+    votes.resize(n);
+}
+
+SignedForest merge_by_votes(std::uint32_t n, std::vector<SignVote> votes) {
     SignedForest forest(n);
     VoteGraph graph(n, votes);
+    votes = {};
     for (const double least : kQueued) {
         graph.queue_from(least);
         while (graph.merge_surest(forest)) {}

@@ -51,6 +51,14 @@ for stage in ("slice", "normals", "fit", "tree"):
     peak = airborne.json()["stages"][stage]["peak_memory_bytes"] / 2**20
     check(peak <= 64 * 1.1, f"autzen_stadium in 64 MiB: {stage} took {peak:.0f} MiB")
 
+# In noise of several spacings hardly any neighbours agree: the votes on signs are many then.
+run("slim-scan", "bumpy", "-o", "thick.ply", "--points", "400000", "--noise", "0.01", "--no-normals", "--pattern", "uniform")
+pathlib.Path("thick.scans.json").unlink(missing_ok=True)
+thick = run("slim-build", "thick.ply", "-o", "thick.slim", "--memory", "128MiB", "--json", seconds=300)
+check(thick.code == 0, f"thick noise: build ends with {thick.code}: {thick.err[-300:]}")
+peak = thick.json()["stages"]["normals"]["peak_memory_bytes"] / 2**20
+check(peak <= 128 * 1.1, f"thick noise without normals in 128 MiB: normals took {peak:.0f} MiB")
+
 # Sharp features: fewer leaves and a smaller maximum at once (slim/fit/notes/0002), and one that is small in itself. nefertiti has
 # as many leaves, and its smooth maximum is one of a few vertices (slim/cover/notes/0014).
 for name, t, leaves, most, largest in (("fandisk_original", 0.01, 0.75, 0.65, 1.7e-3), ("block_original", 0.01, 0.6, 0.6, 3.6e-3),

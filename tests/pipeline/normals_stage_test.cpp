@@ -173,6 +173,24 @@ TEST_F(NormalsStage, TakesMoreNeighboursWhereNoiseIsThick) {
     EXPECT_THROW(normals(config), ConfigError);
 }
 
+// What is estimated is looked at once more, not the normals that the cloud has.
+TEST_F(NormalsStage, AMissingNormalChangesNoOther) {
+    Cloud cloud = with_flips(0.06);
+    slice(write(cloud, "c.ply"), 1);
+    const auto all = normals();
+    const PointBlock before = oriented();
+    cloud.normals[5000] = {};
+    slice(write(cloud, "d.ply"), 1);
+    const auto missing = normals();
+    EXPECT_EQ(missing["estimated"], 1);
+    EXPECT_EQ(missing["neighbors"], 16);
+    const PointBlock after = oriented();
+    std::size_t n_other = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+        n_other += before.id[i] != 5000 && !(before.normal[i] == after.normal[i]);
+    EXPECT_LE(n_other, 16u);  // whose majority it was part of
+}
+
 // Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along the
 // surface it gives them the wrong sign.
 TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
@@ -183,7 +201,8 @@ TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
     slice(path, 1);
     const auto r = normals();
     EXPECT_EQ(r["oriented_by_sensor"], 20000);
-    const std::size_t turned = r["turned"], outwards = 20000 - inwards(oriented());
+    EXPECT_EQ(r["turned"], 0);  // that is of a cloud's own
+    const std::size_t turned = r["estimates_turned"], outwards = 20000 - inwards(oriented());
     EXPECT_GT(turned, 200u);
     EXPECT_LT(2 * outwards, turned);
 }

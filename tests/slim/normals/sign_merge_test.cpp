@@ -27,11 +27,12 @@ TEST(SignMerge, AWrongVoteIsOutvotedWhereASpanningTreeFollowsIt) {
 TEST(PairWeights, FindsWhatAMapFindsAfterManyErasures) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> truth;
     PairWeights weights(64);
+    std::size_t n_erased = 0;
     for (std::uint64_t i = 0; i < 20000; ++i) {
         const auto number = [&](std::uint64_t k) {
             return static_cast<std::uint32_t>(keyed_hash(k, i) % 24);
         };
-        const auto [a, b] = std::minmax(number(1), number(2));
+        const auto [a, b] = std::minmax({number(1), number(2)});
         if (a == b) continue;
         const auto known = truth.find({a, b});
         const std::size_t at = weights.find(b, a);
@@ -42,17 +43,29 @@ TEST(PairWeights, FindsWhatAMapFindsAfterManyErasures) {
         if (known != truth.end() && number(3) % 2) {
             weights.erase(at);
             truth.erase(known);
+            ++n_erased;
         } else if (known != truth.end() || truth.size() < 64) {
             weights.add(a, b, static_cast<double>(i));
             truth[{a, b}] += static_cast<double>(i);
         }
     }
+    EXPECT_GT(n_erased, 1000u);
     std::size_t n = 0;
     weights.for_each([&](std::uint32_t a, std::uint32_t b, double weight) {
         EXPECT_EQ(weight, truth.at({a, b}));
         ++n;
     });
     EXPECT_EQ(n, truth.size());
+    EXPECT_GT(n, 20u);
+}
+
+TEST(SignMerge, AddsUpTheVotesOnTheSameGroups) {
+    std::vector<SignVote> votes{{1, 2, 3}, {0, 1, -1}, {1, 2, -1}, {0, 1, 0.5}};
+    add_up(votes);
+    ASSERT_EQ(votes.size(), 2u);
+    EXPECT_EQ(votes[0].b, 1u);
+    EXPECT_EQ(votes[0].weight, -0.5);
+    EXPECT_EQ(votes[1].weight, 2);
 }
 
 TEST(SignMerge, OppositeGroupsHandOnWhatTheySayOfOthers) {
