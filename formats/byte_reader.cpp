@@ -159,6 +159,12 @@ void ByteReader::find_line_end() {
     if (at + 1 < view.size() && view[at + 1] != '\n') line_end_ = '\r';
 }
 
+bool ByteReader::skip_byte_order_mark() {
+    if (!peek(kByteOrderMark.size()).starts_with(kByteOrderMark)) return false;
+    advance(kByteOrderMark.size());
+    return true;
+}
+
 bool ByteReader::read_line(std::string_view& line) {
     std::size_t searched = 0;
     for (;;) {

@@ -10,6 +10,8 @@
 
 namespace slim {
 
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< of UTF-8
+
 /// Bytes of a file from front to back through one buffer; a gzip file is unpacked on the way.
 ///
 /// throws IoError if the file cannot be opened or read, FormatError if its gzip stream is damaged
@@ -28,6 +30,8 @@ public:
     void advance(std::size_t n) { begin_ += n; }
     /// Passes over n bytes; false if the file ends before.
     bool skip(std::uint64_t n);
+    /// Drops UTF-8's byte order mark (EF BB BF) if that comes next, as at the start of a text saved on Windows; says whether.
+    bool skip_byte_order_mark();
     /// The next line without its end (LF, CR LF, or CR in a file that has only these); false at the
     /// end of the file. The view lives until the next call.
     bool read_line(std::string_view& line);

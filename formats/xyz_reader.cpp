@@ -16,6 +16,7 @@ bool is_comment(std::string_view word) { return word.starts_with("#") || word.st
 }  // namespace
 
 XyzReader::XyzReader(const std::string& path) : in_(path) {
+    in_.skip_byte_order_mark();
     look_ahead();
     describe();
 }

@@ -29,6 +29,7 @@ XyzRewriter::XyzRewriter(const std::string& in, const std::string& out, double t
         columns.push_back(column);
     }
     encoder_ = std::make_unique<RowEncoder>(PlyEncoding::ascii, columns, Vec3d{}, text_step);
+    if (in_.skip_byte_order_mark()) out_.write(kByteOrderMark);
 }
 
 bool XyzRewriter::next_line() {

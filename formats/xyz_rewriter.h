@@ -14,7 +14,7 @@
 
 namespace slim {
 
-/// CloudRewriter of a text of coordinates, which keeps its columns and separators.
+/// CloudRewriter of a text of coordinates, which keeps its columns, separators and byte order mark.
 class XyzRewriter : public CloudRewriter {
 public:
     XyzRewriter(const std::string& in, const std::string& out, double text_step);

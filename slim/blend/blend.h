@@ -70,7 +70,8 @@ struct Projection {
 
 /// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
 /// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
-/// n . grad f > 0; rims count unless they leave nobody. Where one of them is sharp, the root nearest p says which face counts (Gate).
+/// n . grad f > 0; rims count unless they leave nobody. Where one of them is sharp, the root nearest p says which
+/// face counts (Gate), of supporters with a weight of 0.002 and more if there are any.
 /// `supporters` may hold more surfels than support p; order fixes the last bits.
 /// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,

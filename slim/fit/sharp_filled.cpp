@@ -13,12 +13,12 @@ constexpr double kGap = 2.5;         // or so many spacings,
 constexpr double kFacing = 0.5;      // whose normal has at least this cosine to the sheet's
 constexpr double kBeside = 1.2;      // spacings: whose planes a place must not stand out of,
 constexpr double kStandsOut = 0.05;  // over rho, by more than that
-constexpr double kNoises = 2.5;        // and so many standard deviations of the points
+constexpr double kNoises = 2.5;       // and so many standard deviations of the points
 
 /// What places on the joined surface are held against; lengths over rho.
 struct Limits {
     double sq_gap, sq_beside;
-    double side;  ///< of the points' planes where the surface lies: 1 below them, -1 above, 0 either, as of mixed corners
+    double side;  ///< of the points' planes where the surface lies: 1 below, -1 above, 0 either (mixed corners)
     double stands_out;
 };
 

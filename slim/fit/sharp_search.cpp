@@ -10,15 +10,16 @@
 namespace slim {
 namespace {
 
-constexpr int kMostFailures = 4;       // steps without two clusters before an edge is in sight
-constexpr double kRoughest = 0.07;     // eps over rho: beyond it sheets explain nothing
-constexpr double kRoughestNoisy = 0.1; // the same where eps is noise
-constexpr double kNoise = 1.2;           // eps^2 over lambda up to which it may be
+constexpr int kMostFailures = 4;        // steps without two clusters before an edge is in sight
+constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
+constexpr double kRoughestNoisy = 0.1;  // the same where eps is noise
+constexpr double kNoise = 1.2;          // eps^2 over lambda up to which it may be
 
 /// Largest eps^2 of sheets that explain their points.
 double sq_roughest(double radius, double noise_variance) {
     const double sq = radius * radius;
-    return std::max(kRoughest * kRoughest * sq, std::min(kRoughestNoisy * kRoughestNoisy * sq, kNoise * noise_variance));
+    return std::max(kRoughest * kRoughest * sq,
+                    std::min(kRoughestNoisy * kRoughestNoisy * sq, kNoise * noise_variance));
 }
 
 }  // namespace

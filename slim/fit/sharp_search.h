@@ -27,10 +27,10 @@ public:
     };
 
     /// typical_variance: noise of a typical place, length^2 (is_filled)
-    SharpSearch(const PointPyramid& points, const MdlEnergy& energy, double typical_variance, double root_radius, int degree,
-                const LadderRules& rules)
-        : points_(points), energy_(energy), typical_variance_(typical_variance), root_radius_(root_radius), degree_(degree),
-          rules_(rules) {}
+    SharpSearch(const PointPyramid& points, const MdlEnergy& energy, double typical_variance,
+                double root_radius, int degree, const LadderRules& rules)
+        : points_(points), energy_(energy), typical_variance_(typical_variance),
+          root_radius_(root_radius), degree_(degree), rules_(rules) {}
 
     /// The largest radius whose energy is no higher than the least upper bound of all tried, if that is below
     /// the energy of the smooth choice. `work` is as RadiusLadder::choose left it, with

@@ -15,17 +15,6 @@ constexpr double kHeightOverSlope = 0.02;
 constexpr double kLeastFreedom = 2;   // effective heights and slopes beyond K, as in LocalFit
 constexpr double kLeastShare = 0.25;  // of 1 - K / n_eff, too
 
-template <class T>
-double sq_heights_off(const BallPoints<T>& p, const Frame<double>& frame, const Polynomial<double>& polynomial) {
-    double sum = 0;
-    for (std::size_t i = 0; i < p.n; ++i) {
-        const Vec3d x = frame.local_from_world(Vec3d{p.x[i], p.y[i], p.z[i]});
-        const double off = x.z - polynomial.value(x.x, x.y);
-        sum += static_cast<double>(fit_weight(p.weight, p.sq[i])) * off * off;
-    }
-    return sum;
-}
-
 }  // namespace
 
 template <class T>
@@ -36,7 +25,8 @@ std::optional<LocalFit> fit_by_normals(const BallPoints<T>& points, const Frame<
     if (points.n < static_cast<std::size_t>(k) || !(heights.weight() > 0)) return {};
     const double n_effective = heights.n_effective() * (1 + 2 * slopes.weight / heights.weight());
     if (n_effective < k + kLeastFreedom) return {};
-    const NestedCholesky solver = SlopeSystem<kDegree>(heights, slopes).solve(kHeightOverSlope);
+    const SlopeSystem<kDegree> system(heights, slopes);
+    const NestedCholesky solver = system.solve(kHeightOverSlope);
     if (solver.rank_degree() < kDegree) return {};
     LocalFit fit;
     fit.polynomial.a = solver.coefficients(kDegree);
@@ -45,8 +35,8 @@ std::optional<LocalFit> fit_by_normals(const BallPoints<T>& points, const Frame<
     fit.n_effective = heights.n_effective();
     fit.n_points = points.n;
     const double freedom = std::max(1 - k / n_effective, kLeastShare);
-    fit.sq_error = points.radius * points.radius *
-                   sq_heights_off(points, frame, fit.polynomial) / heights.weight() / freedom;
+    fit.sq_error = points.radius * points.radius * system.sq_heights_off(fit.polynomial.a) /
+                   heights.weight() / freedom;
     return fit;
 }
 

@@ -99,6 +99,29 @@ TEST(XyzReader, HoldsAPtsCountAgainstTheRows) {
               std::string::npos);
 }
 
+TEST(XyzReader, PassesOverAByteOrderMarkAtItsStart) {
+    const TempFolder folder;
+    const std::string mark = "\xef\xbb\xbf";
+    const auto read = [&](const std::string& name, const std::string& text) {
+        return read_all(folder.write(name, text));
+    };
+    const auto error = [&](const std::string& name, const std::string& text) {
+        return reading_error(folder.write(name, text));
+    };
+    EXPECT_EQ(read("a.xyz", mark + "0.618 2 3\n4 5 6\n").position.at(0), (Vec3d{0.618, 2, 3}));
+    EXPECT_EQ(read("b.xyz.gz", packed(mark + "7 8 9\n")).position.at(0), (Vec3d{7, 8, 9}));
+    // Names of columns in another order, a comment of them, and a count hold with it as without.
+    EXPECT_EQ(read("c.csv", mark + "z,y,x\r\n1,2,3\r\n").position.at(0), (Vec3d{3, 2, 1}));
+    EXPECT_EQ(read("d.txt", mark + "# z y x\n1 2 3\n").position.at(0), (Vec3d{3, 2, 1}));
+    EXPECT_EQ(read("e.pts", mark + "2\n1 2 3\n4 5 6\n").size(), 2u);
+    EXPECT_NE(error("f.pts", mark + "3\n1 2 3\n4 5 6\n").find("2 of 3 declared"), std::string::npos);
+    // One at its start; elsewhere, or half of it, it is no number.
+    EXPECT_NE(error("g.xyz", mark + mark + "1 2 3\n").find("line 1: column 1"), std::string::npos);
+    EXPECT_NE(error("h.xyz", "1 2 3\n" + mark + "4 5 6\n").find("line 2: column 1"), std::string::npos);
+    EXPECT_NE(error("i.xyz", mark.substr(0, 2) + "1 2 3\n").find("line 1: column 1"), std::string::npos);
+    EXPECT_EQ(read("j.xyz", mark).size(), read("k.xyz", "\n").size());
+}
+
 TEST(XyzReader, RefusesDecimalCommasByName) {
     const TempFolder folder;
     for (const char* text :

@@ -121,6 +121,13 @@ TEST_F(CloudRewriterTest, TextKeepsColumnsCommentsAndSeparators) {
               "3\n1 2 3\n4.250 5.000 6.0000001\n7 8 9\n");
 }
 
+TEST_F(CloudRewriterTest, TextKeepsItsByteOrderMark) {
+    const std::string mark = "\xef\xbb\xbf";
+    EXPECT_EQ(rewritten("m.xyz", mark + "1 2 3\n4 5 6\n"), mark + "1 2 3\n4.250 5.000 6.000\n");
+    EXPECT_EQ(rewritten("m.csv", mark + "x,y,z\n1,2,3\n4,5,6\n"), mark + "x,y,z\n1,2,3\n4.250,5.000,6.000\n");
+    EXPECT_EQ(rewritten("m.pts", mark + "2\n1 2 3\n4 5 6\n"), mark + "2\n1 2 3\n4.250 5.000 6.000\n");
+}
+
 TEST_F(CloudRewriterTest, ChunksDoNotMatter) {
     std::string bytes = "x y z\n";
     for (int i = 0; i < 100; ++i) bytes += std::to_string(i) + "  2\t3\n";

@@ -220,16 +220,22 @@ TEST(ProjectAlong, OppositeSheetsDoNotMix) {
     EXPECT_NEAR(p->point.z, gap, 1e-15);
 }
 
-TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
-    // Of a convex edge the face z = 0.01 is met; the other face's leaves pass nearer, but p lies beyond the rim of one, and the
-    // rest of them is far off.
-    const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
-    Surfel edge{{0, 0, 0}, 1, frame_from_normal(up), {}, 1};
+/// Of a convex edge the face z = 0.01 counts at the origin with a weight near 1; `other` is the other face's normal.
+Surfel edge_above_origin(const Vec3d& other) {
+    Surfel edge{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
     edge.polynomial.a[0] = 0.01;
     SharpSheets sheets;
     sheets.extra[0] = {frame_from_normal(other), {}};
     sheets.extra[0].polynomial.a[0] = 0.5;
     edge.sharp = std::make_shared<const SharpSheets>(sheets);
+    return edge;
+}
+
+TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
+    // Of a convex edge the face z = 0.01 is met; the other face's leaves pass nearer, but p lies beyond the rim of one, and the
+    // rest of them is far off.
+    const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
+    const Surfel edge = edge_above_origin(other);
     Surfel ended{{0, 0, 0}, 1, frame_from_normal(other), {}, 1}, far{other * 0.1, 1, frame_from_normal(other), {}, 1};
     ended.center = ended.frame.u_axis * -0.5;
     ended.rims.first = pack_rim(0, 0.3);
@@ -242,6 +248,38 @@ TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
     // Where all are beyond theirs, they still say it.
     const Surfel* alone = &ended;
     EXPECT_TRUE(project_along({0, 0, 0}, up, std::span(&alone, 1)));
+}
+
+TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafAtTheEndOfItsWeight) {
+    // Another leaf of the other face passes through p itself, nearer than the edge's own; p lies inside its ball
+    // and its rim.
+    const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
+    const Surfel edge = edge_above_origin(other);
+    const auto at_local = [&](double u, double v, PackedRim rim) {
+        Surfel leaf{{0, 0, 0}, 1, frame_from_normal(other), {}, 1};
+        leaf.center = leaf.frame.u_axis * -u - leaf.frame.v_axis * v;
+        leaf.rims.first = rim;
+        return leaf;
+    };
+    const auto hit_beside = [&](const Surfel& leaf, double leaf_weight, double tolerance) {
+        const Surfel* alone = &leaf;
+        const auto own = project_along({0, 0, 0}, up, std::span(&alone, 1));
+        EXPECT_TRUE(own);
+        EXPECT_NEAR(own->weight, leaf_weight, tolerance);
+        const std::vector<const Surfel*> both{&edge, &leaf};
+        const auto hit = project_along({0, 0, 0}, up, both);
+        EXPECT_TRUE(hit);
+        EXPECT_EQ(hit->n_supporters, 1);
+        return hit->t;
+    };
+    const PackedRim packed = pack_rim(0, 0.3);
+    const Rim rim = unpack_rim(packed);
+    const auto at_reach = [&](double reach) { return at_local(rim.u * reach, rim.v * reach, packed); };
+    EXPECT_NEAR(hit_beside(at_local(0.9176, 0, 0), 1e-4, 1e-5), 0.01, 1e-12);                  // at its ball's end
+    EXPECT_NEAR(hit_beside(at_reach(rim.reach - 3e-4 * kRimRamp), 1e-4, 5e-5), 0.01, 1e-12);  // at its rim's
+    // With an ordinary weight it does say.
+    EXPECT_NEAR(hit_beside(at_local(0.6, 0, 0), 0.055, 0.01), 0, 1e-12);
+    EXPECT_NEAR(hit_beside(at_reach(rim.reach - 0.5 * kRimRamp), 0.2, 0.1), 0, 1e-12);
 }
 
 TEST(NormalAt, GivesTheModelsOwnNormal) {

@@ -38,7 +38,8 @@ TEST(SheetByNormals, AFewPointsWithNormalsMakeAQuadric) {
         const double x = 0.6 * random_at(9, 2 * i), y = 0.6 * random_at(9, 2 * i + 1);
         const Vec3d local = frame.local_from_world(Vec3d{x, y, 0});
         const double truth = 0.1 + 0.2 * x - 0.1 * y + 0.3 * x * x - 0.2 * x * y + 0.1 * y * y;
-        EXPECT_NEAR(fit->polynomial.value(local.x, local.y), truth, 1e-4);  // normals are floats, and seven points say little beyond them
+        // Normals are floats, and seven points say little beyond them.
+        EXPECT_NEAR(fit->polynomial.value(local.x, local.y), truth, 1e-4);
     }
     EXPECT_LT(fit->sq_error, 1e-12);
 }
@@ -52,16 +53,18 @@ TEST(SheetByNormals, WithoutNormalsOrWithTooFewPointsThereIsNone) {
 }
 
 TEST(SheetByNormals, AFaceThatCurvesAwayAlongAnEdgeTakesAQuadricOfFewPoints) {
-    // The plane z = 0 above a wall: a cylinder of radius 0.8 about an axis along z. Ten points of the wall and five of the
-    // edge are no quadric by themselves, under G.
+    // The plane z = 0 above a wall: a cylinder of radius 0.8 about an axis along z. Ten points of the wall and five
+    // of the edge are no quadric by themselves, under G.
     constexpr double kRadius = 0.8;
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
     for (const double t : {-0.6, -0.3, 0.0, 0.3, 0.6}) {
         const Vec3d n{std::cos(t), std::sin(t), 0}, on_edge = (n - Vec3d{1, 0, 0}) * kRadius;
         positions.push_back(on_edge), normals.push_back(to_float(normalized(n + Vec3d{0, 0, 1})));
-        for (const double z : {-0.3, -0.6}) positions.push_back(on_edge + Vec3d{0, 0, z}), normals.push_back(to_float(n));
-        for (const double x : {-0.3, -0.6}) positions.push_back(on_edge + n * x), normals.push_back({0, 0, 1});
+        for (const double z : {-0.3, -0.6})
+            positions.push_back(on_edge + Vec3d{0, 0, z}), normals.push_back(to_float(n));
+        for (const double x : {-0.3, -0.6})
+            positions.push_back(on_edge + n * x), normals.push_back({0, 0, 1});
     }
     const BallPoints<double> ball = ball_of(block_of(positions, normals));
     SharpWork<double> work;
