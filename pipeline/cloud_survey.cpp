@@ -111,6 +111,7 @@ private:
             if (is_finite(p)) {
                 box.extend(p);
                 survey_.spread.add(p);
+                survey_.strays.add(p);
                 ++survey_.n_points;
                 continue;
             }

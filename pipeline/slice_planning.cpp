@@ -98,8 +98,11 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
                            BlockPlan& blocks) {
     SlicePlan plan;
     plan.inputs = survey.inputs;
-    plan.origin = choose_origin(survey.bounds);
-    plan.bounds = shifted(survey.bounds, plan.origin);
+    // A few points far off are not what a cloud's size is: they stay, and end as isolated ones.
+    const FarStrays::Found strays = survey.strays.find(survey.n_points);
+    const Bbox& box = strays.n > 0 ? strays.box : survey.bounds;
+    plan.origin = choose_origin(box);
+    plan.bounds = shifted(box, plan.origin);
     plan.diagonal = plan.bounds.diagonal();
     plan.n_points = survey.n_points;
     plan.n_dropped = survey.n_dropped;

@@ -68,7 +68,7 @@ void pass_on_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey
     PointBlock points = survey.gathered.release(plan.has_normals, plan.has_scans);
     points.origin = plan.origin;
     for (Vec3d& p : points.position) p -= plan.origin;
-    plan.slices[0].bounds = plan.bounds;
+    plan.slices[0].bounds = {survey.bounds.lo - plan.origin, survey.bounds.hi - plan.origin};
     fs::create_directories(slice_folder(work, 0));
     const std::string path = slice_points_path(work, 0).string();
     if (context.writes_handed_points()) write_slice(path, points);
@@ -134,7 +134,12 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
                               "model may have nothing to draw");
-    if (survey.n_points > 2 && survey.spread.has_far_strays())
+    if (const FarStrays::Found strays = survey.strays.find(survey.n_points); strays.n > 0)
+        reporter.warn(fmt::format(
+            "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its diagonal is {:.4g}, not {:.4g}",
+            names_of(config.inputs), strays.n == 1 ? "a point" : fmt::format("{} points", strays.n), strays.example.x,
+            strays.example.y, strays.example.z, strays.n == 1 ? "is" : "are", strays.box.diagonal(), survey.bounds.diagonal()));
+    else if (survey.n_points > 2 && survey.spread.has_far_strays())
         reporter.warn(fmt::format(
             "{}: a few points lie so far from the others that these are a speck in the cloud's extent of {:.3g}, and the "
             "model, made for that extent, may have nothing to draw of them: take the far points out",
