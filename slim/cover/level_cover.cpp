@@ -149,10 +149,14 @@ void LevelCover::mark_done() {
     mark_again(some);
 }
 
+/// Nobody asks what else lies over a point that is closed, unless leaves are fitted to what their blend leaves over.
 void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
+    WantedOfBucket open;
+    if (!rules_.fits_again()) open = [&](std::size_t first) { return states_.open_of_bucket(pyramid_.all(), first); };
     std::vector<CoveringSurfel> covering(leaves.size());
     parallel_blocks(leaves.size(), 1, [&](std::size_t i, std::size_t) {
-        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance, work_.local().exact.ball);
+        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance,
+                                  work_.local().exact.ball, open);
     });
     for (const CoveringSurfel& leaf : covering) mark(leaf);
 }
@@ -235,7 +239,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
     if (c.few_in_noise && states_.is_beside(c.point)) return;
     if (c.leaf) leaves_.make(c, lower, work);
-    if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
+    if (c.leaf && c.surfel.explains_center) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
