@@ -21,7 +21,7 @@ constexpr double kClearlyOff = 2e-3;  // over rho: then no point is explained th
 }  // namespace
 
 /// Where noise is thick, centres far out in it have balls of many thousand points, which either are too thick for their
-/// radius or do not explain their centre (notes/0003 of pipeline).
+/// radius or do not explain their centre (pipeline/notes/0003).
 LeafMaker::Glance LeafMaker::glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
                                     LeafWork& work) const {
     const double rho = c.choice.radius;

@@ -248,10 +248,8 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
-                                  rules_.noise_variance, work.exact.ball);
-    c.internal = s.fitted;
-    gather_ball(tree, center, radius, work.exact.ball);
+    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false, rules_.noise_variance,
+                            work.exact.ball, Edges::ignored, Lists::left_out).fitted;
     for (std::size_t i = 0; i < work.exact.ball.n; ++i)
         c.stamped.push_back(tree.source(work.exact.ball.index[i]));
 }
