@@ -3,7 +3,9 @@
 #include "slim/cover/cover_rules.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/model/point_block.h"
+#include "slim/neighbors/point_tree.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -24,6 +26,13 @@ public:
         return !((s.flags & kCore) && s.weight >= rules_.coverage());
     }
     std::size_t count_open() const;
+    /// Bits of those that are open, of the bucket of a tree whose first point is its first-th.
+    std::uint64_t open_of_bucket(const PointTree& tree, std::size_t first) const {
+        std::uint64_t bits = 0;
+        const std::size_t n = std::min(PointTree::kBucket, tree.size() - first);
+        for (std::size_t k = 0; k < n; ++k) bits |= std::uint64_t{is_open(tree.source(first + k))} << k;
+        return bits;
+    }
     /// Open, and under no internal surfel of that level.
     bool may_lead(std::uint32_t p, int level) const {
         return is_open(p) && states_[p].stamp != level;

@@ -83,6 +83,10 @@ private:
     void take_wider(LeafCandidate& c, const Vec3d& center, double n_wanted, LeafWork& work, const Accepts& accepts) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
     void widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    /// What a sample of a sparse leaf's ball says already. leaf_maker_glance.cpp.
+    enum class Glance : std::uint8_t { undecided, scatter, unexplained };
+    Glance glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    bool leaves_center(const LeafCandidate& c) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;

@@ -149,10 +149,14 @@ void LevelCover::mark_done() {
     mark_again(some);
 }
 
+/// Nobody asks what else lies over a point that is closed, unless leaves are fitted to what their blend leaves over.
 void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
+    WantedOfBucket open;
+    if (!rules_.fits_again()) open = [&](std::size_t first) { return states_.open_of_bucket(pyramid_.all(), first); };
     std::vector<CoveringSurfel> covering(leaves.size());
     parallel_blocks(leaves.size(), 1, [&](std::size_t i, std::size_t) {
-        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance, work_.local().exact.ball);
+        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance,
+                                  work_.local().exact.ball, open);
     });
     for (const CoveringSurfel& leaf : covering) mark(leaf);
 }
@@ -235,7 +239,7 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     c.few_in_noise = c.leaf && c.choice.forced && is_raw() && leaves_.is_few_in_noise(c);
     if (c.few_in_noise && states_.is_beside(c.point)) return;
     if (c.leaf) leaves_.make(c, lower, work);
-    if (c.leaf) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
+    if (c.leaf && c.surfel.explains_center) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
     if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
@@ -244,10 +248,8 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    CoveringSurfel s = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
-                                  rules_.noise_variance, work.exact.ball);
-    c.internal = s.fitted;
-    gather_ball(tree, center, radius, work.exact.ball);
+    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false, rules_.noise_variance,
+                            work.exact.ball, Edges::ignored, Lists::left_out).fitted;
     for (std::size_t i = 0; i < work.exact.ball.n; ++i)
         c.stamped.push_back(tree.source(work.exact.ball.index[i]));
 }

@@ -37,15 +37,19 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean
     // A few points of a surface may look like a line; where the energy chose, a thick leaf is one
     // of noise.
     const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
-    const double thick = sparse ? kThickOfSparse : kThick;
-    const double rho = f.surfel.support_radius;
-    const bool is_thick = ((forced || sparse) && f.fit_error > thick * rho) || (clean && f.fit_error > kThickest * rho);
+    const bool is_thick = is_thicker(leaf, forced, sparse, clean, 1);
     const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
     // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
     const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
     // In the air a clump has no more points in a larger ball, and the larger is the cheaper.
     const bool is_clump = f.n_points > kMany && leaf.middle > kClump;
     return is_line || is_thick || is_torn || is_clump;
+}
+
+bool is_thicker(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean, double factor) {
+    const double thick = sparse ? kThickOfSparse : kThick;
+    const double error = leaf.fitted.fit_error, rho = factor * leaf.fitted.surfel.support_radius;
+    return ((forced || sparse) && error > thick * rho) || (clean && error > kThickest * rho);
 }
 
 double share_of_few(const CoveringSurfel& leaf) {

@@ -16,6 +16,9 @@ inline constexpr std::uint32_t kFewest = 3;  ///< points that any leaf may have
 /// contrary normals nor much noise, whose leaves may be as thick as points at random (notes/0011).
 bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean);
 
+/// Of its cases the one that a leaf is too thick, by more than a factor: of a fit to some of its points.
+bool is_thicker(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean, double factor);
+
 /// Share of its radius, from 0.1 to 1, that a leaf of 2 to 7 covered points asks for: 1.15 times the farthest of them in
 /// its tangent plane. 1 of all others.
 double share_of_few(const CoveringSurfel& leaf);

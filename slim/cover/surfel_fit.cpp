@@ -226,14 +226,22 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     return out;
 }
 
+/// How far from a surfel, over rho, a point may lie that it covers.
+double tolerance_of(const FittedSurfel& f, double noise) {
+    return std::min(kExplained * std::max(f.fit_error, noise) / f.surfel.support_radius, kBelongs);
+}
+
 }  // namespace
+
+bool misses_center(const FittedSurfel& f, double noise_variance, double clearly) {
+    return std::abs(f.surfel.polynomial.a[0]) > tolerance_of(f, std::sqrt(noise_variance)) + clearly;
+}
 
 [[gnu::flatten]] void list_points(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
                                   CoveringSurfel& out) {
     const Surfel& s = out.fitted.surfel;
     const double noise = std::sqrt(noise_variance);
-    const double tolerance = std::min(
-        kExplained * std::max(out.fitted.fit_error, noise) / s.support_radius, kBelongs);
+    const double tolerance = tolerance_of(out.fitted, noise);
     const double beside = std::min(kBeside * noise / s.support_radius, kNotBeside);
     out.covered.resize(ball.n);
     std::size_t n_covered = 0;
@@ -312,10 +320,13 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
 }
 
 CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& fitted,
-                           double noise_variance, BallPoints<double>& ball) {
+                           double noise_variance, BallPoints<double>& ball, const WantedOfBucket& wanted) {
     CoveringSurfel out;
     out.fitted = fitted;
-    gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
+    if (wanted)
+        gather_wanted(points, fitted.surfel.center, fitted.surfel.support_radius, wanted, ball);
+    else
+        gather_ball(points, fitted.surfel.center, fitted.surfel.support_radius, ball);
     if (!fitted.surfel.sharp) {
         std::vector<SetAside<double>> aside;
         set_contrary_aside(ball, fitted.surfel.frame.normal, aside);

@@ -92,6 +92,9 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work, Lists lists = Lists::made);
 
+/// Whether a smooth surfel passes its centre by so far that it does not explain it, by more than `clearly` of its radius.
+bool misses_center(const FittedSurfel& surfel, double noise_variance, double clearly);
+
 /// Adds the lists that were left out of a surfel, from the ball as its fit left it.
 void list_points(const PointTree& points, const BallPoints<double>& ball, double noise_variance, CoveringSurfel& surfel);
 
@@ -103,8 +106,8 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
                                                SharpWork<double>& sharp);
 
 /// A surfel made elsewhere and the tree's points that it covers and has beside it, by the same
-/// rules; the rest is left as it is by default.
-CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& surfel,
-                           double noise_variance, BallPoints<double>& work);
+/// rules; the rest is left as it is by default. Of those that are wanted, or of all if that is empty.
+CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& surfel, double noise_variance,
+                           BallPoints<double>& work, const WantedOfBucket& wanted = {});
 
 }  // namespace slim

@@ -84,12 +84,14 @@ stdx::rebind_simd_t<float, V> normals_at(const std::int16_t* n) {
            (1 / PointBucket::kUnit);
 }
 
-/// Puts a bucket's points in the ball behind the n that it has, by groups; `first` is the index of
-/// its first in the tree. Returns how many there are now. The ball's own n and arrays are not read
+constexpr std::uint64_t kWhole = ~std::uint64_t{0};
+
+/// Puts those of a bucket's points that `wanted` names by bits in the ball behind the n that it has, by groups; `first`
+/// is the index of its first in the tree. Returns how many there are now. The ball's own n and arrays are not read
 /// between the stores.
 template <class T>
 std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d& c, double scale,
-                       std::size_t first, std::size_t n, BallPoints<T>& out) {
+                       std::size_t first, std::uint64_t wanted, std::size_t n, BallPoints<T>& out) {
     using V = stdx::native_simd<T>;
     T *x = out.x.data(), *y = out.y.data(), *z = out.z.data(), *sq = out.sq.data();
     float *nx = out.nx.data(), *ny = out.ny.data(), *nz = out.nz.data();
@@ -98,7 +100,7 @@ std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d&
         const bool as_packed = !std::is_same_v<T, double> || b.is_exact;
         const Offsets<V> at =
             as_packed ? Offsets<V>(b, i, c, scale) : Offsets<V>(tree, first + i, c, scale);
-        const std::uint64_t inside = lane_bits(at.sq < T(1));
+        const std::uint64_t inside = lane_bits(at.sq < T(1)) & wanted >> i;
         if (inside == 0) continue;
         const auto put = [&]<class W, class U>(const W& from, U* to) {
             compress_to(from, inside, to + n);
@@ -115,18 +117,30 @@ std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d&
     return n;
 }
 
-}  // namespace
-
-template <class T>
-void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
+template <class T, class Wanted>
+void gather(const PointTree& tree, const Vec3d& c, double radius, const Wanted& wanted, BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
     tree.for_buckets_in_ball(c, radius,
                              [&, scale = 1 / radius](std::size_t first, const PointBucket& bucket) {
+                                 const std::uint64_t bits = wanted(first);
+                                 if (bits == 0) return;
                                  reserve_points(out, out.n + 2 * kBucket);
-                                 out.n = add_bucket(tree, bucket, c, scale, first, out.n, out);
+                                 out.n = add_bucket(tree, bucket, c, scale, first, bits, out.n, out);
                              });
     pad(out);
+}
+
+}  // namespace
+
+template <class T>
+void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoints<T>& out) {
+    gather(tree, c, radius, [](std::size_t) { return kWhole; }, out);
+}
+
+void gather_wanted(const PointTree& tree, const Vec3d& c, double radius, const WantedOfBucket& wanted,
+                   BallPoints<double>& out) {
+    gather(tree, c, radius, wanted, out);
 }
 
 template void gather_ball(const PointTree&, const Vec3d&, double, BallPoints<float>&);

@@ -5,6 +5,7 @@
 #include "slim/neighbors/point_tree.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace slim {
@@ -33,6 +34,13 @@ struct BallPoints {
 /// Cost: the buckets that meet the ball, 2 to 4 times its points.
 template <class T>
 void gather_ball(const PointTree& tree, const Vec3d& center, double radius, BallPoints<T>& out);
+
+/// Bits of the points that are wanted, of the bucket whose first is the tree's first-th: bit k stands for first + k.
+using WantedOfBucket = std::function<std::uint64_t(std::size_t first)>;
+
+/// The same of those of the ball's points that are wanted.
+void gather_wanted(const PointTree& tree, const Vec3d& center, double radius, const WantedOfBucket& wanted,
+                   BallPoints<double>& out);
 
 /// Fills `out` with a disc: the points within `ball_radius` of the centre whose feet in the plane normal to `normal` are
 /// within `radius` of it. Coordinates are over `radius` and may be beyond 1 along the normal; sq is that of the feet. Points whose own

@@ -76,6 +76,35 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     }
 }
 
+TEST(SurfelFit, OfWantedPointsItCoversThoseThatItCoversOfAll) {
+    const PointBlock block = block_of(sampled("bumpy", 5000, 1, 2e-3));
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    const auto is_wanted = [](std::uint32_t point) { return point % 3 != 0; };
+    const WantedOfBucket wanted = [&](std::size_t first) {
+        std::uint64_t bits = 0;
+        for (std::size_t k = 0; k < PointTree::kBucket && first + k < tree.size(); ++k)
+            bits |= std::uint64_t{is_wanted(tree.source(first + k))} << k;
+        return first == 160 ? 0 : bits;
+    };
+    std::size_t n_left_out = 0;
+    for (std::size_t i = 0; i < block.size(); i += 100) {
+        const FittedSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2, false, 1e-6, work).fitted;
+        const CoveringSurfel some = cover_again(tree, s, 1e-6, work, wanted);
+        CoveringSurfel all = cover_again(tree, s, 1e-6, work);
+        std::set<std::uint32_t> left_out;
+        for (std::size_t k = 160; k < 160 + PointTree::kBucket; ++k) left_out.insert(tree.source(k));
+        n_left_out += std::erase_if(all.covered, [&](const Covered& p) { return !is_wanted(p.point) || left_out.contains(p.point); });
+        ASSERT_EQ(some.covered.size(), all.covered.size());
+        for (std::size_t k = 0; k < some.covered.size(); ++k) {
+            EXPECT_EQ(some.covered[k].point, all.covered[k].point);
+            EXPECT_EQ(some.covered[k].weight, all.covered[k].weight);
+            EXPECT_EQ(some.covered[k].in_core, all.covered[k].in_core);
+        }
+    }
+    EXPECT_GT(n_left_out, 1000u);
+}
+
 TEST(SurfelFit, AForcedLeafTakesTheLowestDegreeThatTheNoiseAsksFor) {
     const auto degree = [](double bend, double noise_variance) {
         const PointBlock block = graph_points(200, 1, 3, [=](double u, double) { return bend * u * u; });
