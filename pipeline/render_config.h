@@ -101,9 +101,9 @@ struct RenderConfig {
         field(
             "light", light,
             "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or from=x,y,z), "
-            "point at=x,y,z, spot at= to= cone=, rect at= to= size=W,H, disc at= to= size=; all take power= "
-            "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= make soft shadows of samples= "
-            "rays");
+            "point at=x,y,z, spot at= to= cone= blur=, rect at= to= size=W,H, disc at= to= size=; all take power= "
+            "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= (rect, disc) make soft shadows of "
+            "samples= rays; blur= is the share of a spot's cone over which its edge fades (0: hard, 1: from the middle)");
         field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
         field("material", material,
               "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");

@@ -60,8 +60,9 @@ std::uint64_t plane_bytes(const RenderJob& job, Channels channels) {
     one.resize(1, 1, channels);
     std::uint64_t bytes = 1;
     one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
-    // Normals turned to the eye, openness, clearance and model of each hit.
-    return bytes + (job.traced ? 12 + 4 + 4 + 2 : 0);
+    if (!job.traced) return bytes;
+    // Normals turned to the eye, openness, clearance and model of each hit; TracedPlanes::position_low.
+    return bytes + 12 + 4 + 4 + 2 + (job.traced->scene().is_wide() ? 12 : 0);
 }
 
 /// Bytes that a pixel takes where lines are found: planes, and what they are blurred to.

@@ -103,6 +103,25 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
                             job.config.model));
 }
 
+/// A named camera frames all models: what is a thousandth of another is less than a pixel or two, mostly for another unit.
+void warn_of_sizes(const RenderJob& job, Reporter& reporter) {
+    constexpr double kUnseen = 1000;
+    const RenderConfig& c = job.config;
+    if (c.add.empty() || !c.path.empty() || !is_camera_name(c.camera)) return;
+    const auto models = job.models();
+    const auto [small, large] = std::minmax_element(
+        models.begin(), models.end(), [](auto* a, auto* b) { return a->bounds.diagonal() < b->bounds.diagonal(); });
+    const double least = (*small)->bounds.diagonal(), factor = (*large)->bounds.diagonal() / least;
+    if (!(least > 0 && factor > kUnseen)) return;  // a single surfel's box is a point, of no unit
+    const auto name = [&](auto model) {
+        const auto i = static_cast<std::size_t>(model - models.begin());
+        return i == 0 ? c.model : c.add[i - 1];
+    };
+    reporter.warn(fmt::format("{}: {} is {:.4g} times as large, so that the picture shows next to nothing of the smaller: are "
+                              "both in the same unit? (--camera with numbers looks at it from nearby)",
+                              name(small), name(large), factor));
+}
+
 /// Panels have letters of their own; the SVG legends beside them take the reader's.
 void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
     if (const std::string unknown = without_glyphs(config.unit); !unknown.empty())
@@ -155,6 +174,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     require_scale(job);
     warn_of_flat_surfels(job, context.reporter);
     warn_of_letters(config, context.reporter);
+    warn_of_sizes(job, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
     if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose, context.reporter);

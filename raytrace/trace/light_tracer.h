@@ -21,7 +21,8 @@ struct SceneGround {
 
     SceneGround(const GroundPlane& plane, const TraceScene& scene);
 
-    /// Where rays meet the upper side, infinite where they do not.
+    /// Where rays meet the upper side, infinite where they do not: from the second floats of the origins on for planes
+    /// across an axis (all that --up makes); of tilted ones, whose normals are floats, as exact as a float of the scene.
     FloatV distance(const RayPacket& rays) const;
 };
 

@@ -15,7 +15,7 @@ LanesOfVec lanes(const Vec3f& v) { return LanesOfVec(v); }
 
 ModelPlace ModelPlace::of(const Bbox& bounds, const SceneFrame& scene) {
     const double share = 0.5 * bounds.diagonal() / scene.unit;
-    if (!(share < kOwnFrameBelow)) return {};  // no bounds: no surfels
+    if (bounds.empty() || !(share < kOwnFrameBelow)) return {};  // empty: no surfels
     ModelPlace place;
     const Vec3d middle = (bounds.center() - scene.middle) / scene.unit;
     place.middle = to_float(middle), place.middle_low = to_float(middle - to_double(place.middle));
@@ -35,9 +35,9 @@ TwoFloatVecs ModelPlace::to_scene(const TwoFloatVecs& p) const {
     return scaled_sum({p.high * s, p.low * s}, {lanes(middle), lanes(middle_low)}, FloatV(1.0f));
 }
 
-PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays) : rays(scene_rays) {
+PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, const FloatV& far_low) : rays(scene_rays) {
     constexpr float kSqReach = 1.1f;  // every ball lies within 1
-    const FloatV per_unit(1 / place.unit);
+    const FloatV per_unit(1 / place.unit), none(0.0f);
     const TwoFloatVecs direction{rays.direction, rays.direction_low};
     TwoFloatVecs origin = scaled_sum({rays.origin, rays.origin_low}, {lanes(-place.middle), lanes(-place.middle_low)}, per_unit);
     // The place nearest the middle, found twice: a float of the way there is no place from afar.
@@ -46,13 +46,14 @@ PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays) : r
     const FloatV rest = -nearest.high.dot(rays.direction);
     nearest = place_along(nearest, direction, rest);
     const FloatV sq_half = kSqReach - nearest.high.dot(nearest.high);
-    const FloatV half = stdx::sqrt(stdx::max(sq_half, FloatV(0.0f))), middle = way + rest;
+    const FloatV half = stdx::sqrt(stdx::max(sq_half, none)), middle = way + rest;
     const auto outside = middle > half;
     const TwoFloatVecs entry = place_along(nearest, direction, -half);
-    start = select<FloatV>(outside, middle - half, FloatV(0.0f));
+    start = sum_of(sum_of({way, none}, {rest, none}), {-half, none});
+    start = {select<FloatV>(outside, start.high, none), select<FloatV>(outside, start.low, none)};
     rays.origin = select_vec(outside, entry.high, origin.high);
     rays.origin_low = select_vec(outside, entry.low, origin.low);
-    rays.far = scene_rays.far * per_unit - start;
+    rays.far = (scene_rays.far * per_unit - start.high) + (far_low * per_unit - start.low);
     const auto meets = scene_rays.active() && sq_half > 0.0f && middle + half >= 0.0f && rays.far >= 0.0f;
     rays.far = select<FloatV>(meets, rays.far, FloatV(-1.0f));
 }

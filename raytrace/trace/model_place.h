@@ -27,9 +27,10 @@ struct ModelPlace {
 /// A packet in a model's own frame, from where it enters the model's sphere on; lanes that miss it have no ray.
 struct PlacedRays {
     RayPacket rays;
-    FloatV start;  ///< how far that is from the packet's origin; own units
+    TwoFloats start;  ///< how far that is from the packet's origin; own units
 
-    PlacedRays(const ModelPlace& place, const RayPacket& scene_rays);
+    /// `far_low` is what the floats of the packet's far ends lack.
+    PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, const FloatV& far_low = 0.0f);
 };
 
 }  // namespace slim

@@ -41,22 +41,36 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
     });
 }
 
-/// The same of a model with a frame of its own, for rays and hits of the scene's.
-[[gnu::noinline]] void find_hits_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
-                                              FirstHits& hits, TraceCounts& counts) {
+/// The same of a model with a frame of its own, for rays and hits of the scene's; lanes with nearer ones. A float of the scene
+/// does not tell which of two small models comes first: two do.
+[[gnu::noinline]] FloatV::mask_type find_hits_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
+                                                           FirstHits& hits, TraceCounts& counts) {
     RayPacket up_to = scene_rays;
     up_to.far = hits.t;
-    const PlacedRays placed(model.place, up_to);
-    if (stdx::none_of(placed.rays.active())) return;
+    const PlacedRays placed(model.place, up_to, hits.t_low);
+    if (stdx::none_of(placed.rays.active())) return FloatV::mask_type(false);
     FirstHits own;
     own.t = placed.rays.far, own.gradient = hits.gradient;
     find_hits(model, placed.rays, own, counts);
-    const FloatV t = (placed.start + own.t) * FloatV(model.place.unit);
-    const auto won = own.t < placed.rays.far && t < hits.t;
+    const TwoFloats way = sum_of(placed.start, {own.t, FloatV(0.0f)});
+    const FloatV t = way.high * FloatV(model.place.unit), t_low = way.low * FloatV(model.place.unit);
+    const auto won = own.t < placed.rays.far && (t < hits.t || (t == hits.t && t_low < hits.t_low));
     hits.t = select<FloatV>(won, t, hits.t);
+    hits.t_low = select<FloatV>(won, t_low, hits.t_low);
     hits.own_t = select<FloatV>(won, own.t, hits.own_t);
     hits.record = select<FloatV>(won, own.record, hits.record);
     hits.gradient = select_vec(won, own.gradient, hits.gradient);
+    return won;
+}
+
+/// Nearer hits on a model in the scene's frame; lanes that have some.
+[[gnu::always_inline]] inline FloatV::mask_type find_hits_in_scene(const TraceModel& model, const RayPacket& rays,
+                                                                   FirstHits& hits, TraceCounts& counts) {
+    const FloatV before = hits.t;
+    find_hits(model, rays, hits, counts);
+    const auto won = hits.t < before;
+    hits.t_low = select<FloatV>(won, FloatV(0.0f), hits.t_low);
+    return won;
 }
 
 /// Lanes that meet the model this side of `far` get a negative one.
@@ -145,7 +159,7 @@ void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays, 
     average(at, t, own);
     scale_lengths(at.hit, wanted, unit, out.sums);
     const TwoFloatVecs p = model.place.to_scene({own.point, own.point_low});
-    out.t = select<FloatV>(at.hit, (placed.start + own.t) * unit, out.t);
+    out.t = select<FloatV>(at.hit, (placed.start.high + own.t) * unit, out.t);
     out.point = select_vec(at.hit, p.high, out.point);
     out.point_low = select_vec(at.hit, p.low, out.point_low);
     out.normal = select_vec(at.hit, own.normal, out.normal);
@@ -192,13 +206,10 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         const TraceModel& model = models_[m];
         // A root as far as an earlier model's does not come before it, whatever its number: none is below 0.
-        const FloatV before = hits.t, earlier = hits.record;
+        const FloatV earlier = hits.record;
         hits.record = FloatV(0.0f);
-        if (model.place.is_scene)
-            find_hits(model, rays, hits, counts);
-        else
-            find_hits_in_own_frame(model, rays, hits, counts);
-        const auto won = hits.t < before;
+        const auto won = model.place.is_scene ? find_hits_in_scene(model, rays, hits, counts)
+                                              : find_hits_in_own_frame(model, rays, hits, counts);
         hits.record = select<FloatV>(won, hits.record, earlier);
         for (std::uint64_t bits = lane_bits(won); bits != 0; bits &= bits - 1)
             winner[static_cast<std::size_t>(std::countr_zero(bits))] = m;

@@ -19,8 +19,6 @@ inline FloatV box_slope(const FloatV& d) {
 /// What box tests need of a packet.
 class BoxRays {
 public:
-    std::array<bool, 3> forth;  ///< most rays run this way along the axis
-
     explicit BoxRays(const RayPacket& rays)
         : slope_(box_slope(rays.direction.x), box_slope(rays.direction.y),
                  box_slope(rays.direction.z)),
@@ -31,11 +29,14 @@ public:
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const int n_forth = stdx::popcount(on && *slopes[axis] > 0.0f);
             together_ = together_ && (n_forth == 0 || n_forth == n);
-            forth[axis] = 2 * n_forth >= n;
-            near_[axis] = forth[axis] ? axis : axis + 3;
-            far_[axis] = forth[axis] ? axis + 3 : axis;
+            forth_[axis] = 2 * n_forth >= n;
+            near_[axis] = forth_[axis] ? axis : axis + 3;
+            far_[axis] = forth_[axis] ? axis + 3 : axis;
         }
     }
+
+    /// Whether most rays run towards higher coordinates.
+    bool runs_forth(std::size_t axis) const { return forth_[axis]; }
 
     /// Lanes that meet a box within [0, far]. Off by the rounding of the rays' origins, for which boxes have a margin.
     [[gnu::always_inline]] FloatV::mask_type meets(const BoxF& box, const FloatV& far) const {
@@ -69,6 +70,7 @@ private:
     }
 
     LanesOfVec slope_, at_zero_;  ///< a plane at c is met at c slope + at_zero
+    std::array<bool, 3> forth_;
     std::array<std::size_t, 3> near_, far_;  ///< planes that most rays meet first and last
     bool together_ = true;                   ///< all rays run the way that most do
 };
@@ -95,7 +97,7 @@ template <class Leaf>
         bool met = meets(i);
         while (met && !bvh.nodes[i].is_leaf()) {
             const BvhNode& node = bvh.nodes[i];
-            const std::uint32_t nearer = at.forth[node.axis] ? 0u : 1u;
+            const std::uint32_t nearer = at.runs_forth(node.axis) ? 0u : 1u;
             const std::uint32_t first = node.first + nearer, second = node.first + 1 - nearer;
             const bool meets_first = meets(first), meets_second = meets(second);
             if (meets_first && meets_second) stack[n++] = second;

@@ -8,19 +8,10 @@
 namespace slim {
 namespace {
 
-struct TwoFloats {
-    FloatV high, low;
-};
-
 /// a + b, exactly (Knuth).
 [[gnu::always_inline]] inline TwoFloats exact_sum(const FloatV& a, const FloatV& b) {
     const FloatV sum = a + b, back = sum - a;
     return {sum, (a - (sum - back)) + (b - back)};
-}
-
-[[gnu::always_inline]] inline TwoFloats sum_of(const TwoFloats& a, const TwoFloats& b) {
-    const TwoFloats high = exact_sum(a.high, b.high);
-    return exact_sum(high.high, high.low + (a.low + b.low));
 }
 
 [[gnu::always_inline]] inline TwoFloats number_along(const TwoFloats& o, const TwoFloats& d, const FloatV& t) {
@@ -30,6 +21,11 @@ struct TwoFloats {
 }
 
 }  // namespace
+
+TwoFloats sum_of(const TwoFloats& a, const TwoFloats& b) {
+    const TwoFloats high = exact_sum(a.high, b.high);
+    return exact_sum(high.high, high.low + (a.low + b.low));
+}
 
 TwoFloatVecs place_along(const TwoFloatVecs& o, const TwoFloatVecs& d, const FloatV& t) {
     const TwoFloats x = number_along({o.high.x, o.low.x}, {d.high.x, d.low.x}, t);

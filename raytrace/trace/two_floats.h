@@ -4,6 +4,14 @@
 
 namespace slim {
 
+/// Numbers in two floats each: rounded values and what they lack.
+struct TwoFloats {
+    FloatV high, low;
+};
+
+/// a + b, to a few units of the second float; exactly, if neither has one.
+TwoFloats sum_of(const TwoFloats& a, const TwoFloats& b);
+
 /// Vectors in two floats each: rounded values and what they lack.
 struct TwoFloatVecs {
     LanesOfVec high, low;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 // What a run of slim render says: counts, warnings, refusals.
 
@@ -74,6 +75,22 @@ TEST_F(RenderSays, WhatAovAllLeavesOut) {
     EXPECT_FALSE(has(left_out(), "truth_distance"));
     c.aov = {"mean"}, c.truth_shape = "";
     EXPECT_EQ(left_out(), "");
+}
+
+TEST_F(RenderSays, ThatAModelIsTooSmallToBeSeenBesideAnother) {
+    write_model(file("small.slim"), test::sphere_model(0.9e-3, 100), "{}");
+    write_model(file("fair.slim"), test::sphere_model(1.2e-3, 100), "{}");
+    RenderConfig c = config("x.png");
+    c.mode = "raytrace", c.camera = "iso", c.add = {file("fair.slim"), file("small.slim")};
+    const std::string warnings = warnings_of(c);
+    EXPECT_TRUE(has(warnings, (file("small.slim") + ": " + c.model + " is 11").c_str()) && has(warnings, "unit")) << warnings;
+    std::swap(c.model, c.add[1]);  // whichever comes first
+    EXPECT_TRUE(has(warnings_of(c), (c.model + ": " + c.add[1] + " is 11").c_str())) << warnings_of(c);
+    std::swap(c.model, c.add[1]);
+    c.camera = "0.003,0,2,0.003,0,0,0,1,0";  // whoever says where looks at what is there
+    EXPECT_EQ(warnings_of(c), "");
+    c.camera = "iso", c.add = {file("fair.slim")};
+    EXPECT_EQ(warnings_of(c), "");
 }
 
 TEST_F(RenderSays, WhatHadNoRoom) {
