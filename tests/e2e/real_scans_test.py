@@ -53,7 +53,7 @@ for stage in ("slice", "normals", "fit", "tree"):
 
 # In noise of several spacings hardly any neighbours agree: the votes on signs are many then.
 run("slim-scan", "bumpy", "-o", "thick.ply", "--points", "400000", "--noise", "0.01", "--no-normals", "--pattern", "uniform")
-pathlib.Path("thick.scans.json").unlink(missing_ok=True)
+(harness.folder / "thick.scans.json").unlink(missing_ok=True)
 thick = run("slim-build", "thick.ply", "-o", "thick.slim", "--memory", "128MiB", "--json", seconds=300)
 check(thick.code == 0, f"thick noise: build ends with {thick.code}: {thick.err[-300:]}")
 peak = thick.json()["stages"]["normals"]["peak_memory_bytes"] / 2**20
