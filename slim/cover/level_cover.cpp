@@ -32,6 +32,7 @@ constexpr std::size_t kBatch = 256;         // most searches between two rounds 
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
 constexpr std::size_t kMarkedAtOnce = 8;    // leaves of levels before whose points are listed at the same time
+constexpr std::size_t kMarkedShare = 8;     // of the points held, one in so many: lists take 24 bytes a point
 constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
@@ -139,12 +140,15 @@ Bbox LevelCover::box_of(const PointBlock& points) {
 /// Marks the leaves of the levels before. Their sums are taken one after the other, whatever finds their points.
 void LevelCover::mark_done() {
     std::vector<FittedSurfel> some;
+    std::size_t n_points = 0;  // that they cover, in all slices
     rules_.done([&](const FittedSurfel& s) {
         if (!(s.flags & kLeaf)) return;
         some.push_back(s);
-        if (some.size() < kMarkedAtOnce) return;
+        n_points += s.n_points;
+        if (some.size() < kMarkedAtOnce && kMarkedShare * n_points < block_.size()) return;
         mark_again(some);
         some.clear();
+        n_points = 0;
     });
     mark_again(some);
 }
