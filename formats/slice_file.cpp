@@ -154,13 +154,6 @@ void resize_exactly(std::size_t n, bool has_normals, bool has_scans, PointBlock&
     });
 }
 
-void resize_columns(std::size_t n, bool has_normals, bool has_scans, PointBlock& out) {
-    out.position.resize(n);
-    out.id.resize(n);
-    if (has_normals) out.normal.resize(n);
-    if (has_scans) out.scan.resize(n);
-}
-
 /// Copies all of a block to the places from `at` on of one that has room for it.
 void copy_columns(const PointBlock& from, PointBlock& out, std::size_t at) {
     const auto copy = [at](const auto& values, auto& to) {
@@ -225,7 +218,7 @@ void SliceSelection::add(const std::string& path, const std::function<bool(std::
         slice.with_piece(i, [&](const PieceColumns& columns) {
             for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = is_wanted(columns.id(k));
             taken[i].n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
-            resize_columns(taken[i].n, slice.has_normals(), slice.has_scans(), part->kept[i]);
+            resize_exactly(taken[i].n, slice.has_normals(), slice.has_scans(), part->kept[i]);
             columns.copy_to(chosen, part->kept[i], 0);
         });
     });

@@ -72,6 +72,8 @@ public:
             std::max(survey_.coordinate_quantum, coordinate_quantum(info, box));
     }
 
+    void finish() { survey_.strays = strays_.find(survey_.n_points); }
+
 private:
     void begin_input(std::uint64_t first_id, const CloudInfo& info) {
         PlanInput input;
@@ -111,7 +113,7 @@ private:
             if (is_finite(p)) {
                 box.extend(p);
                 survey_.spread.add(p);
-                survey_.strays.add(p);
+                strays_.add(p);
                 ++survey_.n_points;
                 continue;
             }
@@ -133,6 +135,7 @@ private:
     }
 
     CloudSurvey& survey_;
+    FarStrays strays_;
     const std::vector<std::string>& paths_;
     bool strict_;
     std::uint64_t most_gathered_;
@@ -261,6 +264,7 @@ CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
     for_each_chunk(paths, reporter, "reading",
                    [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
                        const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); });
+    surveyor.finish();
     return survey;
 }
 

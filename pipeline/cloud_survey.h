@@ -1,12 +1,12 @@
 #pragma once
 
 #include "formats/point_source.h"
-#include "pipeline/far_strays.h"
 #include "pipeline/gathered_points.h"
 #include "pipeline/plan_file.h"
 #include "slim/base/bbox.h"
 #include "slim/base/reporter.h"
 #include "slim/slicing/cell_counts.h"
+#include "slim/slicing/far_strays.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -83,7 +83,7 @@ struct CloudSurvey {
     std::vector<PlanInput> inputs;
     std::vector<Bbox> boxes;    ///< of the finite points of each input, world frame
     Bbox bounds;                ///< world frame, finite points
-    FarStrays strays;           ///< of all inputs together
+    FarStrays::Found strays;    ///< of all inputs together
     std::uint64_t n_points = 0; ///< finite
     std::uint64_t n_dropped = 0;
     std::optional<CellCounts> cells;  ///< world frame; of points not gathered

@@ -43,10 +43,6 @@ std::uint64_t high_water_mark() {
     return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-}  // namespace
-
-namespace {
-
 void set_kept(std::uint64_t largest_block, std::uint64_t at_the_end) {
     mallopt(M_MMAP_THRESHOLD, static_cast<int>(largest_block));  // set, it no longer adapts
     mallopt(M_TRIM_THRESHOLD, static_cast<int>(at_the_end));

@@ -25,7 +25,8 @@ constexpr double kManyContrary = 0.1;
 // points of which noise and spacing are measured before normals are estimated
 constexpr double kFewSamples = 4000;
 constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
-// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more (slim/normals/notes/0002).
+// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more
+// (slim/normals/notes/0002).
 constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
 
 /// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.

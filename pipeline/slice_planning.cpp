@@ -99,8 +99,7 @@ SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey,
     SlicePlan plan;
     plan.inputs = survey.inputs;
     // A few points far off are not what a cloud's size is: they stay, and end as isolated ones.
-    const FarStrays::Found strays = survey.strays.find(survey.n_points);
-    const Bbox& box = strays.n > 0 ? strays.box : survey.bounds;
+    const Bbox& box = survey.strays.n > 0 ? survey.strays.box : survey.bounds;
     plan.origin = choose_origin(box);
     plan.bounds = shifted(box, plan.origin);
     plan.diagonal = plan.bounds.diagonal();

@@ -134,7 +134,7 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
                               "model may have nothing to draw");
-    if (const FarStrays::Found strays = survey.strays.find(survey.n_points); strays.n > 0)
+    if (const FarStrays::Found& strays = survey.strays; strays.n > 0)
         reporter.warn(fmt::format(
             "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its diagonal is {:.4g}, not {:.4g}",
             names_of(config.inputs), strays.n == 1 ? "a point" : fmt::format("{} points", strays.n), strays.example.x,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "raytrace/intersect/ball_lanes.h"
-#include "raytrace/intersect/fused_lanes.h"
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
 

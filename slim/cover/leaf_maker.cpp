@@ -238,10 +238,13 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         c.surfel = fit(center, normal, c.choice, work, Lists::left_out);
         const bool may_shrink = c.choice.forced && c.sparse;
         // In thick noise half of all fits are given up by their measures: nobody asks for their points.
-        const bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
+        bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
         if (may_shrink || (!is_given_up && !leaves_center(c)) || attempt == kMostAttempts) list_with_air(c.choice, work, c.surfel);
-        if (may_shrink) shrink_to_few(c, work);
-        if (is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) || rounds_off(c.surfel) || is_too_large(c)) {
+        if (may_shrink) {
+            shrink_to_few(c, work);
+            is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
+        }
+        if (is_given_up || rounds_off(c.surfel) || is_too_large(c)) {
             make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
             if (!c.leaf) return;
             continue;

@@ -5,8 +5,10 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace slim {
@@ -20,31 +22,14 @@ inline RTCBuildQuality embree_quality(const std::string& name) {
     throw std::runtime_error("QUALITY is low, medium or high, not " + name);
 }
 
-/// A packet as Embree has it.
-template <int n>
-struct EmbreePacket;
-template <>
-struct EmbreePacket<16> {
-    using RayHit = RTCRayHit16;
-    using Ray = RTCRay16;
-    static constexpr auto intersect = rtcIntersect16;
-    static constexpr auto occluded = rtcOccluded16;
+/// A packet of kLanes rays as Embree has it.
+struct Packet {
+    static constexpr std::size_t kSize = kLanes == 4 ? 0 : kLanes == 8 ? 1 : 2;
+    using RayHit = std::tuple_element_t<kSize, std::tuple<RTCRayHit4, RTCRayHit8, RTCRayHit16>>;
+    using Ray = std::tuple_element_t<kSize, std::tuple<RTCRay4, RTCRay8, RTCRay16>>;
+    static constexpr auto intersect = std::get<kSize>(std::tuple(rtcIntersect4, rtcIntersect8, rtcIntersect16));
+    static constexpr auto occluded = std::get<kSize>(std::tuple(rtcOccluded4, rtcOccluded8, rtcOccluded16));
 };
-template <>
-struct EmbreePacket<8> {
-    using RayHit = RTCRayHit8;
-    using Ray = RTCRay8;
-    static constexpr auto intersect = rtcIntersect8;
-    static constexpr auto occluded = rtcOccluded8;
-};
-template <>
-struct EmbreePacket<4> {
-    using RayHit = RTCRayHit4;
-    using Ray = RTCRay4;
-    static constexpr auto intersect = rtcIntersect4;
-    static constexpr auto occluded = rtcOccluded4;
-};
-using Packet = EmbreePacket<kLanes>;
 
 /// Surfels as Embree's user geometry; the model and its boxes must outlive it.
 class EmbreeSurfels {

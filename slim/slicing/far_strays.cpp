@@ -1,4 +1,4 @@
-#include "pipeline/far_strays.h"
+#include "slim/slicing/far_strays.h"
 
 #include <algorithm>
 #include <functional>
@@ -14,7 +14,7 @@ constexpr double kShare = 1e-3;  // of the points, a side
 
 void FarStrays::add(const Vec3d& p) {
     for (std::size_t s = 0; s < sides_.size(); ++s) {
-        std::vector<Vec3d>& points = sides_[s].points;
+        std::vector<Vec3d>& points = sides_[s];
         if (points.size() == kKept && !(outwards(s, p) > outwards(s, points.front()))) continue;
         const auto more = [s](const Vec3d& a, const Vec3d& b) { return outwards(s, a) > outwards(s, b); };
         if (points.size() == kKept) {
@@ -28,7 +28,7 @@ void FarStrays::add(const Vec3d& p) {
 
 double FarStrays::limit(std::size_t side, std::size_t skipped) const {
     std::vector<double> values;
-    for (const Vec3d& p : sides_[side].points) values.push_back(outwards(side, p));
+    for (const Vec3d& p : sides_[side]) values.push_back(outwards(side, p));
     std::sort(values.begin(), values.end(), std::greater());
     const double value = values[skipped];
     return side % 2 ? value : -value;
@@ -49,8 +49,8 @@ FarStrays::Found FarStrays::find(std::uint64_t n_points) const {
     const Bbox near{inner.lo - margin, inner.hi + margin};
     std::vector<Vec3d> strays;
     found.box = inner;
-    for (const Side& side : sides_)
-        for (const Vec3d& p : side.points)
+    for (const std::vector<Vec3d>& side : sides_)
+        for (const Vec3d& p : side)
             if (near.sq_distance(p) == 0) found.box.extend(p);
             else if (std::find(strays.begin(), strays.end(), p) == strays.end()) strays.push_back(p);
     if (strays.empty() || !(whole.diagonal() > kLarger * found.box.diagonal())) return {};

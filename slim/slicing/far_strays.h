@@ -10,8 +10,8 @@
 
 namespace slim {
 
-/// Finds the few points (a dropped return at the origin, say) that lie so far from all others that the box of a cloud would say
-/// nothing of its size, which T is a share of. Keeps the outermost points of each side.
+/// Finds the few points (a dropped return at the origin, say) that lie so far from all others that the box of a cloud
+/// would say nothing of its size, which T is a share of. Keeps the outermost points of each side.
 /// Cost: six comparisons a point, more for points that come by rising coordinates; 10 kB.
 class FarStrays {
 public:
@@ -22,8 +22,8 @@ public:
         std::size_t n = 0;  ///< strays
         Vec3d example;
     };
-    /// Of n points seen. Strays are at most eight a side, and one point in a thousand; they lie farther beyond the others than half
-    /// of these' diagonal, and the box with them is at least twice as large. None: n = 0.
+    /// Of n points seen. Strays are at most eight a side, and one point in a thousand; they lie farther beyond the
+    /// others than half of these' diagonal, and the box with them is at least twice as large. None: n = 0.
     Found find(std::uint64_t n_points) const;
 
 private:
@@ -31,14 +31,11 @@ private:
     static constexpr std::size_t kMostOfSide = 8;   ///< strays; those of all sides are fewer than kKept
     static_assert(6 * kMostOfSide < kKept);
 
-    struct Side {
-        std::vector<Vec3d> points;  ///< a heap: the innermost of the kept ones first
-    };
     static double outwards(std::size_t side, const Vec3d& p) { return side % 2 ? p[side / 2] : -p[side / 2]; }
     /// Coordinate along its axis of the outermost point but `skipped`.
     double limit(std::size_t side, std::size_t skipped) const;
 
-    std::array<Side, 6> sides_;
+    std::array<std::vector<Vec3d>, 6> sides_;  ///< heaps: the innermost of the kept ones first
 };
 
 }  // namespace slim
