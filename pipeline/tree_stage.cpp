@@ -194,6 +194,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
                          {"childless", counts.childless},
                          {"pieces", loose.pieces},
                          {"loose", loose.loose()},
+                         {"loose_in_noise", loose.in_noise},
                          {"loose_astray", loose.astray},
                          {"stand_ins", n_stand_ins},
                          {"points", plan.n_points},

@@ -3,6 +3,7 @@
 #include "slim/tree/leaf_pieces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,13 +16,19 @@ constexpr double kHost = 10;                 // areas of a piece that the one be
 constexpr double kSparseBeside = 0.5, kEvidenceBeside = 40;
 constexpr double kSparseAstray = 0.125, kEvidenceAstray = 3;
 constexpr double kLargeShare = 0.1;  // of the model's area
+// A piece that cannot be told from noise: radii in deviations of the noise, points, of the area
+constexpr double kNoiseRadii = 9, kNoisePoints = 100, kNoiseShare = 2e-4;
 
 /// Points and area (over pi) of leaves. Balls overlap, so both count parts of the surface more than
 /// once: only their ratio and comparisons mean anything.
 struct Extent {
     double points = 0, area = 0;
+    double radius = 0;  ///< of the largest leaf
 
-    void add(const Extent& e) { points += e.points, area += e.area; }
+    void add(const Extent& e) {
+        points += e.points, area += e.area;
+        radius = std::max(radius, e.radius);
+    }
     double density() const { return area > 0 ? points / area : 0; }
 };
 
@@ -50,7 +57,9 @@ public:
             return piece.hosts.points > 0 &&
                    is_weak(piece.own, piece.hosts.density(), kSparseBeside, kEvidenceBeside);
         });
+        take_noise(counts, [](const SmallPiece& piece) { return piece.hosts.points > 0; });
         join_touching();
+        take_noise(counts, [](const SmallPiece&) { return true; });
         take(counts.astray, [&](const SmallPiece& group) {
             return group.own.area < kLargeShare * all_.area &&
                    is_weak(group.own, all_.density(), kSparseAstray, kEvidenceAstray);
@@ -63,7 +72,7 @@ private:
 
     Extent extent_of(std::uint32_t leaf) const {
         const double r = pieces_.support_radius(leaf);
-        return {static_cast<double>(tree_.node(pieces_.node(leaf)).n_points), r * r};
+        return {static_cast<double>(tree_.node(pieces_.node(leaf)).n_points), r * r, r};
     }
 
     void measure() {
@@ -136,6 +145,16 @@ private:
         });
     }
 
+    /// Few points in leaves hardly larger than the noise, which strays beside a rim make as dense as a surface.
+    template <class Where>
+    void take_noise(LooseCounts& counts, Where&& where) {
+        const double radius = kNoiseRadii * std::sqrt(tree_.header().noise_variance);
+        take(counts.in_noise, [&](const SmallPiece& piece) {
+            return where(piece) && piece.own.radius < radius && piece.own.points < kNoisePoints &&
+                   piece.own.area < kNoiseShare * all_.area;
+        });
+    }
+
     const SurfelTree& tree_;
     LeafPieces pieces_;
     std::vector<Extent> extent_;  // of each piece, at its number, before small ones are joined
@@ -164,7 +183,7 @@ LooseCounts mark_loose(SurfelTreeData& tree) {
     const SurfelTree view = tree.view();
     const std::vector<std::uint32_t> loose = LooseFinder(view).find(counts);
     if (counts.loose() == tree.header.n_leaves) {
-        counts.beside = counts.astray = 0;
+        counts.beside = counts.in_noise = counts.astray = 0;
         return counts;
     }
     for (const std::uint32_t node : loose) tree.nodes[node].flags |= kLoose;

@@ -63,11 +63,12 @@ struct Marked {
     }
 };
 
-Marked mark(const Leaves& leaves) {
+Marked mark(const Leaves& leaves, double noise = 0) {
     Marked out;
     TreeCounts counts;
     ModelHeader header;
     header.degree = 2;
+    header.noise_variance = noise * noise;
     out.data = build_tree(leaves, header, counts);
     out.counts = mark_loose(out.data);
     EXPECT_EQ(out.loose().size(), out.counts.loose());
@@ -93,6 +94,29 @@ TEST(LooseLeaves, PartsAsDenseAsTheSurfaceBesideThemStay) {
     // there should be.
     EXPECT_TRUE(
         mark(floor_of(16) + Leaves{leaf({6, 6, 0.3}, {1, 0, 0.3}, 0.5, kDensity)}).loose().empty());
+}
+
+TEST(LooseLeaves, NotIfTheyAreHardlyLargerThanTheNoise) {
+    const Leaves chip{leaf({20, 20, 0.08}, {1, 0, 0.3}, 0.1, kDensity * 60)};
+    EXPECT_TRUE(mark(floor_of(64) + chip, 0.1 / 10).loose().empty());
+    const Marked m = mark(floor_of(64) + chip, 0.1 / 8);
+    EXPECT_EQ(m.loose().size(), 1u);
+    EXPECT_EQ(m.counts.in_noise, 1u);
+}
+
+TEST(LooseLeaves, StraysInNoiseThatTouchOnlyEachOtherAreLoose) {
+    // Three that disagree with each other, of which the last touches nothing else.
+    const Leaves strays{leaf({20, 20, 0.08}, {1, 0, 0.3}, 0.1, kDensity * 20),
+                        leaf({20, 20, 0.22}, {0, 1, 0.3}, 0.1, kDensity * 20),
+                        leaf({20, 20, 0.36}, {1, 0, -0.3}, 0.1, kDensity * 20)};
+    EXPECT_EQ(mark(floor_of(64) + strays, 0.1 / 8).counts.in_noise, 3u);
+    EXPECT_TRUE(mark(floor_of(64) + strays, 0.1 / 10).loose().empty());
+}
+
+TEST(LooseLeaves, PartsInNoiseStayIfTheyAreMoreThanACrumbOfTheModel) {
+    // A thin plate's side: leaves of a few points in noise, but a thousandth of the surface.
+    const Leaves side{leaf({3, 3, 0.3}, {1, 0, 0.3}, 0.5, kDensity)};
+    EXPECT_TRUE(mark(floor_of(16) + side, 0.5 / 8).loose().empty());
 }
 
 TEST(LooseLeaves, NoSheetOfTwoCloseOnesIsLoose) {
