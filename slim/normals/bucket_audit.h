@@ -51,7 +51,8 @@ inline BucketLanes lanes_of(const float (&values)[kAuditBucket]) {
     return true;
 }
 
-/// |along| and sizes of a normal and of the mean of the others: whether they are within 72 degrees, by more than rounding.
+/// Whether a normal is within 72 degrees of the mean of the others, by more than rounding: from their dot product and squared
+/// lengths, numbers or lanes.
 template <class T>
 auto do_agree(const T& along, const T& sq_own, const T& sq_mean) {
     constexpr float kAgree = static_cast<float>(kNoisyNormal) + 0.01f;
