@@ -247,6 +247,9 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
     }
 }
 
+/// What a usual slice of several takes.
+std::uint64_t bytes_in_use(const SlicePlan& plan) { return plan.n_points / plan.slices.size() * kBytesPerPoint; }
+
 }  // namespace
 
 std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice) {
@@ -312,7 +315,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     if (plan.slices.size() > 1)
-        keep_freed_memory_of_balls(plan.n_points / plan.slices.size() * kBytesPerPoint);
+        keep_freed_memory_of_balls(bytes_in_use(plan));
     else
         keep_freed_memory(true);
     if (plan.n_points < 3 || !(plan.diagonal > 0))
@@ -333,8 +336,9 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         up_to_date &= coarse.contains("up_to_date");
     }
     const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config, plan);
+    FreedBetweenSlices freed(parse_memory_size(config.memory), bytes_in_use(plan));
     for (const std::size_t slice : todo) {
-        if (plan.slices.size() > 1) return_freed_memory();
+        if (plan.slices.size() > 1) freed.begin_next();
         const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
         up_to_date &= one.contains("up_to_date");

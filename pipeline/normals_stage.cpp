@@ -168,7 +168,10 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
     const bool keeps = has_room_for_freed(plan);
-    keep_freed_memory(keeps);
+    if (keeps && plan.slices.size() > 1)
+        keep_all_freed_memory();
+    else
+        keep_freed_memory(keeps);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
@@ -180,6 +183,7 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
         up_to_date &= one.contains("up_to_date");
         context.reporter.progress("normals", i + 1, todo.size());
     }
+    if (plan.slices.size() > 1) return_freed_memory();
     sum["slices"] = todo.size();
     // Shares of points whose own normal disagrees with its neighbours': turned, or merely noisy.
     const double n = std::max(1.0, sum.value("points", 0.0));

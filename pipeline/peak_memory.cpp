@@ -43,9 +43,15 @@ std::uint64_t high_water_mark() {
     return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-void set_kept(std::uint64_t largest_block, std::uint64_t at_the_end) {
+// Of the memory that may be taken: while the slices so far took no more, what they freed is kept. Larger ones may follow, and
+// what lies between blocks is a tenth (pipeline/notes/0004).
+constexpr double kRoomy = 0.75;
+constexpr int kUsualMaps = 65536;  // blocks that glibc maps by themselves at a time, unless told
+
+void set_kept(std::uint64_t largest_block, std::uint64_t at_the_end, int most_maps = kUsualMaps) {
     mallopt(M_MMAP_THRESHOLD, static_cast<int>(largest_block));  // set, it no longer adapts
     mallopt(M_TRIM_THRESHOLD, static_cast<int>(at_the_end));
+    mallopt(M_MMAP_MAX, most_maps);
 }
 
 }  // namespace
@@ -61,7 +67,23 @@ void keep_freed_memory_of_balls(std::uint64_t bytes_in_use) {
     malloc_trim(0);
 }
 
+void keep_all_freed_memory() { set_kept(kLargest, 1 << 30, 0); }
+
 void return_freed_memory() { malloc_trim(0); }
+
+FreedBetweenSlices::FreedBetweenSlices(std::uint64_t most_bytes, std::uint64_t bytes_in_use)
+    : most_bytes_(most_bytes), bytes_in_use_(bytes_in_use) {}
+
+FreedBetweenSlices::~FreedBetweenSlices() {
+    if (peak_) return_freed_memory();
+}
+
+void FreedBetweenSlices::begin_next() {
+    const bool keeps = peak_ && static_cast<double>(peak_->bytes()) <= kRoomy * static_cast<double>(most_bytes_);
+    if (keeps) return keep_all_freed_memory();
+    keep_freed_memory_of_balls(bytes_in_use_);
+    if (!peak_) peak_.emplace();
+}
 
 PeakMeter::PeakMeter() : outermost_(n_alive++ == 0), mark_before_(high_water_mark()) {
     if (!outermost_) sampler_ = std::thread([this] { sample(); });

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace slim {
@@ -45,8 +46,30 @@ void keep_freed_memory(bool keep);
 /// kept, up to a 16th at the end of each thread's heap. A fit of 3.6 million points took 1.6 GB of new pages, half of them for such lists.
 void keep_freed_memory_of_balls(std::uint64_t bytes_in_use);
 
+/// The same for slices of which the largest leaves room in --memory for what lies between blocks: nothing goes back, whatever its
+/// size, so that all slices but the first find their pages there (pipeline/notes/0004).
+void keep_all_freed_memory();
+
 /// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps
 /// included: between slices and stages. Cost: a few ms.
 void return_freed_memory();
+
+/// What becomes of freed memory in a job's slices, one after the other: it is kept for the next as soon as those before have
+/// shown that there is room.
+class FreedBetweenSlices {
+public:
+    /// most_bytes: that the process may take (--memory); bytes_in_use: by a usual slice
+    FreedBetweenSlices(std::uint64_t most_bytes, std::uint64_t bytes_in_use);
+    /// Gives what was kept back.
+    ~FreedBetweenSlices();
+    FreedBetweenSlices(const FreedBetweenSlices&) = delete;
+    FreedBetweenSlices& operator=(const FreedBetweenSlices&) = delete;
+    /// Call before each slice.
+    void begin_next();
+
+private:
+    std::uint64_t most_bytes_, bytes_in_use_;
+    std::optional<PeakMeter> peak_;  // of the slices so far
+};
 
 }  // namespace slim

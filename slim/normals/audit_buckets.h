@@ -132,6 +132,11 @@ struct Candidates {
     std::size_t n = 0;
 
     void clear() { n = 0; }
+    /// Makes the last lanes whole with points that are in no ball. Call when all are added.
+    void pad() {
+        if (n + kLanes > x.size()) grow();
+        std::fill_n(&x[n], kLanes, kNowhere);
+    }
 
     /// shift: of the bucket's corner from the box's; extent: of the box
     [[gnu::flatten]] void add(const LocalBucket& bucket, const Vec3f& shift, const Vec3f& extent,

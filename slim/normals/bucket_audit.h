@@ -51,6 +51,31 @@ inline BucketLanes lanes_of(const float (&values)[kAuditBucket]) {
     return true;
 }
 
+/// Whether a normal is within 72 degrees of the mean of the others, by more than rounding: from their dot product and squared
+/// lengths, numbers or lanes.
+template <class T>
+auto do_agree(const T& along, const T& sq_own, const T& sq_mean) {
+    constexpr float kAgree = static_cast<float>(kNoisyNormal) + 0.01f;
+    return (along > T(0)) && (along * along > T(kAgree * kAgree) * sq_own * sq_mean);
+}
+
+/// Whether nothing is wrong with the k-th of some points, as Sixteen::agreeing() says of each: for a few of them, a lane is a
+/// candidate (padded).
+[[gnu::flatten]] inline bool agrees(const LocalBucket& own, std::size_t k, const Candidates& c, float sq_radius) {
+    FloatV lanes[3] = {0, 0, 0};
+    for (std::size_t i = 0; i < c.n; i += kLanes) {
+        const FloatV dx = audit_lanes(&c.x[i]) - own.x[k], dy = audit_lanes(&c.y[i]) - own.y[k],
+                     dz = audit_lanes(&c.z[i]) - own.z[k];
+        const auto in = dx * dx + dy * dy + dz * dz < FloatV(sq_radius);
+        lanes[0] += select(in, audit_lanes(&c.nx[i]), FloatV(0));
+        lanes[1] += select(in, audit_lanes(&c.ny[i]), FloatV(0));
+        lanes[2] += select(in, audit_lanes(&c.nz[i]), FloatV(0));
+    }
+    const Vec3f normal{own.nx[k], own.ny[k], own.nz[k]};
+    const Vec3f mean = Vec3f{stdx::reduce(lanes[0]), stdx::reduce(lanes[1]), stdx::reduce(lanes[2])} - normal;
+    return do_agree(dot(mean, normal), sq_length(normal), sq_length(mean));
+}
+
 /// Points of one bucket, a lane each, and what they find of the candidates within a radius. A
 /// candidate is looked at by all of them at once: most are near to most.
 struct Sixteen {
@@ -81,16 +106,13 @@ struct Sixteen {
     /// Bit k: the normal of the k-th is within 72 degrees of the mean of the others, by more than
     /// rounding: nothing is wrong with it.
     [[gnu::flatten]] std::uint64_t agreeing() const {
-        constexpr float kAgree = static_cast<float>(kNoisyNormal) + 0.01f;
         std::uint64_t bits = 0;
         for (std::size_t g = 0; g < kAuditGroups; ++g) {
             const FloatV mx = sum_x[g] - nx[g], my = sum_y[g] - ny[g], mz = sum_z[g] - nz[g];
             const FloatV along = mx * nx[g] + my * ny[g] + mz * nz[g];
             const FloatV sq_own = nx[g] * nx[g] + ny[g] * ny[g] + nz[g] * nz[g];
             const FloatV sq_mean = mx * mx + my * my + mz * mz;
-            bits |= lane_bits(along > FloatV(0) &&
-                              along * along > FloatV(kAgree * kAgree) * sq_own * sq_mean)
-                    << (g * kLanes);
+            bits |= lane_bits(do_agree(along, sq_own, sq_mean)) << (g * kLanes);
         }
         return bits;
     }

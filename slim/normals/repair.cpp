@@ -71,6 +71,7 @@ public:
 
 private:
     static constexpr double kCompact = 8;
+    static constexpr std::size_t kFewOfBucket = 4;  // points of one that straddles a jump, for which sixteen lanes are too many
 
     /// Whether a bucket needs no closer look: compact, of one mind, and none of those whose pairs are compared.
     bool is_plain(std::size_t bucket) const {
@@ -101,18 +102,26 @@ private:
         const double radius = std::min(0.5 * all_.tree.bucket(bucket).diagonal(), most_radius_);
         LocalBucket own;
         own.set(points_, begin, end, box.lo);
-        Sixteen found(own);
         const auto sq_radius = static_cast<float>(radius) * static_cast<float>(radius);
         candidates_.clear();
         around_.for_buckets_near(box, radius, [&](std::size_t b) {
             candidates_.add(all_.buckets[b], to_float(all_.tree.bucket(b).lo - box.lo),
                             to_float(box.extent()), sq_radius);
         });
+        if (end - begin <= kFewOfBucket && bucket % kSampledBuckets != 0 && do_all_agree(own, end - begin, sq_radius)) return;
+        Sixteen found(own);
         found.sum_up(candidates_, sq_radius);
         if (bucket % kSampledBuckets == 0) found.compare_signs(candidates_, sq_radius, counts);
         const std::uint64_t agreeing = found.agreeing();
         for (std::size_t k = 0; k < end - begin; ++k)
             if ((agreeing >> k & 1) == 0) judge(begin + k, found.majority(k));
+    }
+
+    bool do_all_agree(const LocalBucket& own, std::size_t n, float sq_radius) {
+        candidates_.pad();
+        for (std::size_t k = 0; k < n; ++k)
+            if (!agrees(own, k, candidates_, sq_radius)) return false;
+        return true;
     }
 
     /// mean: of the normals about point i

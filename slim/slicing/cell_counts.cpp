@@ -38,7 +38,7 @@ bool by_place(const Cell& a, const Cell& b) { return a.at < b.at; }
 
 }  // namespace
 
-CellCounts::CellCounts(const Bbox& about) : width_(first_width(about)), slots_(kSlots) {
+CellCounts::CellCounts(const Bbox& about) : width_(first_width(about)), per_width_(1 / width_), slots_(kSlots) {
     const Vec3d lo = about.lo;
     base_ = {bin_of(lo.x), bin_of(lo.y), bin_of(lo.z)};
 }
@@ -46,7 +46,7 @@ CellCounts::CellCounts(const Bbox& about) : width_(first_width(about)), slots_(k
 std::int64_t CellCounts::bin_of(double x) const {
     // Far outside only the side matters: cells merge until they reach it.
     return static_cast<std::int64_t>(
-        std::clamp(std::floor(x / width_), -2 * kFarthestBin, 2 * kFarthestBin));
+        std::clamp(std::floor(x * per_width_), -2 * kFarthestBin, 2 * kFarthestBin));
 }
 
 /// False if p lies farther from the base than a key reaches.
@@ -55,7 +55,7 @@ bool CellCounts::key_of(const Vec3d& p, std::uint64_t& key) const {
     bool fits = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t at = bin_of(p[axis]) - base_[axis] + kOffset;
-        fits &= at >= 0 && at < 2 * kOffset && std::abs(p[axis]) / width_ <= kFarthestBin;
+        fits &= at >= 0 && at < 2 * kOffset && std::abs(p[axis]) * per_width_ <= kFarthestBin;
         key = key << kBits | (static_cast<std::uint64_t>(at) & (2 * kOffset - 1));
     }
     return fits;
@@ -83,6 +83,7 @@ void CellCounts::coarsen_until(Done&& is_done) {
     do {
         wider = merged(wider);
         width_ *= 2;
+        per_width_ = 1 / width_;
         for (std::int64_t& b : base_) b = floor_half(b);
     } while (!is_done(wider.size()));
     std::fill(slots_.begin(), slots_.end(), Slot{});

@@ -44,7 +44,7 @@ private:
     template <class Done>
     void coarsen_until(Done&& is_done);
 
-    double width_;
+    double width_, per_width_;          // powers of two: products are as exact as quotients
     std::array<std::int64_t, 3> base_;  // of the cell whose key is 0, 0, 0 beside the offset
     std::vector<Slot> slots_;
     std::size_t n_used_ = 0;

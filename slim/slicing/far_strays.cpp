@@ -12,10 +12,10 @@ constexpr double kShare = 1e-3;  // of the points, a side
 
 }  // namespace
 
-void FarStrays::add(const Vec3d& p) {
+void FarStrays::keep(const Vec3d& p) {
     for (std::size_t s = 0; s < sides_.size(); ++s) {
         std::vector<Vec3d>& points = sides_[s];
-        if (points.size() == kKept && !(outwards(s, p) > outwards(s, points.front()))) continue;
+        if (!(outwards(s, p) > innermost_[s])) continue;
         const auto more = [s](const Vec3d& a, const Vec3d& b) { return outwards(s, a) > outwards(s, b); };
         if (points.size() == kKept) {
             std::pop_heap(points.begin(), points.end(), more);
@@ -23,6 +23,7 @@ void FarStrays::add(const Vec3d& p) {
         }
         points.push_back(p);
         std::push_heap(points.begin(), points.end(), more);
+        if (points.size() == kKept) innermost_[s] = outwards(s, points.front());
     }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace slim {
@@ -15,7 +16,12 @@ namespace slim {
 /// Cost: six comparisons a point, more for points that come by rising coordinates; 10 kB.
 class FarStrays {
 public:
-    void add(const Vec3d& p);
+    FarStrays() { innermost_.fill(-std::numeric_limits<double>::infinity()); }
+    void add(const Vec3d& p) {
+        bool is_outside = false;
+        for (std::size_t s = 0; s < sides_.size(); ++s) is_outside |= outwards(s, p) > innermost_[s];
+        if (is_outside) keep(p);
+    }
 
     struct Found {
         Bbox box;           ///< of the points that are none
@@ -32,10 +38,13 @@ private:
     static_assert(6 * kMostOfSide < kKept);
 
     static double outwards(std::size_t side, const Vec3d& p) { return side % 2 ? p[side / 2] : -p[side / 2]; }
+    /// p lies farther out on a side than one of the kept, or these are not yet all.
+    void keep(const Vec3d& p);
     /// Coordinate along its axis of the outermost point but `skipped`.
     double limit(std::size_t side, std::size_t skipped) const;
 
     std::array<std::vector<Vec3d>, 6> sides_;  ///< heaps: the innermost of the kept ones first
+    std::array<double, 6> innermost_;      ///< that of each, outwards; -infinity until all kKept are there
 };
 
 }  // namespace slim
