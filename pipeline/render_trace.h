@@ -16,7 +16,7 @@
 
 namespace slim {
 
-/// A model's header, its bounds those of what is drawn of it.
+/// A model's header, its bounds and hull those of what is drawn of it.
 ModelHeader drawn_header(const SurfelTree& tree, bool loose,
                          std::vector<std::uint32_t>* visited = nullptr);
 
