@@ -81,8 +81,8 @@ void shade_traced(const FrameLight& light, int factor, RenderedFrame& frame) {
     const FramePlanes planes(frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     const TraceLook look = look_of(light, frame.view);
-    const std::span<const float> open =
-        light.config.ao ? std::span<const float>(frame.open) : std::span<const float>{};
+    OpenPlanes open;
+    if (light.config.ao) open = {frame.open, frame.ground_open};
     frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
         return light_rows(surface, look, open, rows, frame.light_counts);
     });
@@ -205,6 +205,10 @@ void find_openness(const FrameLight& light, RenderedFrame& frame) {
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     frame.open = openness_plane(surface, openness_of(light.config, light.header),
                                 wanted_ground(light), frame.light_counts);
+    frame.ground_open.clear();
+    if (light.config.ao && light.config.ground)
+        frame.ground_open = ground_openness_plane(surface, openness_of(light.config, light.header),
+                                                  *wanted_ground(light), frame.light_counts);
 }
 
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {
