@@ -81,6 +81,15 @@ private:
     double past_before_ = -kFar, past_after_ = -kFar;
 };
 
+/// The distance of an eye that no point comes too near: of a wide view of something pointed the nearest camera
+/// would stand at its tip.
+double before_all(std::span<const Vec3d> points) {
+    constexpr double kClear = 0.02;  // of their extent
+    Interval x, y, z;
+    for (const Vec3d& p : points) x.add(p.x), y.add(p.y), z.add(p.z);
+    return kClear * std::hypot(x.most - x.least, y.most - y.least, z.most - z.least) - z.least;
+}
+
 /// The step of a parallel view.
 double parallel_step(const Interval& x, double half, double before, double after) {
     return std::max(x.most - after * half, std::min(x.middle(), x.least + before * half));
@@ -91,7 +100,7 @@ double parallel_step(const Interval& x, double half, double before, double after
 FrameFit fit_perspective(std::span<const Vec3d> points, double tan_x, double tan_y, const FreePart& part) {
     const AxisFit x(points, 0, tan_x, part.left, part.right), y(points, 1, tan_y, part.top, part.bottom);
     FrameFit fit;
-    fit.distance = std::max(x.least_distance(), y.least_distance());
+    fit.distance = std::max({x.least_distance(), y.least_distance(), before_all(points)});
     fit.step_right = x.step(fit.distance), fit.step_down = y.step(fit.distance);
     fit.middle_x = x.seen(fit.distance, fit.step_right).middle();
     fit.middle_y = y.seen(fit.distance, fit.step_down).middle();

@@ -14,10 +14,10 @@ namespace {
 /// RMS error of openness by one ray; by n stratified ones n^(3/4) times less (Mitchell 1996). Measured: notes/0005.
 constexpr float kErrorOfOne = 0.5f;
 /// In units of that error: what differs more is something else.
-constexpr float kMostErrors = 4.0f;
+constexpr float kMostErrors = 7.0f;
 /// Sine of the angle between the way to another pixel and the surface, above which that is another one.
-constexpr float kMostSlope = 0.35f;
-constexpr float kLeastAgreement = 0.8f;  // of normals: 37 degrees
+constexpr float kMostSlope = 0.25f;
+constexpr float kLeastAgreement = 0.9f;  // of normals: 26 degrees
 
 /// Planes with a row's length.
 struct Rows {
