@@ -96,7 +96,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     const double aspect = static_cast<double>(size.width) / size.height;
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
-    std::optional<Vec3d> middle;  // of what a named camera frames
+    Vec3d to_middle;  // of what a named camera frames
     if (is_camera_name(config.camera)) {
         const Framing framing{.up = up_axis(config),
                               .orthographic = orthographic,
@@ -108,7 +108,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                                                  : 0};
         const Framed framed(model.bounds, model.hull);
         const FramedCamera named = framed_camera(config.camera, framed, aspect, framing);
-        camera = named.camera, middle = named.middle;
+        camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
                 camera.width =
@@ -127,7 +127,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     if (config.ortho_width > 0) camera.width = config.ortho_width;
     camera.width /= config.zoom;
     // The middle of what is seen stays where it is, beside a legend that is kept free.
-    const Vec3d aside = (middle.value_or(camera.target) - camera.target) * (1 - 1 / config.zoom);
+    const Vec3d aside = to_middle * (1 - 1 / config.zoom);
     camera.eye += aside, camera.target += aside;
     const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
     if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;

@@ -164,9 +164,7 @@ FramedCamera framed_camera(std::string_view name, const Framed& framed, double a
     const double distance = near_end > 0 ? near_end : size;
     camera.target = camera.target + basis.right * fit.step_right + basis.down * fit.step_down;
     camera.eye = camera.target + towards * distance;
-    const double half = framing.orthographic ? camera.width / 2 : distance * tan_y * aspect;
-    return {camera, camera.target + basis.right * (fit.middle_x * half) +
-                        basis.down * (fit.middle_y * half / aspect)};
+    return {camera, basis.right * fit.middle_right + basis.down * fit.middle_down};
 }
 
 Camera named_camera(std::string_view name, const Framed& framed, double aspect,

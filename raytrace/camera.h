@@ -58,7 +58,9 @@ struct Framed {
 
 struct FramedCamera {
     Camera camera;
-    Vec3d middle;  ///< what is seen in the middle of the points' part of the picture, at the target's depth
+    /// From the axis to what is seen in the middle of the points' part of the picture: a camera that moves
+    /// by 1 - 1 / zoom of it enlarges about that.
+    Vec3d to_middle;
 };
 
 /// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the points in a

@@ -44,6 +44,18 @@ public:
         return span;
     }
 
+    /// To the middle of what is seen, from the axis, at the harmonic mean of the depths of its ends.
+    double middle(double distance, double step) const {
+        double least = kFar, most = -kFar, at_least = 0, at_most = 0;  // ends and their depths
+        for (const Vec3d& p : points_) {
+            const double depth = distance + p.z, x = (p[axis_] - step) / depth;
+            if (x < least) least = x, at_least = depth;
+            if (x > most) most = x, at_most = depth;
+        }
+        if (!(at_least > 0 && at_most > 0)) return 0;
+        return 0.5 * (least + most) * 2 / (1 / at_least + 1 / at_most);
+    }
+
     /// The step that brings them into the middle, or as near to it as the part has room: what is seen moves
     /// to the left as the camera steps to the right.
     double step(double distance) const {
@@ -102,8 +114,8 @@ FrameFit fit_perspective(std::span<const Vec3d> points, double tan_x, double tan
     FrameFit fit;
     fit.distance = std::max({x.least_distance(), y.least_distance(), before_all(points)});
     fit.step_right = x.step(fit.distance), fit.step_down = y.step(fit.distance);
-    fit.middle_x = x.seen(fit.distance, fit.step_right).middle();
-    fit.middle_y = y.seen(fit.distance, fit.step_down).middle();
+    fit.middle_right = x.middle(fit.distance, fit.step_right);
+    fit.middle_down = y.middle(fit.distance, fit.step_down);
     return fit;
 }
 
@@ -118,8 +130,8 @@ FrameFit fit_orthographic(std::span<const Vec3d> points, double aspect, const Fr
     const double half_height = fit.half_width / aspect;
     fit.step_right = parallel_step(x, fit.half_width, part.left, part.right);
     fit.step_down = parallel_step(y, half_height, part.top, part.bottom);
-    fit.middle_x = (x.middle() - fit.step_right) / fit.half_width;
-    fit.middle_y = (y.middle() - fit.step_down) / half_height;
+    fit.middle_right = x.middle() - fit.step_right;
+    fit.middle_down = y.middle() - fit.step_down;
     return fit;
 }
 

@@ -24,7 +24,9 @@ struct FrameFit {
     double distance = 0;    ///< from the eye to their origin along the view; orthographic: of the nearest
     double half_width = 0;  ///< orthographic: half the picture
     double step_right = 0, step_down = 0;  ///< of the camera
-    double middle_x = 0, middle_y = 0;     ///< of their part of the picture, 1 being half its width or height
+    /// To what is seen in the middle of their part of the picture, as far away as its ends are (harmonic mean): the
+    /// camera that steps there by 1 - 1 / zoom keeps the middle where it is.
+    double middle_right = 0, middle_down = 0;
 };
 
 /// The nearest camera that sees all points (camera axes: right, down, along the view) in a part of the picture: they

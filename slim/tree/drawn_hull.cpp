@@ -123,8 +123,11 @@ std::vector<Vec3d> drawn_hull(const SurfelTree& tree, bool loose, const Bbox& bo
     const Farthest farthest = search(tree, loose, box, directions);
     std::vector<Vec3d> hull;
     for (std::size_t k = 0; k < kDirections; ++k)
-        if (farthest.reach[k] > -INFINITY)
-            hull.push_back(on_face(farthest.place[k], {directions.x[k], directions.y[k], directions.z[k]}, box));
+        if (farthest.reach[k] > -INFINITY) {
+            const Vec3d direction{directions.x[k], directions.y[k], directions.z[k]};
+            // The box with loose surfels is not theirs alone.
+            hull.push_back(loose ? farthest.place[k] : on_face(farthest.place[k], direction, box));
+        }
     const auto key = [](const Vec3d& p) { return std::tie(p.x, p.y, p.z); };
     std::sort(hull.begin(), hull.end(), [&](const Vec3d& a, const Vec3d& b) { return key(a) < key(b); });
     hull.erase(std::unique(hull.begin(), hull.end()), hull.end());

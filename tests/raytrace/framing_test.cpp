@@ -1,9 +1,13 @@
 #include "raytrace/camera_path.h"
 
+#include "slim/base/angle.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 namespace slim {
@@ -62,13 +66,18 @@ TEST(Framing, BesideARoomThatStaysFreePlacesStandAsNearTheMiddleAsTheyCan) {
             EXPECT_GE(m.right, 0.22 - 1e-9);
             EXPECT_GE(std::min(m.left, m.top), 0.02 - 1e-9);
             // In the wide picture there is room beside what must stay free.
-            if (width == 300) EXPECT_NEAR(m.left, m.right, 1e-9);
-            // The middle is where they are.
-            const PixelView v = pixel_view(f.camera, width, 100);
-            const Vec3d c = v.camera_from_local(f.middle);
-            const double scale = orthographic ? v.px_per_unit : v.focal_px / c.z;
-            EXPECT_NEAR((v.center_x + scale * c.x) / width, (m.left + 1 - m.right) / 2, 1e-9);
-            EXPECT_NEAR((v.center_y + scale * c.y) / 100, (m.top + 1 - m.bottom) / 2, 1e-9);
+            if (width == 300) {
+                EXPECT_NEAR(m.left, m.right, 1e-9);
+            }
+            // Enlarged about their middle they are as large on either side of it.
+            constexpr double kZoom = 1.25;
+            Camera near = f.camera;
+            near.eye += f.to_middle * (1 - 1 / kZoom), near.target += f.to_middle * (1 - 1 / kZoom);
+            near.width /= kZoom;
+            near.fov_y_deg = 2 * std::atan(std::tan(radians(near.fov_y_deg) / 2) / kZoom) * 180 / std::numbers::pi;
+            const Margins zoomed = margins(near, width, 100);
+            EXPECT_NEAR(zoomed.left - zoomed.right, m.left - m.right, 1e-6);
+            EXPECT_NEAR(zoomed.top - zoomed.bottom, m.top - m.bottom, 1e-6);
         }
 }
 
