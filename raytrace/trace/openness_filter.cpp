@@ -3,7 +3,6 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -35,27 +34,30 @@ struct Rows {
 };
 
 float squared(float x) { return x * x; }
+float above_zero(float x) { return x > 0 ? x : 0.0f; }
 
 /// Adds one neighbour, `step` entries further on, of the pixels [begin, end): `share` is its weight in the
 /// mean.
 void add_neighbour(const Rows& r, std::size_t begin, std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
-                   float* sum, float* weight) {
-    const std::array<const float*, 3> p{r.planes.buffer.position[0].data(), r.planes.buffer.position[1].data(),
-                                        r.planes.buffer.position[2].data()},
-        n{r.planes.buffer.normal[0].data(), r.planes.buffer.normal[1].data(), r.planes.buffer.normal[2].data()};
-    const float *open = r.open.data(), *hit = r.hit.data();
+                   float* __restrict sum, float* __restrict weight) {
+    const GBuffer& b = r.planes.buffer;
+    const float *const px = b.position[0].data(), *const py = b.position[1].data(), *const pz = b.position[2].data(),
+                *const nx = b.normal[0].data(), *const ny = b.normal[1].data(), *const nz = b.normal[2].data(),
+                *const open = r.open.data(), *const hit = r.hit.data();
+    constexpr float kSteep = 1 / (kMostSlope * kMostSlope), kFacing = 1 / (1 - kLeastAgreement);
+#pragma GCC ivdep
     for (std::size_t i = begin; i < end; ++i) {
         const std::size_t q = i + static_cast<std::size_t>(step);
-        const float dx = p[0][q] - p[0][i], dy = p[1][q] - p[1][i], dz = p[2][q] - p[2][i];
-        const float off = n[0][i] * dx + n[1][i] * dy + n[2][i] * dz;
+        const float dx = px[q] - px[i], dy = py[q] - py[i], dz = pz[q] - pz[i];
+        const float off = nx[i] * dx + ny[i] * dy + nz[i] * dz;
         const float sq_way = dx * dx + dy * dy + dz * dz;
-        const float agreement = n[0][i] * n[0][q] + n[1][i] * n[1][q] + n[2][i] * n[2][q];
-        const float steep = off * off / (sq_way + 1e-37f) * (1 / (kMostSlope * kMostSlope));
-        const float in_plane = std::max(0.0f, 1 - steep);
-        const float facing = std::max(0.0f, (agreement - kLeastAgreement) * (1 / (1 - kLeastAgreement)));
-        const float alike = std::max(0.0f, 1 - squared(open[q] - open[i]) * inv_sq_most);
-        const float w = hit[q] > 0 ? share * in_plane * facing * alike * alike : 0.0f;
-        sum[i - begin] += w * (hit[q] > 0 ? open[q] : 0.0f), weight[i - begin] += w;
+        const float agreement = nx[i] * nx[q] + ny[i] * ny[q] + nz[i] * nz[q];
+        const float in_plane = above_zero(1 - off * off / (sq_way + 1e-37f) * kSteep);
+        const float facing = above_zero((agreement - kLeastAgreement) * kFacing);
+        const float seen = hit[q] > 0 ? 1.0f : 0.0f, other = hit[q] > 0 ? open[q] : 0.0f;
+        const float alike = above_zero(1 - squared(other - open[i]) * inv_sq_most);
+        const float w = share * seen * in_plane * facing * alike * alike;
+        sum[i - begin] += w * other, weight[i - begin] += w;
     }
 }
 
