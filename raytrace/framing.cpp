@@ -96,7 +96,7 @@ private:
 /// The distance of an eye that no point comes too near: of a wide view of something pointed the nearest camera
 /// would stand at its tip.
 double before_all(std::span<const Vec3d> points) {
-    constexpr double kClear = 0.02;  // of their extent
+    constexpr double kClear = 0.002;  // of their extent
     Interval x, y, z;
     for (const Vec3d& p : points) x.add(p.x), y.add(p.y), z.add(p.z);
     return kClear * std::hypot(x.most - x.least, y.most - y.least, z.most - z.least) - z.least;
