@@ -6,6 +6,9 @@
 #include "slim/base/error.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -38,7 +41,7 @@ HeaderRecord pack(const ModelHeader& h) {
 
 ModelHeader unpack(const HeaderRecord& r) {
     return {r.degree,        r.origin,   {r.lo, r.hi}, r.diagonal, r.noise_variance,
-            r.mdl_threshold, r.n_points, r.n_leaves,   r.seed,     {}, {}};
+            r.mdl_threshold, r.n_points, r.n_leaves,   r.seed,     {}, {}, {}, {}};
 }
 
 /// One of "drawn": the box without loose surfels, then that with them.
@@ -46,6 +49,35 @@ struct BoxRecord {
     Vec3d lo, hi;
 };
 static_assert(sizeof(BoxRecord) == 6 * 8);
+
+/// A place of "hull": where it lies in the box of what is drawn, of "loose_hull" in that with loose surfels.
+using HullRecord = std::array<std::uint16_t, 3>;
+static_assert(sizeof(HullRecord) == 6);
+constexpr double kHullSteps = 65535;
+
+std::vector<HullRecord> pack_hull(std::span<const Vec3d> hull, const Bbox& box) {
+    std::vector<HullRecord> out(hull.size());
+    for (std::size_t i = 0; i < hull.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double extent = box.hi[axis] - box.lo[axis];
+            const double share = extent > 0 ? (hull[i][axis] - box.lo[axis]) / extent : 0;
+            out[i][axis] = static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0, 1.0) * kHullSteps));
+        }
+    return out;
+}
+
+/// The box's own numbers at both ends.
+std::vector<Vec3d> read_hull(const ChunkFile& file, const char* chunk, const Bbox& box) {
+    std::vector<Vec3d> hull;
+    if (!file.has(chunk)) return hull;
+    for (const HullRecord& r : file.array<HullRecord>(chunk)) {
+        Vec3d p = box.hi;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (r[axis] < kHullSteps) p[axis] = box.lo[axis] + (box.hi[axis] - box.lo[axis]) * (r[axis] / kHullSteps);
+        hull.push_back(p);
+    }
+    return hull;
+}
 
 /// Whether a chunk says what the surface is; all others are attributes of it.
 bool is_of_surface(std::string_view chunk) {
@@ -68,6 +100,8 @@ ModelHeader read_header(const ChunkFile& file) {
                                   ": expected two boxes, found ", boxes.size()));
     header.drawn = {boxes[0].lo, boxes[0].hi};
     header.drawn_loose = {boxes[1].lo, boxes[1].hi};
+    header.hull = read_hull(file, "hull", header.drawn);
+    header.loose_hull = read_hull(file, "loose_hull", header.drawn_loose);
     return header;
 }
 
@@ -99,6 +133,9 @@ void write_arrays(const std::string& path, const SurfelTree& tree,
     const ModelHeader& h = tree.header();
     const BoxRecord drawn[] = {{h.drawn.lo, h.drawn.hi}, {h.drawn_loose.lo, h.drawn_loose.hi}};
     if (!h.drawn.empty()) writer.add("drawn", std::span<const BoxRecord>(drawn));
+    if (!h.hull.empty()) writer.add("hull", std::span<const HullRecord>(pack_hull(h.hull, h.drawn)));
+    if (!h.loose_hull.empty())
+        writer.add("loose_hull", std::span<const HullRecord>(pack_hull(h.loose_hull, h.drawn_loose)));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", tree.page_origins());
     writer.add("nodes", tree.nodes());

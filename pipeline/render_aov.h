@@ -26,6 +26,7 @@ struct RenderedFrame {
     TracedPlanes traced;                ///< of a frame drawn by rays
     std::vector<double> diagonals;      ///< L of each model, of a frame that several are drawn in; else empty
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
+    std::vector<float> ground_open;     ///< the same of the ground, where it is seen
     TraceCounts light_counts;           ///< rays for light
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for
 };

@@ -70,7 +70,7 @@ struct RenderConfig {
               "up is --up)");
         field("name", name, "name of the view in file names (default: the camera's)");
         field("fov", fov,
-              "angle of view from top to bottom, degrees (a named camera frames the whole at any "
+              "angle of view from top to bottom, degrees (a named camera frames what is drawn at any "
               "angle: --zoom enlarges)",
               0.001, 179);
         field("ortho", ortho, "orthographic instead of perspective");
@@ -79,7 +79,7 @@ struct RenderConfig {
         field.choice("up", up, "axis that named cameras hold upright",
                      {"y", "z", "x", "-y", "-z", "-x"});
         field("zoom", zoom,
-              "enlarges about the picture's middle, of named cameras the model's: 2 shows half of what the camera shows", 0.001,
+              "enlarges about the picture's middle, of named cameras that of what they frame: 2 shows half of what the camera shows", 0.001,
               1000);
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",

@@ -62,7 +62,10 @@ std::uint64_t plane_bytes(const RenderJob& job, Channels channels) {
     one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
     if (!job.traced) return bytes;
     // Normals turned to the eye, openness, clearance and model of each hit; TracedPlanes::position_low.
-    return bytes + 12 + 4 + 4 + 2 + (job.traced->scene().is_wide() ? 12 : 0);
+    bytes += 12 + 4 + 4 + 2 + (job.traced->scene().is_wide() ? 12 : 0);
+    // While openness is filtered: as it was, and hits as numbers; of a ground its own, places and normals.
+    if (job.config.ao || job.wants("ao")) bytes += 8 + (job.config.ground ? 4 + 25 : 0);
+    return bytes;
 }
 
 /// Bytes that a pixel takes where lines are found: planes, and what they are blurred to.

@@ -81,8 +81,8 @@ void shade_traced(const FrameLight& light, int factor, RenderedFrame& frame) {
     const FramePlanes planes(frame);
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     const TraceLook look = look_of(light, frame.view);
-    const std::span<const float> open =
-        light.config.ao ? std::span<const float>(frame.open) : std::span<const float>{};
+    OpenPlanes open;
+    if (light.config.ao) open = {frame.open, frame.ground_open};
     frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
         return light_rows(surface, look, open, rows, frame.light_counts);
     });
@@ -115,6 +115,14 @@ void shade_plain(int factor, RenderedFrame& frame) {
     });
 }
 
+std::vector<Vec3d> corners_of(const Bbox& box) {
+    std::vector<Vec3d> corners;
+    for (const double x : {box.lo.x, box.hi.x})
+        for (const double y : {box.lo.y, box.hi.y})
+            for (const double z : {box.lo.z, box.hi.z}) corners.push_back({x, y, z});
+    return corners;
+}
+
 bool is_plain(const RenderConfig& config) {
     const RenderConfig usual;
     return config.light == usual.light && config.material == usual.material &&
@@ -133,8 +141,21 @@ Channels light_channels(const RenderConfig& config, const std::vector<std::strin
 ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
     ModelHeader header = tree.header();
     header.bounds = drawn_bounds(tree, loose, visited);
+    if (loose) header.hull.insert(header.hull.end(), header.loose_hull.begin(), header.loose_hull.end());
     return header;
 }
+
+namespace {
+
+/// A scene's bounds and hull with those of a further model; of one without a hull the corners of its bounds.
+void add_drawn(const ModelHeader& drawn, const Vec3d& offset, ModelHeader& scene) {
+    if (scene.hull.empty()) scene.hull = corners_of(scene.bounds);
+    for (const Vec3d& p : drawn.hull.empty() ? corners_of(drawn.bounds) : drawn.hull) scene.hull.push_back(p + offset);
+    scene.bounds.extend(drawn.bounds.lo + offset);
+    scene.bounds.extend(drawn.bounds.hi + offset);
+}
+
+}  // namespace
 
 TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
     : header_(drawn_header(first, config.loose)) {
@@ -148,9 +169,7 @@ TracedModels::TracedModels(const RenderConfig& config, const SurfelTree& first)
             throw DataError(path + ": a model without surfels cannot be drawn");
         const Vec3d offset = tree.header().origin - header_.origin;
         parts.push_back({&tree, offset});
-        const Bbox bounds = drawn_bounds(tree, config.loose);
-        header_.bounds.extend(bounds.lo + offset);
-        header_.bounds.extend(bounds.hi + offset);
+        add_drawn(drawn_header(tree, config.loose), offset, header_);
     }
     if (!trees_.empty()) header_.diagonal = header_.bounds.diagonal();
     const auto start = std::chrono::steady_clock::now();
@@ -186,6 +205,10 @@ void find_openness(const FrameLight& light, RenderedFrame& frame) {
     const TracedSurface surface{light.traced->scene(), planes.planes, frame.traced};
     frame.open = openness_plane(surface, openness_of(light.config, light.header),
                                 wanted_ground(light), frame.light_counts);
+    frame.ground_open.clear();
+    if (light.config.ao && light.config.ground)
+        frame.ground_open = ground_openness_plane(surface, openness_of(light.config, light.header),
+                                                  *wanted_ground(light), frame.light_counts);
 }
 
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {

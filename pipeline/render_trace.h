@@ -16,7 +16,7 @@
 
 namespace slim {
 
-/// A model's header, its bounds those of what is drawn of it.
+/// A model's header, its bounds and hull those of what is drawn of it.
 ModelHeader drawn_header(const SurfelTree& tree, bool loose,
                          std::vector<std::uint32_t>* visited = nullptr);
 
@@ -61,7 +61,7 @@ struct FrameLight {
     const TracedModels* traced = nullptr;
 };
 
-/// Fills frame.open, the ambient openness of every hit.
+/// Fills frame.open, the ambient openness of every hit, and if a picture shows it frame.ground_open.
 void find_openness(const FrameLight& light, RenderedFrame& frame);
 
 /// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps its

@@ -96,6 +96,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     const double aspect = static_cast<double>(size.width) / size.height;
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
+    Vec3d to_middle;  // of what a named camera frames
     if (is_camera_name(config.camera)) {
         const Framing framing{.up = up_axis(config),
                               .orthographic = orthographic,
@@ -105,11 +106,13 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                               .free_bottom = config.scale_bar && config.ortho_width <= 0
                                                  ? scale_bar_share(size.width, size.height)
                                                  : 0};
-        camera = named_camera(config.camera, model.bounds, aspect, framing);
+        const Framed framed(model.bounds, model.hull);
+        const FramedCamera named = framed_camera(config.camera, framed, aspect, framing);
+        camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
                 camera.width =
-                    std::max(camera.width, named_camera(side, model.bounds, aspect, framing).width);
+                    std::max(camera.width, named_camera(side, framed, aspect, framing).width);
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)
@@ -123,11 +126,9 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     }
     if (config.ortho_width > 0) camera.width = config.ortho_width;
     camera.width /= config.zoom;
-    if (is_camera_name(config.camera) && !model.bounds.empty()) {
-        // The model's middle stays where it is, beside a legend that is kept free.
-        const Vec3d aside = (model.bounds.center() - camera.target) * (1 - 1 / config.zoom);
-        camera.eye += aside, camera.target += aside;
-    }
+    // The middle of what is seen stays where it is, beside a legend that is kept free.
+    const Vec3d aside = to_middle * (1 - 1 / config.zoom);
+    camera.eye += aside, camera.target += aside;
     const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
     if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
     validate(camera);

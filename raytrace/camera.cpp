@@ -1,12 +1,12 @@
 #include "raytrace/camera.h"
 
+#include "raytrace/framing.h"
 #include "slim/base/angle.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <sstream>
@@ -68,92 +68,31 @@ Basis basis_of(const Camera& camera) {
     return {right, cross(forward, right), forward};
 }
 
-/// The part of the picture that a box may fill: how far from the axis to each side, 1 being half the
-/// picture's width or height.
-struct FreePart {
-    double left, right, top, bottom;
-    bool centred, centred_y;  ///< the box stays in the middle of the picture
-    explicit FreePart(const Framing& f)
-        : left(1 - f.margin),
-          right(1 - f.margin - 2 * f.free_right),
-          top(1 - f.margin),
-          bottom(1 - f.margin - 2 * f.free_bottom),
-          centred(f.free_right <= 0),
-          centred_y(f.free_bottom <= 0) {}
-};
+/// What is framed about the middle of its box: its points, or the box's corners.
+std::vector<Vec3d> places_of(const Framed& framed) {
+    std::vector<Vec3d> places;
+    for (const Vec3d& p : framed.points) places.push_back(p - framed.box.center());
+    if (!places.empty()) return places;
+    const Vec3d h = framed.box.empty() ? Vec3d{} : framed.box.extent() * 0.5;
+    for (unsigned i = 0; i < 8; ++i)
+        places.push_back({i & 1u ? h.x : -h.x, i & 2u ? h.y : -h.y, i & 4u ? h.z : -h.z});
+    return places;
+}
 
-struct Fit {
-    double distance = 0;    ///< eye to centre so that all corners are inside the frustum
-    double half_width = 0;  ///< orthographic: half the picture
-    double step_right = 0, step_down = 0;  ///< of the camera, model units
-};
-
-/// The corners of a box about its centre, in camera axes, in each of its positions.
-std::vector<Vec3d> corners_of(const Bbox& box, const Basis& b, UpAxis up, int turns) {
-    std::vector<Vec3d> corners;
-    const Vec3d h = box.extent() * 0.5;
+/// The same in camera axes, in each of its positions.
+std::vector<Vec3d> turned_places(std::span<const Vec3d> places, const Basis& b, UpAxis up, int turns) {
+    std::vector<Vec3d> out;
     const Vec3d x = with_up(up, {1, 0, 0}), y = with_up(up, {0, 1, 0}), z = with_up(up, {0, 0, 1});
     for (int turn = 0; turn < std::max(1, turns); ++turn) {
         const double angle = 2 * std::numbers::pi * turn / std::max(1, turns);
         const double c = std::cos(angle), s = std::sin(angle);
-        for (unsigned i = 0; i < 8; ++i) {
-            const Vec3d p{i & 1u ? h.x : -h.x, i & 2u ? h.y : -h.y, i & 4u ? h.z : -h.z};
+        for (const Vec3d& p : places) {
             const double px = dot(p, x), pz = dot(p, z);
             const Vec3d q = x * (c * px - s * pz) + y * dot(p, y) + z * (s * px + c * pz);
-            corners.push_back({dot(b.right, q), dot(b.down, q), dot(b.forward, q)});
+            out.push_back({dot(b.right, q), dot(b.down, q), dot(b.forward, q)});
         }
     }
-    return corners;
-}
-
-/// A corner at x stays inside if -before <= (x - step) / (tan (distance + z)) <= after. The bound
-/// `before` at step 0 and the sum of both give the distance, then `after` gives the step.
-struct AxisFit {
-    double tan, before, after;
-    double past_before = -std::numeric_limits<double>::infinity(), past_after = past_before;
-
-    void add(double x, double z) {
-        past_after = std::max(past_after, x - after * tan * z);
-        past_before = std::max(past_before, -x - before * tan * z);
-    }
-    double distance(bool centred) const {
-        const double either_side = (past_after + past_before) / (before + after);
-        const double least = std::max(past_before / (tan * before), either_side / tan);
-        return centred ? std::max(least, past_after / (tan * after)) : least;
-    }
-    double step(bool centred, double distance) const {
-        return centred ? 0 : std::max(0.0, past_after - after * tan * distance);
-    }
-};
-
-Fit fit_perspective(std::span<const Vec3d> corners, double tan_x, double tan_y,
-                    const FreePart& part) {
-    AxisFit x{tan_x, part.left, part.right}, y{tan_y, part.top, part.bottom};
-    Fit fit;
-    for (const Vec3d& c : corners) {
-        x.add(c.x, c.z), y.add(c.y, c.z);
-        if (part.centred_y)
-            fit.distance = std::max(fit.distance, std::abs(c.y) / (tan_y * part.top) - c.z);
-    }
-    fit.distance = std::max(fit.distance, x.distance(part.centred));
-    if (!part.centred_y) fit.distance = std::max(fit.distance, y.distance(false));
-    fit.step_right = x.step(part.centred, fit.distance),
-    fit.step_down = y.step(part.centred_y, fit.distance);
-    return fit;
-}
-
-Fit fit_orthographic(std::span<const Vec3d> corners, double aspect, const FreePart& part) {
-    double x = 0, y = 0, z = 0;
-    for (const Vec3d& c : corners)
-        x = std::max(x, c.x), y = std::max(y, c.y), z = std::max(z, c.z);
-    Fit fit;
-    const double high =
-        part.centred_y ? y * aspect / part.top : 2 * y * aspect / (part.top + part.bottom);
-    fit.half_width = std::max(2 * x / (part.left + part.right), high);
-    if (!part.centred) fit.step_right = std::max(0.0, x - part.right * fit.half_width);
-    if (!part.centred_y) fit.step_down = std::max(0.0, y - part.bottom * fit.half_width / aspect);
-    fit.distance = z;
-    return fit;
+    return out;
 }
 
 }  // namespace
@@ -197,8 +136,8 @@ bool is_camera_name(std::string_view name) {
                        [&](const NamedView& v) { return v.name == name; });
 }
 
-Camera named_camera(std::string_view name, const Bbox& box, double aspect,
-                    const Framing& framing) {
+FramedCamera framed_camera(std::string_view name, const Framed& framed, double aspect,
+                           const Framing& framing) {
     const auto view = std::find_if(kNamedViews.begin(), kNamedViews.end(),
                                    [&](const NamedView& v) { return v.name == name; });
     if (view == kNamedViews.end())
@@ -206,25 +145,31 @@ Camera named_camera(std::string_view name, const Bbox& box, double aspect,
                    "\"; known: front, back, left, right, top, bottom, iso");
     const Vec3d towards = normalized(with_up(framing.up, view->towards_eye));
     Camera camera;
-    camera.target = box.empty() ? Vec3d{} : box.center();
+    camera.target = framed.box.empty() ? Vec3d{} : framed.box.center();
     camera.up = with_up(framing.up, view->up);
     camera.eye = camera.target + towards;
     camera.orthographic = framing.orthographic;
     camera.fov_y_deg = framing.fov_y_deg;
     const double tan_y = std::tan(radians(framing.fov_y_deg) / 2);
     const Basis basis = basis_of(camera);
-    const auto corners = corners_of(box, basis, framing.up, framing.turns);
-    const FreePart part(framing);
-    const Fit fit = framing.orthographic
-                        ? fit_orthographic(corners, aspect, part)
-                        : fit_perspective(corners, tan_y * aspect, tan_y, part);
-    // A box without extent is framed as if it were of size 1.
-    const double size = box.diagonal() > 0 ? box.diagonal() : 1.0;
+    const auto places = turned_places(places_of(framed), basis, framing.up, framing.turns);
+    const FreePart part(framing.margin, framing.free_right, framing.free_bottom);
+    const FrameFit fit = framing.orthographic
+                             ? fit_orthographic(places, aspect, part)
+                             : fit_perspective(places, tan_y * aspect, tan_y, part);
+    // What has no extent is framed as if it were of size 1.
+    const double size = framed.box.diagonal() > 0 ? framed.box.diagonal() : 1.0;
     camera.width = fit.half_width > 0 ? 2 * fit.half_width : size;
-    const double distance = framing.orthographic ? fit.distance + size : fit.distance;
+    const double near_end = framing.orthographic ? fit.distance + size : fit.distance;
+    const double distance = near_end > 0 ? near_end : size;
     camera.target = camera.target + basis.right * fit.step_right + basis.down * fit.step_down;
-    camera.eye = camera.target + towards * (distance > 0 ? distance : size);
-    return camera;
+    camera.eye = camera.target + towards * distance;
+    return {camera, basis.right * fit.middle_right + basis.down * fit.middle_down};
+}
+
+Camera named_camera(std::string_view name, const Framed& framed, double aspect,
+                    const Framing& framing) {
+    return framed_camera(name, framed, aspect, framing).camera;
 }
 
 PixelView pixel_view(const Camera& camera, int width, int height) {

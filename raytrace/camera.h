@@ -4,6 +4,7 @@
 #include "slim/base/vec.h"
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -35,23 +36,43 @@ Vec3d up_vector(UpAxis up);
 /// axis up.
 std::array<Vec3d, 3> upright_axes(UpAxis up);
 
-/// How named_camera frames a box.
+/// How named cameras frame it.
 struct Framing {
     UpAxis up = UpAxis::y;      ///< z: terrain
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
-    int turns = 0;  ///< so many positions of the box, turned about the up axis, stay in the picture
+    int turns = 0;  ///< so many positions, turned about the up axis, stay in the picture
     double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
     double free_bottom = 0;     ///< and of its height
 };
 
-/// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the box in a
-/// picture of the given aspect (width / height). `front` looks along -Z (with z or -z up: along
-/// +Y). With free_right (free_bottom) the camera steps back and to the right (down), no more than
-/// the box needs to stay out of that part; the direction of view stays. Throws ConfigError on
-/// another name, listing these.
-Camera named_camera(std::string_view name, const Bbox& box, double aspect,
+/// What named cameras frame: the convex hull of the points, or the box where there are none. A turntable turns it
+/// about the box's middle.
+struct Framed {
+    Bbox box;
+    std::span<const Vec3d> points = {};
+
+    Framed(const Bbox& of, std::span<const Vec3d> hull = {}) : box(of), points(hull) {}
+};
+
+struct FramedCamera {
+    Camera camera;
+    /// From the axis to what is seen in the middle of the points' part of the picture: a camera that moves
+    /// by 1 - 1 / zoom of it enlarges about that.
+    Vec3d to_middle;
+};
+
+/// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the points in a
+/// picture of the given aspect (width / height): as large as they fit, in its middle both ways. `front` looks
+/// along -Z (with z or -z up: along +Y). With free_right (free_bottom) the camera steps back and to the right
+/// (down), no more than the points need to stay out of that part; the direction of view stays. Throws
+/// ConfigError on another name, listing these.
+FramedCamera framed_camera(std::string_view name, const Framed& framed, double aspect,
+                           const Framing& framing = {});
+
+/// The camera alone.
+Camera named_camera(std::string_view name, const Framed& framed, double aspect,
                     const Framing& framing = {});
 
 /// True if named_camera knows the name.

@@ -1,6 +1,7 @@
 #include "raytrace/trace/light_pass.h"
 
 #include "raytrace/trace/light_tracer.h"
+#include "raytrace/trace/openness_filter.h"
 #include "raytrace/trace/primary_rays.h"
 
 namespace slim {
@@ -53,10 +54,21 @@ FloatV distance_of(const ShadePoints& at, const RayPacket& rays) {
     return select<FloatV>(at.on, way.dot(rays.direction), FloatV(kFar));
 }
 
+/// What is known of the ground's openness: where no surface is.
+KnownOpenness load_ground(const TracedSurface& surface, std::span<const float> open, const ShadePoints& at,
+                          const PixelBlock& block) {
+    KnownOpenness out;
+    if (open.empty()) return out;
+    out.known = !at.on;
+    for (int lane = 0; lane < kLanes; ++lane)
+        if (block.holds(lane)) out.open[static_cast<std::size_t>(lane)] = open[surface.planes.index(block, lane)];
+    return out;
+}
+
 void light_block(const TracedSurface& surface, const LightTracer& tracer, bool ground,
-                 std::span<const float> open, const RaySite& site, Picture& out) {
+                 const OpenPlanes& open, const RaySite& site, Picture& out) {
     const PixelBlock& block = site.block;
-    const BlockSurface s = load_block(surface, open, block);
+    const BlockSurface s = load_block(surface, open.surface, block);
     LanesOfVec color{Vec3f{}};
     FloatV alpha = select<FloatV>(s.at.on, FloatV(1.0f), FloatV(0.0f));
     if (stdx::any_of(s.at.on)) color = tracer.color(s.at, s.model, s.open, site);
@@ -64,7 +76,8 @@ void light_block(const TracedSurface& surface, const LightTracer& tracer, bool g
         const RayPacket rays = rays_to_ground(surface.planes.view, surface.scene.frame(), block);
         FloatV ground_alpha;
         const LanesOfVec over =
-            tracer.ground_color(rays, distance_of(s.at, rays), site, ground_alpha);
+            tracer.ground_color(rays, distance_of(s.at, rays), site, ground_alpha,
+                                load_ground(surface, open.ground, s.at, block));
         color = over + color * (1.0f - ground_alpha);
         alpha = ground_alpha + alpha * (1.0f - ground_alpha);
     }
@@ -89,10 +102,39 @@ std::vector<float> openness_plane(const TracedSurface& surface, const Openness& 
                 out[surface.planes.index(block, lane)] = open[k];
     });
     counts += sum_of(rows);
-    return out;
+    return filtered_openness(surface.planes, out, openness.samples);
 }
 
-Picture light_rows(const TracedSurface& surface, const TraceLook& look, std::span<const float> open,
+std::vector<float> ground_openness_plane(const TracedSurface& surface, const Openness& openness,
+                                         const GroundPlane& ground, TraceCounts& counts) {
+    const SurfacePlanes& planes = surface.planes;
+    GBuffer seen;
+    seen.reset(planes.buffer.width, planes.buffer.height, kPositionChannel | kNormalChannel);
+    std::vector<float> out(seen.n_pixels(), 0.0f);
+    std::vector<TraceCounts> rows(n_block_rows(planes.window));
+    TraceLook look;
+    look.ground = ground;
+    const LightTracer tracer(surface.scene, look);
+    for_blocks(planes.window, [&](std::size_t row, const PixelBlock& block) {
+        ShadePoints at = tracer.ground_points(rays_to_ground(planes.view, surface.scene.frame(), block), FloatV(kFar));
+        at.on = at.on && !load_points(planes, surface.scene.frame(), block).on;
+        if (stdx::none_of(at.on)) return;
+        const FloatV open = tracer.open_share(at, openness, {block, rows[row]});
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const auto k = static_cast<std::size_t>(lane);
+            if (!block.holds(lane) || !at.on[k]) continue;
+            const std::size_t i = planes.index(block, lane);
+            seen.hit[i] = 1, out[i] = open[k];
+            const LanesOfVec &p = at.point, &n = at.normal;
+            seen.position[0][i] = p.x[k], seen.position[1][i] = p.y[k], seen.position[2][i] = p.z[k];
+            seen.normal[0][i] = n.x[k], seen.normal[1][i] = n.y[k], seen.normal[2][i] = n.z[k];
+        }
+    });
+    counts += sum_of(rows);
+    return filtered_openness({planes.view, planes.window, seen, seen.normal}, out, openness.samples);
+}
+
+Picture light_rows(const TracedSurface& surface, const TraceLook& look, const OpenPlanes& open,
                    const RowRange& rows, TraceCounts& counts) {
     const PixelWindow band = surface.planes.band(rows);
     Picture out(band.width, band.height);

@@ -180,20 +180,29 @@ FloatV LightTracer::shadow_alpha(const ShadePoints& at, const FloatV& open,
     return select<FloatV>(at.on && bright > 0.0f, 1.0f - seen / bright, FloatV(0.0f));
 }
 
-LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
-                                     FloatV& alpha) const {
-    alpha = FloatV(0.0f);
-    const FloatV t = ground_->distance(rays);
+ShadePoints LightTracer::ground_points(const RayPacket& rays, const FloatV& far) const {
     ShadePoints at;
+    if (!ground_) return at;
+    const FloatV t = ground_->distance(rays);
     at.on = rays.active() && t < far && t < kFar;
-    if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
     const TwoFloatVecs place = place_along({rays.origin, rays.origin_low}, {rays.direction, rays.direction_low},
                                            select<FloatV>(at.on, t, FloatV(0.0f)));
     at.point = place.high, at.point_low = place.low;
     at.outward = LanesOfVec{Vec3f{}};  // no surfel makes it
     at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,
     at.clearance = FloatV(ground_->clearance);
-    const FloatV open = openness(at, site);
+    return at;
+}
+
+LanesOfVec LightTracer::ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
+                                     FloatV& alpha, const KnownOpenness& known) const {
+    alpha = FloatV(0.0f);
+    const ShadePoints at = ground_points(rays, far);
+    if (stdx::none_of(at.on)) return LanesOfVec{Vec3f{}};
+    ShadePoints unknown = at;
+    unknown.on = at.on && !known.known;
+    FloatV open = known.open;
+    if (stdx::any_of(unknown.on)) open = select<FloatV>(unknown.on, openness(unknown, site), open);
     if (!look_.ground->color) {
         alpha = shadow_alpha(at, open, site);
         return LanesOfVec{Vec3f{}};

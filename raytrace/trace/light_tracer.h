@@ -37,6 +37,12 @@ struct RaySite {
     std::uint64_t purpose() const { return static_cast<std::uint64_t>(level) << 16; }
 };
 
+/// Openness of some lanes' points.
+struct KnownOpenness {
+    FloatV open{1.0f};
+    FloatV::mask_type known{false};
+};
+
 /// Sends rays from the surface. Random numbers are keyed by pixel and purpose.
 class LightTracer {
 public:
@@ -51,9 +57,13 @@ public:
     LanesOfVec color(const ShadePoints& at, const std::array<std::uint16_t, kLanes>& model,
                      const FloatV& open, const RaySite& site) const;
 
-    /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`.
+    /// Where rays meet the ground before `far`, if there is one.
+    ShadePoints ground_points(const RayPacket& rays, const FloatV& far) const;
+
+    /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`. `known` is its
+    /// openness where that is found already.
     LanesOfVec ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
-                            FloatV& alpha) const;
+                            FloatV& alpha, const KnownOpenness& known = {}) const;
 
 private:
     FloatV free_share(const ShadePoints& at, const FloatV& far, int samples, const RaySite& site) const;

@@ -1,6 +1,7 @@
 #include "slim/tree/drawn_bounds.h"
 
 #include "slim/base/error.h"
+#include "slim/tree/drawn_hull.h"
 
 #include <algorithm>
 #include <cmath>
@@ -164,6 +165,8 @@ void set_drawn_bounds(SurfelTreeData& data) {
     const Bbox& points = tree.header().bounds;
     data.header.drawn = drawn.empty() ? points : drawn;
     data.header.drawn_loose = loose.empty() ? points : loose;
+    data.header.hull = drawn_hull(tree, false, data.header.drawn);
+    data.header.loose_hull = drawn_hull(tree, true, data.header.drawn_loose);
 }
 
 Bbox drawn_bounds(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {

@@ -192,6 +192,27 @@ TEST(ModelFile, BoxesOfWhatIsDrawnRoundTripInAnyVersion) {
     }
 }
 
+TEST(ModelFile, HullsOfWhatIsDrawnRoundTripToAShareOfTheirBox) {
+    const TempFolder folder;
+    SurfelTreeData data = some_model();
+    data.header.drawn = {{1, 0, 2}, {3, 4, 4}};
+    data.header.drawn_loose = {{0, 0, 2}, {3, 4, 4}};
+    data.header.hull = {{1, 0, 2}, {3, 4, 4}, {2.3, 0.7, 3.1}};
+    data.header.loose_hull = {{0, 1, 2}};
+    write_model(folder.file("m"), data, "{}");
+    write_model_colors(folder.file("m"), std::vector<PackedColor>(3));
+    for (const auto& open : {ModelFile::open, ModelFile::open_by_pages}) {
+        const ModelFile model = open(folder.file("m"));
+        const auto& hull = model.header().hull;
+        ASSERT_EQ(hull.size(), 3u);
+        EXPECT_EQ(hull[0], data.header.hull[0]);
+        EXPECT_EQ(hull[1], data.header.hull[1]);
+        EXPECT_LT(length(hull[2] - data.header.hull[2]), 1e-4);
+        ASSERT_EQ(model.header().loose_hull.size(), 1u);
+        EXPECT_LT(length(model.header().loose_hull[0] - data.header.loose_hull[0]), 1e-4);
+    }
+}
+
 TEST(ModelFile, RefusesBoxesOfWhatIsDrawnBeyondThePoints) {
     const TempFolder folder;
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

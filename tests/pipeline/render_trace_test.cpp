@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -172,6 +173,19 @@ TEST_F(RenderTrace, OpennessIsInTheDataFile) {
     c.aov = {"shaded", "ao"};
     run(c);
     EXPECT_NE(bytes("x.exr").find("light.ao"), std::string::npos);
+}
+
+TEST_F(RenderTrace, ACropOfFilteredOpennessIsThatPartOfTheWhole) {
+    RenderConfig c = traced("x.png");
+    c.ao = c.ground = true, c.size = "200x160", c.camera = "iso";
+    const PngImage whole = draw(c);
+    constexpr int kX = 70, kY = 43, kWidth = 61, kHeight = 50;
+    c.crop = "70,43,61,50";
+    const PngImage part = draw(c);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            ASSERT_TRUE(std::equal(test::pixel(part, x, y), test::pixel(part, x, y) + 4, test::pixel(whole, x + kX, y + kY)))
+                << x << ' ' << y;
 }
 
 TEST_F(RenderTrace, SupersamplingTakesEveryAov) {

@@ -137,7 +137,7 @@ TEST(LightPass, ThreadsAndBandsDoNotMatter) {
     stage.look.openness = Openness{1, 9};
     const auto open = stage.openness(1, 9);
     const auto rows = [&](int begin, int end) {
-        return light_rows(stage.surface(), stage.look, open, {begin, end}, stage.counts);
+        return light_rows(stage.surface(), stage.look, {open}, {begin, end}, stage.counts);
     };
     const auto with = [&](int n) {
         const ThreadLimit limit(n);

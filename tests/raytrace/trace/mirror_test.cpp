@@ -56,7 +56,7 @@ struct Scene {
 Picture picture_of(const Stage& stage) {
     std::vector<float> open;
     if (stage.look.openness) open = stage.openness(stage.look.openness->distance, stage.look.openness->samples);
-    return light_rows(stage.surface(), stage.look, open, {0, stage.buffer.height}, stage.counts);
+    return light_rows(stage.surface(), stage.look, {open}, {0, stage.buffer.height}, stage.counts);
 }
 
 /// Green of the pixels that show the balls, directly and in the mirror, where left and right change sides.

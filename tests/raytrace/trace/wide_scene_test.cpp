@@ -146,7 +146,7 @@ Picture lit(std::vector<ScenePart> more, float mirror, bool ground = false) {
     stage.look.openness = Openness{1, 16};
     if (ground) stage.look.ground = GroundPlane{{0, 1, 0}, -1, {}};
     const auto open = stage.openness(1, 16);
-    return light_rows(stage.surface(), stage.look, open, {0, stage.buffer.height}, stage.counts);
+    return light_rows(stage.surface(), stage.look, {open}, {0, stage.buffer.height}, stage.counts);
 }
 
 TEST_P(WideScene, AModelKeepsItsLight) {
