@@ -6,6 +6,7 @@
 #include "slim/fit/noise_variance.h"
 #include "slim/normals/estimate.h"
 #include "slim/normals/repair.h"
+#include "slim/normals/scan_signs.h"
 
 #include <fmt/format.h>
 
@@ -115,6 +116,17 @@ bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& s
     return votes > 0;
 }
 
+/// Turns scans whose normals are turned round against the others', of a job of one slice: which scans are in the minority is
+/// not known of less. Returns how many points these have.
+std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search, const std::vector<std::uint32_t>& samples) {
+    const std::vector<bool> contrary = contrary_scans(points, search, samples);
+    if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (contrary[points.scan[i]]) points.normal[i] = -points.normal[i], ++n;
+    return n;
+}
+
 /// Why given normals are not to be trusted; empty if they are.
 struct Mistrust {
     std::string why;
@@ -193,6 +205,13 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     }
     std::vector<Vec3f> hints;
     if (n_own > 0 && !carries) {
+        if (plan.slices.size() == 1) {
+            report.of_contrary_scans =
+                turn_contrary_scans(points, search, sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own)));
+            if (report.of_contrary_scans > 0)
+                reporter.warn(fmt::format("{} points are of scans whose normals are turned round against the others': turned",
+                                          report.of_contrary_scans));
+        }
         const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
         if (!mistrust.why.empty()) {
             reporter.warn(mistrust.why + ": all normals are estimated anew");

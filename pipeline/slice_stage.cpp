@@ -136,7 +136,7 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
     if (survey.n_points > 2 && survey.spread.is_line())
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
-                              "model may have nothing to draw");
+                              "model may have nothing to draw; are the columns x, y and z?");
     if (const FarStrays::Found& strays = survey.strays; strays.n > 0)
         reporter.warn(fmt::format(
             "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its diagonal is {:.4g}, not {:.4g}",

@@ -71,6 +71,38 @@ TEST_F(GivenNormals, SaysThatNormalsOfAClosedSurfacePointInwards) {
     EXPECT_TRUE(listener_.warnings.empty());
 }
 
+TEST_F(GivenNormals, TurnsAScanThatOpposesTheOthers) {
+    Cloud cloud = sampled("sphere", 40000);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+        cloud.scan_ids[i] = static_cast<std::uint16_t>(i % 12);
+        if (i % 12 == 7) cloud.normals[i] = -cloud.normals[i];
+    }
+    slice(write(cloud, "c.ply"), 1);
+    const auto r = normals();
+    EXPECT_EQ(r["of_contrary_scans"], 40000 / 12);
+    EXPECT_EQ(r["estimated"], 0);
+    EXPECT_EQ(r["turned"], 0);
+    EXPECT_EQ(inwards(oriented()), 0u);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("turned round against"), std::string::npos);
+}
+
+TEST_F(GivenNormals, AScanOfTheOtherSideOfAThinSheetStays) {
+    Cloud cloud = sampled("plane", 40000);
+    const double spacing = 2.0 / 200;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const bool behind = i % 2 == 1;
+        cloud.scan_ids[i] = behind ? 1 : 0;
+        if (!behind) continue;
+        cloud.positions[i] -= 0.4 * spacing * to_double(cloud.normals[i]);
+        cloud.normals[i] = -cloud.normals[i];
+    }
+    slice(write(cloud, "c.ply"), 1);
+    const auto r = normals();
+    EXPECT_EQ(r["of_contrary_scans"], 0);
+    EXPECT_EQ(r["estimated"], 0);
+}
+
 TEST_F(GivenNormals, FlipTurnsAllRound) {
     NormalsConfig config;
     config.normals = "flip";
