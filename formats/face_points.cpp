@@ -8,7 +8,7 @@
 namespace slim {
 namespace {
 
-constexpr double kLarge = 3;          // edges over the median edge, of a face that gets points
+constexpr double kLarge = 5;          // edges over the median edge, of a face that gets points
 constexpr double kMostSpacing = 60;   // at most that share of the diagonal, however long the median edge is
 constexpr double kMostPerVertex = 4;  // points of a surface that is large faces all over, for each vertex ...
 constexpr double kFewVertices = 12500;  // ... but as for so many vertices at least
@@ -64,8 +64,7 @@ void FacePoints::sample(std::span<const Vec3d> corners, std::span<const std::siz
         sample_triangle({corners[0], corners[k], corners[k + 1]}, area / size, vertices[0], out);
 }
 
-/// In rows along the longest edge, evenly, none near the edges: where faces meet at an angle, points of both side by side make
-/// many small leaves (notes/0003). Of a sliver, where it is widest most.
+/// In rows along the longest edge, evenly, half a row from the edges (notes/0003). Of a sliver, where it is widest most.
 void FacePoints::sample_triangle(const Vec3d (&corner)[3], const Vec3d& normal, std::size_t vertex, std::vector<Point>& out) {
     std::size_t a = 0;
     for (std::size_t k = 1; k < 3; ++k)
