@@ -80,12 +80,14 @@ void FacePoints::sample_triangle(const Vec3d (&corner)[3], const Vec3d& normal, 
         return std::floor(n + unit_interval(keyed_hash(triangle, static_cast<std::uint64_t>(row), kPlaces)));
     };
     const auto add = [&](double x, double t) { out.push_back({from + x * along + t * up, normal, vertex}); };
-    if (rows < 2) {
+    if (rows < 3) {
         const double n = whole(width * height / (2 * spacing_ * spacing_), 0);
+        const double phase = unit_interval(keyed_hash(triangle, 3, kPlaces));  // else tips that meet leave a hole
         for (double i = 0; i < n; ++i) {
-            const double share = (i + 0.5) / n;  // of the area on this side
+            const double share = (i + phase) / n;  // of the area on this side
+            const double across = rows < 2 ? 0.5 : std::fmod(i, 2) < 1 ? 0.3 : 0.7;
             const double x = share < foot ? std::sqrt(share * foot) : 1 - std::sqrt((1 - share) * (1 - foot));
-            add(x, 0.5 * (x < foot ? x / foot : (1 - x) / (1 - foot)));
+            add(x, across * (x < foot ? x / foot : (1 - x) / (1 - foot)));
         }
         return;
     }
