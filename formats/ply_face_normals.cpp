@@ -1,5 +1,6 @@
 #include "formats/ply_face_normals.h"
 
+#include "formats/face_points.h"
 #include "formats/ply_faces.h"
 #include "slim/base/bbox.h"
 
@@ -21,7 +22,7 @@ Vec3f unit_normal(const Vec3d& sum) {
 
 }  // namespace
 
-PlyFaceNormals::PlyFaceNormals(PlyReader& vertices) {
+PlyFaceNormals::PlyFaceNormals(PlyReader& vertices, bool face_points) {
     info_ = vertices.info();
     PointChunk chunk;
     while (vertices.read(chunk, kChunk)) {
@@ -38,6 +39,31 @@ PlyFaceNormals::PlyFaceNormals(PlyReader& vertices) {
     all_.normal.resize(all_.size());
     std::transform(sums_.begin(), sums_.end(), all_.normal.begin(), unit_normal);
     sums_ = {};
+    if (face_points) add_face_points();
+}
+
+void PlyFaceNormals::add_face_points() {
+    const std::size_t n_vertices = all_.size();
+    FacePoints faces;
+    std::vector<Vec3d> places;
+    const auto for_each_face = [&](const auto& take) {
+        read_ply_faces(info_.path, n_vertices, [&](std::span<const std::size_t> corners) {
+            places.clear();
+            for (const std::size_t vertex : corners) places.push_back(all_.position[vertex]);
+            take(corners);
+        });
+    };
+    for_each_face([&](auto) { faces.measure(places); });
+    faces.choose_spacing(2 * reach_, n_vertices);
+    std::vector<FacePoints::Point> added;
+    for_each_face([&](auto corners) { faces.sample(places, corners, added); });
+    for (const FacePoints::Point& p : added) {
+        all_.position.push_back(p.position);
+        all_.normal.push_back(to_float(info_.faces_turned ? -p.normal : p.normal));
+        if (info_.has_scan) all_.scan.push_back(all_.scan[p.vertex]);
+    }
+    info_.n_face_points = added.size();
+    info_.n_points = all_.size();
 }
 
 void PlyFaceNormals::find_middle() {
@@ -77,11 +103,11 @@ bool PlyFaceNormals::read(PointChunk& out, std::size_t max_points) {
     return n > 0;
 }
 
-std::unique_ptr<PointSource> open_ply(const std::string& path) {
+std::unique_ptr<PointSource> open_ply(const std::string& path, bool face_points) {
     auto reader = std::make_unique<PlyReader>(path);
     const CloudInfo& info = reader->info();
     if (info.has_normals || !info.has_faces() || !reader->has_corner_lists()) return reader;
-    return std::make_unique<PlyFaceNormals>(*reader);
+    return std::make_unique<PlyFaceNormals>(*reader, face_points);
 }
 
 }  // namespace slim

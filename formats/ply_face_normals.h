@@ -13,9 +13,10 @@ namespace slim {
 /// area-weighted mean of its faces' normals, of unit length; zero if no face uses it. Those of a
 /// closed mesh point outwards, however its faces are wound.
 /// throws FormatError naming the face and the index when an index is out of range
+/// face_points: points on its large faces follow its vertices (FacePoints).
 class PlyFaceNormals : public PointSource {
 public:
-    explicit PlyFaceNormals(PlyReader& vertices);
+    explicit PlyFaceNormals(PlyReader& vertices, bool face_points = false);
     bool read(PointChunk& out, std::size_t max_points) override;
     std::uint64_t bytes_read() const override { return info_.file_size; }
 
@@ -23,6 +24,7 @@ private:
     void find_middle();
     bool wound_inwards() const;
     void add_polygon(std::span<const std::size_t> corners);
+    void add_face_points();
 
     PointChunk all_;
     std::vector<Vec3d> sums_;
@@ -35,6 +37,6 @@ private:
 };
 
 /// Opens a PLY in the way that its header asks for.
-std::unique_ptr<PointSource> open_ply(const std::string& path);
+std::unique_ptr<PointSource> open_ply(const std::string& path, bool face_points = false);
 
 }  // namespace slim

@@ -16,8 +16,8 @@ CloudKind kind_of(const std::string& path) {
 
 }  // namespace
 
-std::unique_ptr<PointSource> open_cloud(const std::string& path) {
-    if (kind_of(path) == CloudKind::ply) return open_ply(path);
+std::unique_ptr<PointSource> open_cloud(const std::string& path, bool face_points) {
+    if (kind_of(path) == CloudKind::ply) return open_ply(path, face_points);
     return std::make_unique<XyzReader>(path);
 }
 

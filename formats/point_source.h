@@ -24,6 +24,7 @@ struct CloudInfo {
     bool has_scan = false;
     bool reads_color = false;  ///< opened by open_colored_cloud
     std::uint64_t n_faces = 0;  ///< as declared
+    std::uint64_t n_face_points = 0;  ///< the last ones of n_points: on large faces, no vertices
     bool has_faces() const { return n_faces > 0; }
     bool normals_from_faces = false;
     /// a closed mesh wound inwards: its normals were turned
@@ -73,7 +74,8 @@ protected:
 /// throws IoError if it cannot be read; FormatError for any other format, naming those that are
 /// read
 /// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex
-std::unique_ptr<PointSource> open_cloud(const std::string& path);
+/// face_points: of a PLY with faces and no normals, points on its large faces follow the vertices
+std::unique_ptr<PointSource> open_cloud(const std::string& path, bool face_points = false);
 
 /// The same for a second pass over a PLY's points with their colours (red green blue, or
 /// diffuse_red ...: integers over their type's largest value, floats as they are); normals only of

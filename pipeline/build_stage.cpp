@@ -40,6 +40,7 @@ SliceConfig slice_config(const BuildConfig& c, const std::string& work) {
     s.memory = c.memory;
     s.slices = c.slices;
     s.strict = c.strict;
+    s.face_points = c.face_points;
     return s;
 }
 

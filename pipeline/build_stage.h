@@ -20,6 +20,7 @@ struct BuildConfig : FitOptions {
     std::string memory = "1GiB";
     int slices = 0;
     bool strict = false;
+    std::string face_points = "on";
     std::string work;
     std::uint64_t seed = 0;
     bool color = false;
@@ -31,13 +32,18 @@ struct BuildConfig : FitOptions {
         field.output("output", output, "model to write (model.slim)");
         FitOptions::visit(field);
         field.choice("normals", normals,
-                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones",
-                     {"auto", "keep", "estimate"});
+                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones; flip: as auto, then all turned "
+                     "round",
+                     {"auto", "keep", "estimate", "flip"});
         field.path("sensors", sensors,
                    "JSON with sensor positions per scan; default: <input>.scans.json, if there");
         field("memory", memory,
               "memory for points, at least 64MiB: a larger cloud is cut into slices");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
+        field.choice("face_points", face_points,
+                     "on: a mesh's large faces (edges over five times its median one, or a twelfth of the diagonal) get "
+                     "points of their own; off: its vertices alone",
+                     {"on", "off"});
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
         field.path("work", work,
                    "folder for intermediate files, kept; default: <output>.work, removed at the end");

@@ -82,6 +82,7 @@ private:
         input.has_normals = info.has_normals;
         input.normals_from_faces = info.normals_from_faces;
         input.faces_turned = info.faces_turned;
+        input.n_face_points = info.n_face_points;
         input.has_scan = info.has_scan;
         input.first_id = first_id;
         input.first_scan = end_scan_;
@@ -228,12 +229,13 @@ double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds) {
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t, std::size_t,
-                                             const CloudInfo&)>& take) {
+                                             const CloudInfo&)>& take,
+                    bool face_points) {
     ByteProgress progress(paths, doing, reporter);
     PointChunk chunk, next;
     std::uint64_t first_id = 0;
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        const auto source = open_cloud(paths[i]);
+        const auto source = open_cloud(paths[i], face_points);
         bool more = source->read(chunk, kChunkPoints), after = false;
         while (true) {
             // The next chunk is read while this one is taken; what is wrong here comes first.
@@ -258,12 +260,13 @@ void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
 }
 
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
-                          std::uint64_t most_gathered, Reporter& reporter) {
+                          std::uint64_t most_gathered, Reporter& reporter, bool face_points) {
     CloudSurvey survey;
     Surveyor surveyor(survey, paths, strict, most_gathered);
     for_each_chunk(paths, reporter, "reading",
                    [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t i,
-                       const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); });
+                       const CloudInfo& info) { surveyor.take(chunk, first_id, i, info); },
+                   face_points);
     surveyor.finish();
     return survey;
 }

@@ -94,20 +94,21 @@ struct CloudSurvey {
 };
 
 /// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a
-/// point without finite coordinates is a DataError naming it.
+/// point without finite coordinates is a DataError naming it. face_points: as open_cloud has it.
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
-                          std::uint64_t most_gathered, Reporter& reporter);
+                          std::uint64_t most_gathered, Reporter& reporter, bool face_points = false);
 
 inline constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
 
-/// Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints; first_id counts
+/// face_points: as open_cloud has it. Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints; first_id counts
 /// all points.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t first_id,
-                                             std::size_t input, const CloudInfo&)>& take);
+                                             std::size_t input, const CloudInfo&)>& take,
+                    bool face_points = false);
 
 /// Step between floats at the magnitude of the coordinates as stored, 1 for integers, else 0.
 double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds);

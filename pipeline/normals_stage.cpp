@@ -46,6 +46,30 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearc
     return noise;
 }
 
+nlohmann::json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Vec3d vector_of(const nlohmann::json& j) { return {j.at(0), j.at(1), j.at(2)}; }
+
+nlohmann::json evidence_json(const NormalEvidence& e) {
+    return {{"normals", e.n},   {"flat", e.n_flat}, {"off", e.n_off},
+            {"area", e.area},   {"sq_size", e.sq_size}, {"flux", e.flux},
+            {"moment", vector_json(e.moment)}, {"area_vector", vector_json(e.area_vector)}};
+}
+
+NormalEvidence evidence_from(const nlohmann::json& j) {
+    NormalEvidence e;
+    j.at("normals").get_to(e.n), j.at("flat").get_to(e.n_flat), j.at("off").get_to(e.n_off);
+    j.at("area").get_to(e.area), j.at("sq_size").get_to(e.sq_size), j.at("flux").get_to(e.flux);
+    e.moment = vector_of(j.at("moment")), e.area_vector = vector_of(j.at("area_vector"));
+    return e;
+}
+
+/// Which side is in is known of a whole cloud only.
+void warn_of_inward(Reporter& reporter) {
+    reporter.warn(
+        "the normals point inwards, as those of a room scanned from inside do: of an object, turn them with --normals flip (curvatures "
+        "have the other sign, outlines are ragged else)");
+}
+
 nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVariance>& noise,
                            std::size_t n) {
     nlohmann::json measured = nlohmann::json::array();
@@ -61,6 +85,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
     return {{"points", n},
             {"kept", r.kept},
             {"turned", r.turned},
+            {"of_contrary_scans", r.of_contrary_scans},
             {"estimates_turned", r.estimates_turned},
             {"estimated", r.estimated},
             {"neighbors", r.neighbors},
@@ -71,6 +96,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
             {"oriented_by_rule", r.orientation.by_rule},
             {"unanchored_components", r.orientation.components},
             {"from_above", r.orientation.from_above},
+            {"evidence", evidence_json(r.evidence)},
             {"noise", measured}};
 }
 
@@ -139,7 +165,7 @@ bool has_room_for_freed(const SlicePlan& plan) {
 
 /// Counts of all slices added up.
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
-    for (const char* key : {"points", "kept", "turned", "estimates_turned", "estimated", "degenerate", "noisy",
+    for (const char* key : {"points", "kept", "turned", "of_contrary_scans", "estimates_turned", "estimated", "degenerate", "noisy",
                             "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
                             "unanchored_components"})
         sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
@@ -175,16 +201,20 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
+    NormalEvidence evidence;
     const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (!keeps) return_freed_memory();
         const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
         add_counts(one, sum);
+        evidence += evidence_from(one.at("evidence"));
         up_to_date &= one.contains("up_to_date");
         context.reporter.progress("normals", i + 1, todo.size());
     }
     if (plan.slices.size() > 1) return_freed_memory();
     sum["slices"] = todo.size();
+    sum["inward"] = todo.size() == plan.slices.size() && evidence.is_inward();
+    if (sum["inward"]) warn_of_inward(context.reporter);
     // Shares of points whose own normal disagrees with its neighbours': turned, or merely noisy.
     const double n = std::max(1.0, sum.value("points", 0.0));
     sum["turned_share"] = sum.value("turned", 0.0) / n;

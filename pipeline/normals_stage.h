@@ -24,8 +24,9 @@ struct NormalsConfig : SliceChoice {
         SliceChoice::visit(field);
         field.choice("normals", normals,
                      "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
-                     "those that oppose their neighbours, estimate missing ones",
-                     {"auto", "keep", "estimate"});
+                     "those that oppose their neighbours, estimate missing ones and all where they are those of no surface; flip: as auto, "
+                     "then all turned round",
+                     {"auto", "keep", "estimate", "flip"});
         field("neighbors", neighbors,
               "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up to 64 where noise "
               "is thicker than they reach (by slice)",

@@ -47,6 +47,7 @@ json to_json(const PlanInput& in) {
             {"has_normals", in.has_normals},
             {"normals_from_faces", in.normals_from_faces},
             {"faces_turned", in.faces_turned},
+            {"face_points", in.n_face_points},
             {"has_scan", in.has_scan},
             {"first_id", in.first_id},
             {"first_scan", in.first_scan}};
@@ -62,6 +63,7 @@ PlanInput input_from(const json& j) {
     j.at("has_normals").get_to(in.has_normals);
     j.at("normals_from_faces").get_to(in.normals_from_faces);
     j.at("faces_turned").get_to(in.faces_turned);
+    j.at("face_points").get_to(in.n_face_points);
     j.at("has_scan").get_to(in.has_scan);
     j.at("first_id").get_to(in.first_id);
     j.at("first_scan").get_to(in.first_scan);

@@ -6,6 +6,7 @@
 #include "slim/fit/noise_variance.h"
 #include "slim/normals/estimate.h"
 #include "slim/normals/repair.h"
+#include "slim/normals/scan_signs.h"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,7 @@ constexpr double kManyContrary = 0.1;
 // points of which noise and spacing are measured before normals are estimated
 constexpr double kFewSamples = 4000;
 constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
+constexpr double kEvidenceSamples = 2000;  // points that say whether given normals are those of a surface, and which side is in
 // Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more
 // (slim/normals/notes/0002).
 constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
@@ -103,6 +105,61 @@ void audit_estimates(PointBlock& points, const NearestSearch& search, const std:
     report.noisy += audit.noisy;
 }
 
+/// Whether most of the samples face their sensors, so that a surface may well enclose them. False where no sensor is known.
+bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples, const std::vector<Vec3d>& sensors) {
+    std::int64_t votes = 0;
+    for (const std::uint32_t i : samples) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
+        votes += dot(to_double(points.normal[i]), sensors[scan] - points.position[i]) > 0 ? 1 : -1;
+    }
+    return votes > 0;
+}
+
+/// Turns scans whose normals are turned round against the others', of a job of one slice: which scans are in the minority is
+/// not known of less. Returns how many points these have.
+std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search, const std::vector<std::uint32_t>& samples) {
+    const std::vector<bool> contrary = contrary_scans(points, search, samples);
+    if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (contrary[points.scan[i]]) points.normal[i] = -points.normal[i], ++n;
+    return n;
+}
+
+/// Why given normals are not to be trusted; empty if they are.
+struct Mistrust {
+    std::string why;
+    bool they_hint = false;  ///< which side is out, most of them
+};
+
+/// Mends given normals here and there, and looks at them as a whole.
+Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own, std::size_t n_own,
+                     const std::vector<Vec3d>& sensors, NormalsReport& report) {
+    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+    report.turned = audit.contrary;
+    report.noisy = audit.noisy;
+    const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
+    if (share > kManyContrary || audit.has_mixed_signs())
+        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
+                            "normals each other",
+                            100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
+                true};
+    const std::vector<std::uint32_t> samples =
+        sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own));
+    report.evidence = evidence_of(points, search, samples);
+    if (report.evidence.is_off_surface())
+        return {fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that the points make",
+                            100 * static_cast<double>(report.evidence.n_off) / static_cast<double>(report.evidence.n_flat))};
+    if (faces_sensors(points, samples, sensors)) report.evidence.flux = 0;
+    return {};
+}
+
+/// --normals flip: the other side is out. What the slices before have is flipped, and known here, where signs carry over.
+void flip_all(std::vector<Vec3f>& normals) {
+    for (Vec3f& n : normals) n = -n;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
@@ -132,6 +189,8 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                            Reporter& reporter) {
     NormalsReport report;
     std::vector<std::uint32_t> wanted;
+    const bool flips = config.normals == "flip", carries = signs_carry_over(config, plan);
+    if (flips && carries) flip_all(points.normal);
     if (normalize_all(points.normal) > 0) wanted = points_without_normal(points);
     const std::size_t n_points = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
     if (config.normals == "keep" && count_own(own, wanted) > 0)
@@ -145,29 +204,33 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         return report;
     }
     std::vector<Vec3f> hints;
-    if (n_own > 0 && !signs_carry_over(config, plan)) {
-        const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
-        report.turned = audit.contrary;
-        report.noisy = audit.noisy;
-        const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
-        if (share > kManyContrary || audit.has_mixed_signs()) {
-            reporter.warn(fmt::format(
-                "{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
-                "normals each other: all normals are estimated anew",
-                100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)));
+    if (n_own > 0 && !carries) {
+        if (plan.slices.size() == 1) {
+            report.of_contrary_scans =
+                turn_contrary_scans(points, search, sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own)));
+            if (report.of_contrary_scans > 0)
+                reporter.warn(fmt::format("{} points are of scans whose normals are turned round against the others': turned",
+                                          report.of_contrary_scans));
+        }
+        const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
+        if (!mistrust.why.empty()) {
+            reporter.warn(mistrust.why + ": all normals are estimated anew");
+            report.evidence = {};
             report.turned = report.noisy = 0;
-            hints = std::move(points.normal);
+            if (mistrust.they_hint) hints = std::move(points.normal);
             points.normal.assign(points.size(), Vec3f{});
             wanted = points_without_normal(points);
         }
     }
-    if (!signs_carry_over(config, plan))  // else all are estimated but those of the rim
+    if (!carries)  // else all are estimated but those of the rim
         report.kept = n_points - count_own(own, wanted) - report.turned;
     if (!wanted.empty()) {
         estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
                          seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
     }
+    if (flips) flip_all(points.normal);
+    if (flips) report.evidence.flip();
     return report;
 }
 

@@ -108,11 +108,14 @@ void warn_of_same_files(const std::vector<std::string>& inputs, Reporter& report
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
         reporter.info(fmt::format(
-            "{}: {}, {} point{}{}", in.path, in.format, in.n_points, in.n_points == 1 ? "" : "s",
+            "{}: {}, {} point{}{}", in.path, in.format, in.n_points - in.n_face_points, in.n_points - in.n_face_points == 1 ? "" : "s",
             in.faces_turned         ? ", normals from its faces, which are wound inwards: turned"
             : in.normals_from_faces ? ", normals from its faces"
             : in.has_normals        ? ", with normals"
                                     : ""));
+        if (in.n_face_points > 0)
+            reporter.info(fmt::format("{}: {} points added on its large faces (--face-points off: vertices alone)", in.path,
+                                      in.n_face_points));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points));
@@ -133,7 +136,7 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
     if (survey.n_points > 2 && survey.spread.is_line())
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
-                              "model may have nothing to draw");
+                              "model may have nothing to draw; are the columns x, y and z?");
     if (const FarStrays::Found& strays = survey.strays; strays.n > 0)
         reporter.warn(fmt::format(
             "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its diagonal is {:.4g}, not {:.4g}",
@@ -147,7 +150,10 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
 }
 
 nlohmann::json summary(const SlicePlan& plan) {
+    std::uint64_t face_points = 0;
+    for (const PlanInput& in : plan.inputs) face_points += in.n_face_points;
     return {{"points", plan.n_points},
+            {"face_points", face_points},
             {"dropped", plan.n_dropped},
             {"slices", plan.slices.size()},
             {"diagonal", plan.diagonal},
@@ -183,7 +189,7 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const InputWatch watch(config.inputs);
     const std::uint64_t most = most_gathered(config);
     keep_freed_memory(most > 0);
-    CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter);
+    CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter, config.face_points == "on");
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
     warn_of_extent(config, survey, context.reporter);
@@ -202,7 +208,8 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
         PointDealer dealer(work, plan, blocks);
         for_each_chunk(config.inputs, context.reporter, "slicing",
                        [&](const PointChunk& chunk, std::uint64_t first_id, std::size_t input,
-                           const CloudInfo&) { dealer.take(chunk, first_id, input); });
+                           const CloudInfo&) { dealer.take(chunk, first_id, input); },
+                       config.face_points == "on");
         dealer.commit();
     });
     write_plan(work, plan);

@@ -17,6 +17,7 @@ struct SliceConfig {
     std::string memory = "1GiB";
     int slices = 0;
     bool strict = false;
+    std::string face_points = "on";
 
     template <class Visitor>
     void visit(Visitor&& field) {
@@ -25,6 +26,10 @@ struct SliceConfig {
         field.output("work", work, "folder for the slices and plan.json");
         field("memory", memory, "memory that later stages may use for one slice");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
+        field.choice("face_points", face_points,
+                     "on: a mesh's large faces (edges over five times its median one, or a twelfth of the diagonal) get "
+                     "points of their own; off: its vertices alone",
+                     {"on", "off"});
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
     }
 };

@@ -17,6 +17,8 @@ namespace {
 constexpr double kMajority = 0.5;   // |mean normal| of neighbours that agree among themselves
 constexpr double kContrary = -0.3;  // cosine to the majority below which a normal is wrong
 constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
+constexpr float kNear = 0.03f;      // square of the share of the radius within which neighbours count alike
+constexpr double kDoubt = -0.1;      // votes for a normal above which a majority does not turn it
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 
 constexpr std::size_t kBucket = kAuditBucket;
@@ -114,7 +116,8 @@ private:
         if (bucket % kSampledBuckets == 0) found.compare_signs(candidates_, sq_radius, counts);
         const std::uint64_t agreeing = found.agreeing();
         for (std::size_t k = 0; k < end - begin; ++k)
-            if ((agreeing >> k & 1) == 0) judge(begin + k, found.majority(k));
+            if ((agreeing >> k & 1) == 0)
+                judge(begin + k, found.majority(k), [&] { return votes_for(own, k, sq_radius) > kDoubt; });
     }
 
     bool do_all_agree(const LocalBucket& own, std::size_t n, float sq_radius) {
@@ -124,8 +127,27 @@ private:
         return true;
     }
 
-    /// mean: of the normals about point i
-    void judge(std::size_t i, const Vec3d& mean) {
+    /// What the neighbours of the k-th say of its sign, -1 to 1: the votes of notes/0002, near ones first. The other wall of a
+    /// crease, or side of a thin sheet, which may be the majority, says little: it lies across (notes/0003).
+    double votes_for(const LocalBucket& own, std::size_t k, float sq_radius) const {
+        const Vec3f p{own.x[k], own.y[k], own.z[k]}, n{own.nx[k], own.ny[k], own.nz[k]};
+        float sum = 0, size = 0;
+        for (std::size_t c = 0; c < candidates_.n; ++c) {
+            const Vec3f d = Vec3f{candidates_.x[c], candidates_.y[c], candidates_.z[c]} - p;
+            const float sq = sq_length(d);
+            if (!(sq > 0 && sq < sq_radius)) continue;
+            const Vec3f m{candidates_.nx[c], candidates_.ny[c], candidates_.nz[c]};
+            const float vote = dot(m, n) - dot(m, d) * dot(n, d) / sq;
+            const float weight = std::abs(vote) / (sq / sq_radius + kNear);
+            sum += weight * vote;
+            size += std::abs(weight * vote);
+        }
+        return size > 0 ? sum / size : 0;
+    }
+
+    /// mean: of the normals about point i; is_right: a closer look that few need
+    template <class IsRight>
+    void judge(std::size_t i, const Vec3d& mean, const IsRight& is_right) {
         if (!judged_.empty() && !judged_[i]) return;
         const Vec3f own = points_.normal[i];
         if (!(sq_length(own) > 0)) {
@@ -137,7 +159,7 @@ private:
         const double cosine = dot(normalized(to_double(own)), mean) / agreement;
         const bool counts_too = counted_.empty() || counted_[i];
         counts.noisy += counts_too && agreement > kClear && cosine < kNoisyNormal && cosine > kContrary;
-        if (agreement < kMajority || cosine > kContrary) return;
+        if (agreement < kMajority || cosine > kContrary || is_right()) return;
         counts.contrary += counts_too;
         mended.push_back({i, to_float(mean / agreement)});
     }

@@ -1,0 +1,79 @@
+#include "slim/normals/evidence.h"
+
+#include "slim/normals/covariance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kNeighbors = 16;
+// Variances of neighbours of a plane: across it over along it, and along its two directions (scan lines are none).
+constexpr double kFlat = 1.0 / 16, kWide = 1.0 / 16;
+constexpr double kOff = 0.7071;            // cosine
+constexpr std::size_t kFewestFlat = 50;
+constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in a hundred is flat
+constexpr double kManyOff = 0.15;
+constexpr double kClearFlux = 0.15;        // over the size, of a shape that has an inside
+constexpr double kSmallHole = 0.25;        // over the area
+
+/// What one point adds.
+NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i, std::span<const std::uint32_t> neighbors) {
+    NormalEvidence one;
+    const Vec3d p = points.position[i], normal = to_double(points.normal[i]);
+    if (!(sq_length(normal) > 0)) return one;
+    one.n = 1;
+    for (const std::uint32_t k : neighbors) one.area = std::max(one.area, sq_length(points.position[k] - p));
+    one.sq_size = one.area * sq_length(p);
+    one.flux = one.area * dot(p, normal);
+    one.moment = one.area * p;
+    one.area_vector = one.area * normal;
+    const Spread spread = spread_of(points.position, neighbors);
+    if (neighbors.size() < kNeighbors || !(spread.middle > kWide * spread.largest) || spread.smallest > kFlat * spread.middle)
+        return one;
+    one.n_flat = 1;
+    one.n_off = std::abs(dot(normal, spread.normal)) < kOff ? 1 : 0;
+    return one;
+}
+
+}  // namespace
+
+NormalEvidence& NormalEvidence::operator+=(const NormalEvidence& o) {
+    n += o.n, n_flat += o.n_flat, n_off += o.n_off;
+    area += o.area, sq_size += o.sq_size, flux += o.flux;
+    moment += o.moment, area_vector += o.area_vector;
+    return *this;
+}
+
+bool NormalEvidence::is_off_surface() const {
+    const auto flat = static_cast<double>(n_flat);
+    return n_flat >= kFewestFlat && flat > kFewestFlatShare * static_cast<double>(n) &&
+           static_cast<double>(n_off) > kManyOff * flat;
+}
+
+bool NormalEvidence::is_inward() const {
+    if (!(area > 0)) return false;
+    const Vec3d center = moment / area;
+    const double size = std::sqrt(std::max(0.0, sq_size / area - sq_length(center)));
+    const double inside = (dot(center, area_vector) - flux) / area;  // three times the volume over the area
+    const double hole = length(area_vector) / area;  // of a hemisphere 0.5
+    return inside > kClearFlux * size && hole < kSmallHole;
+}
+
+NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search,
+                           std::span<const std::uint32_t> samples) {
+    std::vector<std::uint32_t> wanted(samples.begin(), samples.end());
+    std::sort(wanted.begin(), wanted.end());
+    std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
+    std::vector<NormalEvidence> each(wanted.size());
+    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+        each[w] = evidence_of_one(points, wanted[w], neighbors);
+    });
+    NormalEvidence sum;
+    for (const NormalEvidence& one : each) sum += one;
+    return sum;
+}
+
+}  // namespace slim

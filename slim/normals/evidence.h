@@ -1,0 +1,41 @@
+#pragma once
+
+#include "slim/base/vec.h"
+#include "slim/model/point_block.h"
+#include "slim/neighbors/nearest.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace slim {
+
+/// What a sample of points says of their normals as a whole. Sums, so that those of slices add up; they are weighted by
+/// the area that a point stands for, which is as its neighbours are far.
+struct NormalEvidence {
+    std::size_t n = 0;       ///< points looked at that have a normal
+    std::size_t n_flat = 0;  ///< of these, whose neighbours lie in a plane
+    std::size_t n_off = 0;   ///< of those, whose normal is more than 45 degrees off the plane's
+    double area = 0, sq_size = 0;  ///< sq_size: of area times squared length of the position
+    double flux = 0;               ///< of area times position . normal
+    Vec3d moment, area_vector;     ///< of area times position, and times normal
+
+    NormalEvidence& operator+=(const NormalEvidence& o);
+    /// As all normals turned round have it.
+    void flip() { flux = -flux, area_vector = -area_vector; }
+
+    /// Whether the normals cannot be those of the surface that the points make: constant ones on an object, others' ones. Of right
+    /// ones of real scans up to 0.1 % are off, of upright ones on a city 0.8 % (notes/0004).
+    bool is_off_surface() const;
+    /// Whether the surface is closed but for small holes and the normals point into it. Terrain, walls and single views enclose
+    /// nothing, of them nothing is known; a room scanned from inside rightly has such normals.
+    bool is_inward() const;
+};
+
+/// Evidence of some points, from 16 neighbours each. Normals are unit vectors or zero.
+/// points: in Morton order; search: over their positions; samples: any order, without repeats
+/// Cost: 1.5 us a sample. Deterministic.
+NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search,
+                           std::span<const std::uint32_t> samples);
+
+}  // namespace slim

@@ -1,0 +1,88 @@
+#include "slim/normals/scan_signs.h"
+
+#include "slim/normals/sign_merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr std::size_t kNeighbors = 16;
+constexpr double kClear = 0.8;       // |sum of votes| over their sizes
+constexpr double kFewestVotes = 20;  // sizes of votes of two scans that say anything
+constexpr double kBehind = 0.1;      // mean sine from where on opposed neighbours lie behind: a thin sheet, no curved surface
+
+/// What neighbours of two scans say.
+struct PairOfScans {
+    double votes = 0, size = 0, across = 0, n_opposed = 0;
+
+    bool is_clear() const {
+        if (size < kFewestVotes || std::abs(votes) < kClear * size) return false;
+        return votes > 0 || std::abs(across) < kBehind * n_opposed;
+    }
+};
+
+using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, PairOfScans>;
+
+Pairs pairs_of_scans(const PointBlock& points, const NearestSearch& search, std::vector<std::uint32_t> wanted) {
+    std::sort(wanted.begin(), wanted.end());
+    std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
+    std::vector<std::vector<std::uint32_t>> around(wanted.size());
+    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+        for (const std::uint32_t k : neighbors)
+            if (points.scan[k] != points.scan[wanted[w]]) around[w].push_back(k);
+    });
+    Pairs pairs;
+    for (std::size_t w = 0; w < wanted.size(); ++w)
+        for (const std::uint32_t k : around[w]) {
+            const std::uint32_t i = wanted[w];
+            const Vec3d d = points.position[k] - points.position[i], n = to_double(points.normal[i]),
+                        m = to_double(points.normal[k]);
+            const double sq = sq_length(d), height = dot(n, d);
+            if (!(sq > 0)) continue;
+            const double vote = dot(m, n) - dot(m, d) * height / sq;
+            PairOfScans& pair = pairs[std::minmax<std::uint32_t>(points.scan[i], points.scan[k])];
+            pair.votes += vote * std::abs(vote);
+            pair.size += vote * vote;
+            if (vote >= 0) continue;
+            // Seen from the scan of lower number, so that both ways add up.
+            pair.across += (points.scan[i] < points.scan[k] ? height : -dot(m, d)) / std::sqrt(sq);
+            pair.n_opposed += 1;
+        }
+    return pairs;
+}
+
+}  // namespace
+
+std::vector<bool> contrary_scans(const PointBlock& points, const NearestSearch& search,
+                                 std::span<const std::uint32_t> samples) {
+    if (points.scan.empty()) return {};
+    const std::size_t n = 1 + *std::max_element(points.scan.begin(), points.scan.end());
+    if (n < 2) return {};
+    std::vector<SignVote> votes;
+    bool any_opposed = false;
+    for (const auto& [scans, pair] : pairs_of_scans(points, search, {samples.begin(), samples.end()})) {
+        if (!pair.is_clear()) continue;
+        votes.push_back({scans.first, scans.second, pair.votes});
+        any_opposed |= pair.votes < 0;
+    }
+    std::vector<bool> contrary(n, false);
+    if (!any_opposed) return contrary;
+    SignedForest forest = merge_by_votes(static_cast<std::uint32_t>(n), std::move(votes));
+    std::vector<double> balance(n, 0);  // by root: points as it has it, less those against it
+    for (const std::uint16_t scan : points.scan) {
+        const SignedForest::Root root = forest.find(scan);
+        balance[root.index] += root.flipped ? -1 : 1;
+    }
+    for (std::uint32_t scan = 0; scan < n; ++scan) {
+        const SignedForest::Root root = forest.find(scan);
+        contrary[scan] = root.flipped == (balance[root.index] >= 0);
+    }
+    return contrary;
+}
+
+}  // namespace slim
