@@ -44,7 +44,7 @@ std::uint64_t high_water_mark() {
 }
 
 // Of the memory that may be taken: while the slices so far took no more, what they freed is kept. Larger ones may follow, and
-// what lies between blocks is a tenth (pipeline/notes/0004).
+// what lies between blocks is a tenth (pipeline/notes/0005).
 constexpr double kRoomy = 0.75;
 constexpr int kUsualMaps = 65536;  // blocks that glibc maps by themselves at a time, unless told
 

@@ -47,7 +47,7 @@ void keep_freed_memory(bool keep);
 void keep_freed_memory_of_balls(std::uint64_t bytes_in_use);
 
 /// The same for slices of which the largest leaves room in --memory for what lies between blocks: nothing goes back, whatever its
-/// size, so that all slices but the first find their pages there (pipeline/notes/0004).
+/// size, so that all slices but the first find their pages there (pipeline/notes/0005).
 void keep_all_freed_memory();
 
 /// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps
