@@ -113,7 +113,7 @@ TEST(OpennessFilter, ThreadsDoNotMatter) {
     EXPECT_EQ(f.filtered(36), one);
 }
 
-// Of 36 rays a pixel; without the filter and interleaved samples it is 0.03.
+// Of 36 rays a pixel; without the filter it is 0.03.
 TEST(OpennessFilter, LittleGrainIsLeftOnASphereAboveTheGround) {
     Stage stage(good_sphere(), camera_at({0, 1, 6}, {0, 0, 0}));
     stage.look.ground = GroundPlane{{0, 1, 0}, -1, {}};
