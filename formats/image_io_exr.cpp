@@ -146,7 +146,8 @@ ChannelType channel_type(Imf::PixelType type) {
 }
 
 /// Room for a channel's values as a slice of the rows `band`; of halves in `half_values`.
-Imf::Slice room_for(ExrImage::Channel& channel, std::vector<half>& half_values, const Imath::Box2i& band) {
+Imf::Slice room_for(ExrImage::Channel& channel, std::vector<half>& half_values,
+                    const Imath::Box2i& band) {
     const auto n = static_cast<std::size_t>(band.max.x - band.min.x + 1) *
                    static_cast<std::size_t>(band.max.y - band.min.y + 1);
     if (channel.type == ChannelType::uint32) {
@@ -288,7 +289,8 @@ void ExrReader::read_rows(int n_rows, std::map<std::string, ExrImage::Channel>& 
         s.file->setFrameBuffer(frame);
         s.file->readPixels(band.min.y, band.max.y);
         for (auto& [name, channel] : channels)
-            if (channel.type == ChannelType::half_float) channel.floats = floats_of(half_values[name]);
+            if (channel.type == ChannelType::half_float)
+                channel.floats = floats_of(half_values[name]);
     });
     s.next_row += n_rows;
 }

@@ -30,17 +30,19 @@ struct BuildConfig : FitOptions {
                     "point clouds: PLY or text (.xyz .txt .asc .pts .csv), .gz allowed");
         field.output("output", output, "model to write (model.slim)");
         FitOptions::visit(field);
-        field.choice("normals", normals,
-                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones",
-                     {"auto", "keep", "estimate"});
+        field.choice(
+            "normals", normals,
+            "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones",
+            {"auto", "keep", "estimate"});
         field.path("sensors", sensors,
                    "JSON with sensor positions per scan; default: <input>.scans.json, if there");
         field("memory", memory,
               "memory for points, at least 64MiB: a larger cloud is cut into slices");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
-        field.path("work", work,
-                   "folder for intermediate files, kept; default: <output>.work, removed at the end");
+        field.path(
+            "work", work,
+            "folder for intermediate files, kept; default: <output>.work, removed at the end");
         field("seed", seed, "chooses among equally good centres");
         field("color", color,
               "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: "

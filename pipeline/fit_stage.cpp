@@ -29,8 +29,9 @@ namespace {
 
 // of the normals: estimated ones tell nothing new of the points
 constexpr double kFewEstimated = 0.01;
-// sqrt(lambda) over the spacing between which leaves are fitted again (slim/cover/notes/0010): below it the surface is
-// smooth at the points' distance, above it their noise is the larger part of what a leaf errs.
+// sqrt(lambda) over the spacing between which leaves are fitted again (slim/cover/notes/0010):
+// below it the surface is smooth at the points' distance, above it their noise is the larger part
+// of what a leaf errs.
 constexpr double kSmooth = 0.03, kNoisy = 0.12;
 
 nlohmann::json counts_json(const CoverCounts& c) {
@@ -108,8 +109,9 @@ nlohmann::json rules_json(const CoverRules& rules) {
 
 /// What a fit takes from the normals of all slices, for its manifest.
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}", rules.noise_variance,
-                       rules.ladder.contrary_share, rules.spacing, rules.typical_variance, rules.follow_normals);
+    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}",
+                       rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
+                       rules.typical_variance, rules.follow_normals);
 }
 
 /// Covers points and writes the surfels as they come: they take no memory, however many.
@@ -298,13 +300,15 @@ GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
 
 void check_fit_config(const FitConfig& config) {
     if (config.coarse && (config.slice >= 0 || config.slices_per_task > 1))
-        throw ConfigError("--coarse: the coarse levels are of all slices: leave out --slice and --slices-per-task");
+        throw ConfigError(
+            "--coarse: the coarse levels are of all slices: leave out --slice and "
+            "--slices-per-task");
     if (config.radius_rule != "windows") return;
     if (config.degree == "auto" || config.sharp == "on")
-        throw ConfigError(fmt::format(
-            "--radius-rule windows: goes with one degree and without sharp features, found --degree {} "
-            "--sharp {}",
-            config.degree, config.sharp));
+        throw ConfigError(
+            fmt::format("--radius-rule windows: goes with one degree and without sharp features, "
+                        "found --degree {} --sharp {}",
+                        config.degree, config.sharp));
 }
 
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
@@ -320,7 +324,8 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
             "{}: {} within a box of diagonal {}: a surface needs at least 3 points that do not "
             "coincide",
             plan.inputs.empty() ? config.work : plan.inputs[0].path,
-            plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points), plan.diagonal));
+            plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points),
+            plan.diagonal));
     const GlobalNoise noise = read_global_noise(config, plan);
     const CoverRules rules = rules_of(config, plan, noise);
     const FitDivision division = divide_fit(plan, parse_memory_size(config.memory));

@@ -24,8 +24,9 @@ struct FitConfig : FitOptions, SliceChoice {
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice` and `slim normals`");
         SliceChoice::visit(field);
-        field.part("coarse", coarse,
-                   "only the coarse levels that all slices share: once before an array job over slices");
+        field.part(
+            "coarse", coarse,
+            "only the coarse levels that all slices share: once before an array job over slices");
         FitOptions::visit(field);
         field("memory", memory,
               "bounds the sample that coarse levels of a job in slices are fitted from");
@@ -51,7 +52,8 @@ struct GlobalNoise {
 /// IncompleteError (exit 6) naming the slices whose normals are missing.
 GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
 
-/// throws ConfigError if options do not go together: the windows know neither prices nor edges, coarse levels no slices
+/// throws ConfigError if options do not go together: the windows know neither prices nor edges,
+///        coarse levels no slices
 void check_fit_config(const FitConfig& config);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once,

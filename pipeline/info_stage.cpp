@@ -242,8 +242,8 @@ json cloud_info(const std::string& path, StageContext& context) {
     return out;
 }
 
-/// What stands in a result twice is said once: a model's diagonal and degree, and of its provenance the counts and rules that
-/// --json has whole.
+/// What stands in a result twice is said once: a model's diagonal and degree, and of its provenance
+/// the counts and rules that --json has whole.
 void drop_repeated(json& info) {
     if (info.contains("diagonal")) info["bounds"].erase("diagonal");
     if (info.contains("fit") && info.at("fit").contains("degree")) info["fit"].erase("degree");

@@ -10,14 +10,15 @@ namespace slim {
 /// Draws a model: pictures of what is asked (config.aov), each file whole or not at all.
 ///
 /// returns  files, width, height (of what is wanted of the picture), covered_pixels, surfels_drawn,
-///          truth_unknown_pixels (of truth_distance), nodes, nodes_visited, root_tests, distance_tests, blocks_passed, surfels_cut_off (see
-///          RenderStats), unblended_pixels, plane_bytes (of the frame's planes, a pixel), frame_ms_median
+///          truth_unknown_pixels (of truth_distance), nodes, nodes_visited, root_tests,
+///          distance_tests, blocks_passed, surfels_cut_off (see RenderStats), unblended_pixels,
+///          plane_bytes (of the frame's planes, a pixel), frame_ms_median
 /// (projection and shading, no
 ///          files; the median of config.repeat frames), ranges {aov: [lo, hi]} of the maps,
 /// model_bytes,
-///          model_bytes_read (pages of the file, each counted once, however many pictures show it; of colours only
-///          for the aov color), model_nodes_checked (nodes checked by themselves, once each; 0 where the whole surface
-///          was checked), lines {kind: {polylines, length,
+///          model_bytes_read (pages of the file, each counted once, however many pictures show it;
+///          of colours only for the aov color), model_nodes_checked (nodes checked by themselves,
+///          once each; 0 where the whole surface was checked), lines {kind: {polylines, length,
 /// length_px,
 ///          strength}} if asked for; orthographic: pixel_size; of a turntable or path: frames,
 /// film_commands; of the aov all: left_out

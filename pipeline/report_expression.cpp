@@ -48,8 +48,8 @@ private:
     using Op = Expression::Op;
 
     [[noreturn]] void fail(const std::string& expected) const {
-        throw ConfigError(fmt::format("{}: '{}': expected {}, found '{}'", out_.where_, text_, expected,
-                                      text_.substr(at_)));
+        throw ConfigError(fmt::format("{}: '{}': expected {}, found '{}'", out_.where_, text_,
+                                      expected, text_.substr(at_)));
     }
     void skip() {
         while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
@@ -77,8 +77,12 @@ private:
     void comparison() {
         sum();
         static constexpr std::array<std::pair<const char*, Op>, 6> kSigns{
-            {{"<=", Op::less_equal}, {">=", Op::greater_equal}, {"==", Op::equal}, {"!=", Op::unequal},
-             {"<", Op::less}, {">", Op::greater}}};
+            {{"<=", Op::less_equal},
+             {">=", Op::greater_equal},
+             {"==", Op::equal},
+             {"!=", Op::unequal},
+             {"<", Op::less},
+             {">", Op::greater}}};
         for (const auto& [sign, op] : kSigns)
             if (take(sign)) {
                 sum();
@@ -251,8 +255,8 @@ FigureValue Expression::combined(const Step& step, const std::vector<FigureValue
     double numbers[3] = {};
     for (std::size_t i = 0; i < taken.size(); ++i) {
         if (taken[i].is_text && !compares)
-            throw ConfigError(
-                fmt::format("{}: '{}': expected a number, found '{}'", where_, text_, taken[i].text));
+            throw ConfigError(fmt::format("{}: '{}': expected a number, found '{}'", where_, text_,
+                                          taken[i].text));
         numbers[i] = taken[i].number;
     }
     if (!compares || (!taken[0].is_text && !taken[1].is_text)) return apply(step, numbers);

@@ -51,7 +51,9 @@ std::string verdict_cell(Verdict v) {
     return fmt::format("<td class=\"text {}\">{}</td>", class_of(v), verdict_text(v));
 }
 
-std::string text_cell(const std::string& text) { return "<td class=\"text\">" + esc(text) + "</td>"; }
+std::string text_cell(const std::string& text) {
+    return "<td class=\"text\">" + esc(text) + "</td>";
+}
 
 std::string cell(const std::optional<FigureValue>& value, const char* mark = "") {
     if (value && value->is_text) return text_cell(value->text);
@@ -64,11 +66,13 @@ constexpr const char* kEarlierMark = "<span class=\"none\">&dagger;</span>";
 /// Whether a time in the formula was taken before the last run of the report.
 bool is_earlier(const Expression& formula, const ReportRow& row, const std::string& last_run) {
     const auto runs = runs_timed(formula, row);
-    return std::any_of(runs.begin(), runs.end(), [&](const std::string& run) { return run != last_run; });
+    return std::any_of(runs.begin(), runs.end(),
+                       [&](const std::string& run) { return run != last_run; });
 }
 
 std::string base64(const std::string& bytes) {
-    static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    static const char* const kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string out;
     out.reserve((bytes.size() + 2) / 3 * 4);
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -85,8 +89,10 @@ std::string picture(const std::string& path, const std::string& caption) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return "";
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    return fmt::format("<figure class=\"picture\"><img alt=\"{0}\" src=\"data:image/png;base64,{1}\">"
-                       "<figcaption>{0}</figcaption></figure>\n", esc(caption), base64(bytes));
+    return fmt::format(
+        "<figure class=\"picture\"><img alt=\"{0}\" "
+        "src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+        esc(caption), base64(bytes));
 }
 
 /// The PNG files that a step of a row wrote.
@@ -128,24 +134,27 @@ std::string slope_table(const PlotResult& result) {
     std::string out = "<table><tr><th>curve</th>";
     if (plot.slopes) out += "<th>slope</th>";
     if (!plot.theory.empty())
-        out +=
-            "<th>theory" + (plot.theory_label.empty() ? "" : " (" + esc(plot.theory_label) + ")") + "</th>";
+        out += "<th>theory" +
+               (plot.theory_label.empty() ? "" : " (" + esc(plot.theory_label) + ")") + "</th>";
     if (breaks) out += "<th class=\"text\">breaks at</th>";
     out += "</tr>\n";
     for (const Curve& curve : result.curves) {
         out += "<tr><td>" + esc(curve.name) + "</td>";
         if (plot.slopes)
-            out += fmt::format("<td>{}</td>", curve.slope ? fmt::format("{:.2f}", *curve.slope) : "");
+            out +=
+                fmt::format("<td>{}</td>", curve.slope ? fmt::format("{:.2f}", *curve.slope) : "");
         if (!plot.theory.empty())
-            out += fmt::format("<td>{}</td>", curve.theory ? fmt::format("{:.2f}", *curve.theory) : "");
+            out += fmt::format("<td>{}</td>",
+                               curve.theory ? fmt::format("{:.2f}", *curve.theory) : "");
         if (breaks)
-            out += text_cell(
-                !curve.breaks
-                    ? "holds to the last"
-                    : fmt::format("{} = {}{}", plot.x_label, number_text(curve.breaks->x, 4),
-                                  std::isnan(curve.breaks->y)
-                                      ? ": no result"
-                                      : ": " + plot.y_label + " " + number_text(curve.breaks->y, 3)));
+            out +=
+                text_cell(!curve.breaks ? "holds to the last"
+                                        : fmt::format("{} = {}{}", plot.x_label,
+                                                      number_text(curve.breaks->x, 4),
+                                                      std::isnan(curve.breaks->y)
+                                                          ? ": no result"
+                                                          : ": " + plot.y_label + " " +
+                                                                number_text(curve.breaks->y, 3)));
         out += "</tr>\n";
     }
     return out + "</table>\n";
@@ -196,18 +205,20 @@ std::string rows_table(const ExperimentResult& result, const std::string& last_r
             out += cell(row.value(formula), is_earlier(formula, row, last_run) ? kEarlierMark : "");
         out += "</tr>\n";
         for (const StepRecord& step : row.steps)
-            if (!step.done) notes.push_back(fmt::format("{}: {} {}", row.label(e), step.step, step.reason));
+            if (!step.done)
+                notes.push_back(fmt::format("{}: {} {}", row.label(e), step.step, step.reason));
     }
     out = "<div class=\"wide\">" + out + "</table></div>\n";
     if (result.rows.size() > 40)
-        out = fmt::format("<details><summary>{} rows</summary>\n{}</details>\n", result.rows.size(), out);
+        out = fmt::format("<details><summary>{} rows</summary>\n{}</details>\n", result.rows.size(),
+                          out);
     if (notes.empty()) return out;
     std::string list;
     for (const std::string& note : notes) list += "<br>" + esc(note);
-    return out +
-           fmt::format(
-               "<details><summary>{} steps without a result</summary><p class=\"note\">{}</p></details>\n",
-               notes.size(), list.substr(4));
+    return out + fmt::format(
+                     "<details><summary>{} steps without a result</summary><p "
+                     "class=\"note\">{}</p></details>\n",
+                     notes.size(), list.substr(4));
 }
 
 std::string checks_table(const std::vector<CheckResult>& checks) {
@@ -220,9 +231,10 @@ std::string checks_table(const std::vector<CheckResult>& checks) {
                 text_cell(c.band) + verdict_cell(c.verdict) + text_cell(c.reason) + "</tr>\n";
     }
     return fmt::format(
-        "<details{}><summary>{} bands, {} failed</summary>\n<table>\n<tr><th>figure</th>"
-        "<th class=\"text\">where</th><th>found</th><th class=\"text\">band</th>"
-        "<th class=\"text\">verdict</th><th class=\"text\">reason</th></tr>\n{}</table></details>\n",
+        "<details{}><summary>{} bands, {} failed</summary>\n<table>\n"
+        "<tr><th>figure</th><th class=\"text\">where</th><th>found</th><th "
+        "class=\"text\">band</th><th class=\"text\">verdict</th><th "
+        "class=\"text\">reason</th></tr>\n{}</table></details>\n",
         bad > 0 ? " open" : "", checks.size(), bad, rows);
 }
 
@@ -231,20 +243,22 @@ std::string cases_table(const std::vector<ExperimentResult>& results) {
     for (const ExperimentResult& r : results) {
         if (!r.verdict) continue;
         rows += "<tr><td>" + esc(r.experiment->row) + "</td>" + text_cell(r.experiment->title) +
-                text_cell(r.experiment->expected) + text_cell(r.found) + verdict_cell(r.verdict->verdict) +
-                text_cell(r.verdict->reason) + text_cell(r.health) + "</tr>\n";
+                text_cell(r.experiment->expected) + text_cell(r.found) +
+                verdict_cell(r.verdict->verdict) + text_cell(r.verdict->reason) +
+                text_cell(r.health) + "</tr>\n";
     }
     if (rows.empty()) return "";
     return "<table class=\"cases\">\n<tr><th>row</th><th class=\"text\">case</th><th "
-           "class=\"text\">expected</th><th class=\"text\">"
-           "found</th><th class=\"text\">verdict</th><th class=\"text\">reason</th><th class=\"text\">health "
+           "class=\"text\">expected</th><th class=\"text\">found</th><th "
+           "class=\"text\">verdict</th><th class=\"text\">reason</th><th class=\"text\">health "
            "counters</th></tr>\n" +
            rows + "</table>\n";
 }
 
 std::string experiment_html(const ExperimentResult& result, const std::string& last_run) {
     const Experiment& e = *result.experiment;
-    const bool only_a_case = e.is_case() && result.plots.empty() && e.pictures.empty() && e.checks.empty();
+    const bool only_a_case =
+        e.is_case() && result.plots.empty() && e.pictures.empty() && e.checks.empty();
     if (only_a_case) return "";
     std::string out = fmt::format("<h3>{}</h3>\n", esc(e.title));
     if (!e.text.empty()) out += "<p>" + esc(e.text) + "</p>\n";
@@ -277,18 +291,21 @@ std::string runs_html(const std::map<std::string, std::size_t>& runs) {
     std::string list;
     for (const auto& [run, steps] : runs)
         list += fmt::format("{}{} ({} steps)", list.empty() ? "" : ", ", esc(run), steps);
-    return fmt::format("<p class=\"note\">run: {}{}</p>\n", list,
-                       runs.size() == 1
-                           ? ""
-                           : "; &dagger; a time of an earlier run than the last: another hour, perhaps "
-                             "another load (--force times all of it anew)");
+    return fmt::format(
+        "<p class=\"note\">run: {}{}</p>\n", list,
+        runs.size() == 1
+            ? ""
+            : "; &dagger; a time of an earlier run than the last: another hour, perhaps "
+              "another load (--force times all of it anew)");
 }
 
 std::string summary_html(const Report& report) {
     std::string out = "<p>";
-    for (const Verdict v : {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
+    for (const Verdict v :
+         {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
         out += fmt::format("<span class=\"{}\">{} {}</span> &emsp;",
-                           report.count(v) > 0 ? class_of(v) : "none", report.count(v), verdict_text(v));
+                           report.count(v) > 0 ? class_of(v) : "none", report.count(v),
+                           verdict_text(v));
     out += "</p>\n";
     std::string list;
     for (const CheckResult* check : report.checks())
@@ -308,10 +325,12 @@ std::string report_page(const Report& report) {
     std::string out = page_head(title) + "<h1>" + esc(title) + "</h1>\n" +
                       provenance_html(report.provenance) + runs_html(runs) + summary_html(report);
     for (std::size_t i = 0; i < report.files.size(); ++i) {
-        if (report.files.size() > 1) out += fmt::format("<h2>{}</h2>\n", esc(report.files[i].title));
+        if (report.files.size() > 1)
+            out += fmt::format("<h2>{}</h2>\n", esc(report.files[i].title));
         if (!report.files[i].text.empty()) out += "<p>" + esc(report.files[i].text) + "</p>\n";
         out += cases_table(report.results[i]);
-        for (const ExperimentResult& result : report.results[i]) out += experiment_html(result, last_run);
+        for (const ExperimentResult& result : report.results[i])
+            out += experiment_html(result, last_run);
     }
     return out + kHtmlEnd;
 }

@@ -61,7 +61,8 @@ std::string file_of(const std::string& word) {
     return sign == std::string::npos ? word : word.substr(sign + 1);
 }
 
-/// The JSON object that a program wrote: all of its output, or the last line that is one; empty without.
+/// The JSON object that a program wrote: all of its output, or the last line that is one;
+/// empty without.
 json object_in(const std::string& output) {
     json whole = json_or_discarded(output);
     if (whole.is_object()) return whole;
@@ -144,8 +145,9 @@ StepRunner::Planned StepRunner::plan(const ReportStep& step, const ReportRow& ro
         for (const std::string& word : step.from)
             out.from.push_back(filled(word, lookup, 17, step.where));
         if (!step.points.empty())
-            out.points = static_cast<std::uint64_t>(std::max(
-                0.0, Expression(filled(step.points, lookup, 17, step.where), step.where).number(lookup)));
+            out.points = static_cast<std::uint64_t>(
+                std::max(0.0, Expression(filled(step.points, lookup, 17, step.where), step.where)
+                                  .number(lookup)));
         if (step.run == "cloud")
             key += fmt::format(" seed {} points {} {}", settings_.seed, out.points, step.single);
         for (const auto& [target, formula] : step.point) {
@@ -241,7 +243,8 @@ StepRecord StepRunner::made(const ReportStep& step, const ReportRow& row, const 
     return record;
 }
 
-StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, const Planned& planned) {
+StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row,
+                                const Planned& planned) {
     const bool ours = step.run == "cloud" || step.run == "text";
     StepRecord record = ours ? made(step, row, planned) : run_program(step, planned);
     const int code = record.figures.value("exit", 0);
@@ -249,8 +252,8 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
     record.figures["message"] = record.reason;
     record.done = step.expects(code);
     if (!record.done)
-        record.reason =
-            fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ", record.reason);
+        record.reason = fmt::format("ended with {}{}{}", code, record.reason.empty() ? "" : ": ",
+                                    record.reason);
     record.step = step.name, record.run = step.run;
     record.name = planned.name, record.output = planned.output;
     record.run_started = started_;
@@ -258,7 +261,8 @@ StepRecord StepRunner::executed(const ReportStep& step, const ReportRow& row, co
 }
 
 /// Makes anew what a transient step of the row has taken away and this one reads.
-void StepRunner::make_inputs(const Experiment& experiment, const ReportRow& row, const Planned& planned) {
+void StepRunner::make_inputs(const Experiment& experiment, const ReportRow& row,
+                             const Planned& planned) {
     for (const auto* words : {&planned.words, &planned.from})
         for (const std::string& word : *words)
             for (std::size_t i = 0; i < row.steps.size(); ++i) {
@@ -272,7 +276,8 @@ void StepRunner::make_inputs(const Experiment& experiment, const ReportRow& row,
             }
 }
 
-StepRecord StepRunner::done(const Experiment& experiment, const ReportStep& step, const ReportRow& row) {
+StepRecord StepRunner::done(const Experiment& experiment, const ReportStep& step,
+                            const ReportRow& row) {
     const Planned planned = plan(step, row);
     if (!planned.missing.empty()) {
         StepRecord record;
@@ -285,7 +290,8 @@ StepRecord StepRunner::done(const Experiment& experiment, const ReportStep& step
             ++n_reused_;
             return *known;
         }
-    context_.reporter.info(fmt::format("{}: {}, {}", experiment.name, row.label(experiment), step.name));
+    context_.reporter.info(
+        fmt::format("{}: {}, {}", experiment.name, row.label(experiment), step.name));
     make_inputs(experiment, row, planned);
     StepRecord record = executed(step, row, planned);
     ++n_run_;
@@ -306,7 +312,8 @@ void StepRunner::run(const Experiment& experiment, ReportRow& row) {
     for (const ReportStep& step : experiment.steps)
         if (const StepRecord* record = step.transient ? row.step(step.name) : nullptr;
             record && !record->name.empty())
-            for (const fs::path& file : files_of_step(settings_.folder, record->name)) fs::remove(file);
+            for (const fs::path& file : files_of_step(settings_.folder, record->name))
+                fs::remove(file);
 }
 
 }  // namespace slim

@@ -18,17 +18,18 @@ struct StepSettings {
     std::vector<std::string> programs;    ///< folders to look for commands in, before PATH
 };
 
-/// Runs the steps of rows, one child process each, and keeps a record of every one: NAME-HASH.step.json
-/// beside its outputs NAME-HASH.*. The hash is of all that decides what comes out: verb, words (with the
-/// hashes of the steps whose outputs they name, and of the bytes of other files), program version and bytes,
-/// threads. So a step that two rows or experiments ask for is run once, and a report that was stopped goes on
-/// where it was. A record whose outputs are not as it says is run again; a step that failed where it must not
-/// is not recorded.
+/// Runs the steps of rows, one child process each, and keeps a record of every one:
+/// NAME-HASH.step.json beside its outputs NAME-HASH.*. The hash is of all that decides what comes
+/// out: verb, words (with the hashes of the steps whose outputs they name, and of the bytes of
+/// other files), program version and bytes, threads. So a step that two rows or experiments ask for
+/// is run once, and a report that was stopped goes on where it was. A record whose outputs are not
+/// as it says is run again; a step that failed where it must not is not recorded.
 class StepRunner {
 public:
     StepRunner(StepSettings settings, StageContext& context);
 
-    /// Runs all steps for a row in order and adds what they came to. throws Interrupted; IoError; ConfigError
+    /// Runs all steps for a row in order and adds what they came to. throws Interrupted; IoError;
+    /// ConfigError
     void run(const Experiment& experiment, ReportRow& row);
     std::size_t n_run() const { return n_run_; }
     std::size_t n_reused() const { return n_reused_; }

@@ -19,8 +19,8 @@
 
 namespace slim {
 
-// What works on a surfel's lanes is one function, flattened, and all it calls is always inline: g++ 12 leaves out some calls as
-// kernels grow, and passes the lanes through memory.
+// What works on a surfel's lanes is one function, flattened, and all it calls is always inline: g++
+// 12 leaves out some calls as kernels grow, and passes the lanes through memory.
 
 /// One surfel on one tile.
 template <int Degree>
@@ -30,13 +30,18 @@ struct SurfelOnTile {
     RimLanes rim;
     DepthScale depth;
     float kappa;
-    float x, y;  ///< of the tile, from the record's own pixel: whole numbers, s and t to the last bit wherever the tile begins
+    float x, y;  ///< of the tile, from the record's own pixel: whole numbers, s and t to the last
+                 ///< bit wherever the tile begins
 
     /// Reads nothing of the record yet.
-    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, const Footprint& f, const DepthScale& scale,
-                 const TileBuffers& t)
-        : record(r), rim(item.rims), depth(scale), kappa(item.kappa),
-          x(static_cast<float>(t.x0) - f.pixel_x), y(static_cast<float>(t.y0) - f.pixel_y) {
+    SurfelOnTile(const PixelRecord<Degree>& r, const DrawItem& item, const Footprint& f,
+                 const DepthScale& scale, const TileBuffers& t)
+        : record(r),
+          rim(item.rims),
+          depth(scale),
+          kappa(item.kappa),
+          x(static_cast<float>(t.x0) - f.pixel_x),
+          y(static_cast<float>(t.y0) - f.pixel_y) {
         constexpr std::size_t kLine = 64;
         const auto* line = reinterpret_cast<const char*>(&record);
         for (std::size_t k = 0; k < sizeof record; k += kLine) __builtin_prefetch(line + k);
@@ -85,10 +90,12 @@ struct TauRange {
 
 /// Stage 1 of some pixels: first root inside the shrunken ball, kept if nearer.
 template <int Degree>
-[[gnu::always_inline]] inline void first_hits(const SurfelOnTile<Degree>& surfel, const RowOf<Degree, FloatV>& row,
-                                              const FloatV& s, std::size_t i, const TauRange& range, float entry,
+[[gnu::always_inline]] inline void first_hits(const SurfelOnTile<Degree>& surfel,
+                                              const RowOf<Degree, FloatV>& row, const FloatV& s,
+                                              std::size_t i, const TauRange& range, float entry,
                                               const TileSums& sums, TileBuffers& t) {
-    const auto root = first_in_ball<Degree, FloatV>(row.polynomial(s), row.ball(s), range.most, range.least);
+    const auto root =
+        first_in_ball<Degree, FloatV>(row.polynomial(s), row.ball(s), range.most, range.least);
     const FloatV zeta = surfel.depth.zeta_of(root.t);
     // No way out where none is: the next step's cost is less than that of a wrong guess.
     auto nearer = root.hit && zeta < t.z.load(i);
@@ -110,8 +117,10 @@ struct FirstWork {
     TauRange range;
     float entry;
 
-    FirstWork(const SurfelOnTile<Degree>& on_tile, float at_nearest, float near_plane, float at_entry)
-        : surfel(on_tile), nearest(at_nearest),
+    FirstWork(const SurfelOnTile<Degree>& on_tile, float at_nearest, float near_plane,
+              float at_entry)
+        : surfel(on_tile),
+          nearest(at_nearest),
           // tau is below 1 / (1 / R - kappa) in the ball.
           range{(near_plane - surfel.depth.zeta_c) * surfel.depth.per_zeta,
                 1 / (static_cast<float>(1 / kHitTrim) - surfel.kappa)},
@@ -120,7 +129,8 @@ struct FirstWork {
 
 /// Stage 1 of some surfels, nearest first.
 template <int Degree>
-[[gnu::flatten, gnu::noinline]] void draw_first(const BlockBatch<FirstWork<Degree>>& batch, const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten, gnu::noinline]] void draw_first(const BlockBatch<FirstWork<Degree>>& batch,
+                                                const TileSums& sums, TileBuffers& t) {
     batch.for_each([&](const FirstWork<Degree>& work, int block) __attribute__((always_inline)) {
         const auto i = static_cast<std::size_t>(block * kLanes);
         if (stdx::none_of(t.z.load(i) > work.nearest)) {
@@ -128,14 +138,17 @@ template <int Degree>
             return;
         }
         t.counts.root_tests += kLanes;
-        first_hits<Degree>(work.surfel, work.surfel.row_of(block, kSqTrim), work.surfel.s_of(block), i, work.range, work.entry, sums, t);
+        first_hits<Degree>(work.surfel, work.surfel.row_of(block, kSqTrim), work.surfel.s_of(block),
+                           i, work.range, work.entry, sums, t);
     });
 }
 
 /// Stage 2 of some pixels: eqs (6) and (7) around q^, with the gates of add_supporter (slim/blend).
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::always_inline]] inline void blend(const SurfelOnTile<Degree>& surfel, const RowOf<Degree, FloatV>& row,
-                                         const FloatV& s, std::size_t i, float reach, const TileSums& sums, TileBuffers& t) {
+[[gnu::always_inline]] inline void blend(const SurfelOnTile<Degree>& surfel,
+                                         const RowOf<Degree, FloatV>& row, const FloatV& s,
+                                         std::size_t i, float reach, const TileSums& sums,
+                                         TileBuffers& t) {
     constexpr float kFarthest = static_cast<float>(kBelongs), kSqFarthest = kFarthest * kFarthest;
     const PixelRecord<Degree>& r = surfel.record;
     const FloatV guess = surfel.depth.tau_of(t.z.load(i));
@@ -144,13 +157,15 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     const auto inside = around.n < 0.0f;
     if (stdx::none_of(inside)) return;
     t.counts.root_tests += kLanes;
-    const auto root = nearest_in_ball<Degree, FloatV>(about(row.polynomial(s), guess), around, reach, inside);
+    const auto root =
+        nearest_in_ball<Degree, FloatV>(about(row.polynomial(s), guess), around, reach, inside);
     const FloatV tau = guess + root.t, share = row.share(tau);
     // |q - q^|^2 (h h^)^2, from the ball's function where h = 0: the ray's point at infinity.
     const FloatV heights = row.height(tau) * row.height(guess);
     const FloatV sq_gap = root.t * root.t * (ball.l + r.kappa * (ball.m + r.kappa * ball.n));
     const auto g = row.gradient(s, tau, share);
-    auto taken = root.hit && sq_gap <= kSqFarthest * (heights * heights) && admitted<kSharpModel>(g, i, t);
+    auto taken =
+        root.hit && sq_gap <= kSqFarthest * (heights * heights) && admitted<kSharpModel>(g, i, t);
     FloatV rim_share(1.0f);
     if (!surfel.rim.is_whole) {
         const auto [u, v] = row.plane(s, tau, share);
@@ -179,15 +194,18 @@ struct BlendWork {
     explicit BlendWork(const SurfelOnTile<Degree>& on_tile)
         : surfel(on_tile),
           // |dq/dtau| is at least 1 / h^2, and h at most 1 / (1 - kappa).
-          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.kappa) * (1 - surfel.kappa))) {}
+          reach(1.001f * static_cast<float>(kBelongs) / ((1 - surfel.kappa) * (1 - surfel.kappa))) {
+    }
 };
 
 /// Stage 2 of some surfels.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::flatten, gnu::noinline]] void draw_blend(const BlockBatch<BlendWork<Degree>>& batch, const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten, gnu::noinline]] void draw_blend(const BlockBatch<BlendWork<Degree>>& batch,
+                                                const TileSums& sums, TileBuffers& t) {
     batch.for_each([&](const BlendWork<Degree>& work, int block) __attribute__((always_inline)) {
-        blend<Degree, kWantHessian, kSharpModel, kWantThird>(work.surfel, work.surfel.row_of(block, 1), work.surfel.s_of(block),
-                                                             static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
+        blend<Degree, kWantHessian, kSharpModel, kWantThird>(
+            work.surfel, work.surfel.row_of(block, 1), work.surfel.s_of(block),
+            static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
     });
 }
 
@@ -197,12 +215,14 @@ struct TileSurfels {
     BlockSpans spans;
     DepthBatch depths;
 
-    /// Those of the tile's entries from some on. depths_of(item): the further depths. Asks for what the next ones need.
+    /// Those of the tile's entries from some on. depths_of(item): the further depths. Asks for what
+    /// the next ones need.
     template <class DepthsOf>
     [[gnu::always_inline]] void find(const DrawList<Degree>& list, const Footprint* footprints,
-                                     std::span<const std::uint32_t> entries, std::size_t begin, const TileBuffers& t,
-                                     const DepthsOf& depths_of) {
-        const std::size_t end = std::min(begin + kLanes, entries.size()), n = std::min(end + kLanes, entries.size());
+                                     std::span<const std::uint32_t> entries, std::size_t begin,
+                                     const TileBuffers& t, const DepthsOf& depths_of) {
+        const std::size_t end = std::min(begin + kLanes, entries.size()),
+                          n = std::min(end + kLanes, entries.size());
         for (std::size_t e = end; e < n; ++e) {
             __builtin_prefetch(&list.items[entries[e]]);
             __builtin_prefetch(footprints + entries[e]);
@@ -225,8 +245,9 @@ struct DepthPair {
 
 /// Stage 1 of a tile: its surfels, nearest first, until the rest are hidden.
 template <int Degree>
-[[gnu::flatten]] void run_stage_1(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                                  const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten]] void run_stage_1(const DrawList<Degree>& list,
+                                  std::span<const std::uint32_t> entries, const TileSums& sums,
+                                  TileBuffers& t) {
     TileSurfels<Degree> some;
     BlockBatch<FirstWork<Degree>> batch;
     const float near_plane = t.depths.at(0);
@@ -240,7 +261,8 @@ template <int Degree>
         const std::size_t lane = e % kLanes;
         if (lane == 0)
             some.find(list, list.core.data(), entries, e, t, [](const DrawItem& item) {
-                return DepthPair{item.near_hit - 1e-5 * static_cast<double>(item.radius), item.near_hit};
+                return DepthPair{item.near_hit - 1e-5 * static_cast<double>(item.radius),
+                                 item.near_hit};
             });
         if (some.depths.second(lane) > far) {
             t.counts.surfels_cut_off += entries.size() - e;
@@ -251,7 +273,8 @@ template <int Degree>
         const auto entry = static_cast<float>(e);
         if (item.general != kFast) {
             flush();
-            draw_first_general<Degree>(list.general[item.general], item.rims, list.core[i].rect, entry, sums, t);
+            draw_first_general<Degree>(list.general[item.general], item.rims, list.core[i].rect,
+                                       entry, sums, t);
             continue;
         }
         const float nearest = some.depths.first(lane);
@@ -260,7 +283,8 @@ template <int Degree>
         blocks &= t.beyond(nearest);
         t.counts.blocks_passed += static_cast<std::uint64_t>(n_blocks - blocks.count());
         if (!blocks.any()) continue;
-        const SurfelOnTile<Degree> surfel(list.records[i], item, list.core[i], some.depths.scale(lane), t);
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.core[i],
+                                          some.depths.scale(lane), t);
         batch.add(FirstWork<Degree>(surfel, nearest, near_plane, entry), blocks);
         if (batch.full()) flush();
     }
@@ -268,7 +292,9 @@ template <int Degree>
 }
 
 /// Entries of a tile that reach something seen, in their order.
-inline std::vector<std::uint32_t> reaching(std::span<const DrawItem> items, std::span<const std::uint32_t> entries, const TileBuffers& t) {
+inline std::vector<std::uint32_t> reaching(std::span<const DrawItem> items,
+                                           std::span<const std::uint32_t> entries,
+                                           const TileBuffers& t) {
     const double near = t.depths.z_of(t.near), far = t.depths.z_of(t.far);
     std::vector<std::uint32_t> out(entries.size());
     std::size_t n = 0;
@@ -282,8 +308,9 @@ inline std::vector<std::uint32_t> reaching(std::span<const DrawItem> items, std:
 
 /// Stage 2 of a tile: its surfels that reach what is seen.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::flatten]] void run_stage_2(const DrawList<Degree>& list, std::span<const std::uint32_t> entries,
-                                  const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten]] void run_stage_2(const DrawList<Degree>& list,
+                                  std::span<const std::uint32_t> entries, const TileSums& sums,
+                                  TileBuffers& t) {
     if (!t.bound_hits()) return;
     TileSurfels<Degree> some;
     BlockBatch<BlendWork<Degree>> batch;
@@ -296,14 +323,15 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     for (std::size_t e = 0; e < left.size(); ++e) {
         const std::size_t lane = e % kLanes;
         if (lane == 0)
-            some.find(list, list.whole.data(), left, e, t,
-                      [](const DrawItem& item) { return DepthPair{item.near_blend, item.far_blend}; });
+            some.find(list, list.whole.data(), left, e, t, [](const DrawItem& item) {
+                return DepthPair{item.near_blend, item.far_blend};
+            });
         const std::uint32_t i = left[e];
         const DrawItem& item = list.items[i];
         if (item.general != kFast) {
             flush();
-            draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(list.general[item.general], item.rims,
-                                                                              list.whole[i].rect, sums, t);
+            draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(
+                list.general[item.general], item.rims, list.whole[i].rect, sums, t);
             continue;
         }
         BlockMask blocks = some.spans.blocks(lane);
@@ -311,7 +339,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
         blocks &= t.within(some.depths.first(lane), some.depths.second(lane));
         t.counts.blocks_passed += static_cast<std::uint64_t>(n_blocks - blocks.count());
         if (!blocks.any()) continue;
-        const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i], some.depths.scale(lane), t);
+        const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i],
+                                          some.depths.scale(lane), t);
         batch.add(BlendWork<Degree>(surfel), blocks);
         if (batch.full()) flush();
     }

@@ -25,22 +25,27 @@ namespace {
 
 /// Centres far from the leaves so far come first: passes of a level, by the most overlap a centre
 /// may have. In one pass, of random order, many leaves stand just outside another's reach and cover
-/// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458, 5,837,
-/// 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
+/// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458,
+/// 5,837, 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
-constexpr std::size_t kMarkedAtOnce = 8;    // leaves of levels before whose points are listed at the same time
-constexpr std::size_t kMarkedShare = 8;     // of the points held, one in so many: lists take 24 bytes a point
-constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
+constexpr std::size_t kMarkedAtOnce = 8;    // leaves of levels before whose points
+                                            // are listed at the same time
+constexpr std::size_t kMarkedShare = 8;     // of the points held, one in so many:
+                                            // lists take 24 bytes a point
+constexpr double kConflict = 0.5;           // share of rho_r within which a
+                                            // centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
 /// One centre of a batch and what its search found.
 struct Candidate : LeafCandidate {
-    bool few_in_noise = false;           // a forced ball of so few points that it gives way to a leaf beside it
+    bool few_in_noise = false;           // a forced ball of so few points that it
+                                         // gives way to a leaf beside it
     FittedSurfel internal;               // if it is no leaf
-    std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
+    std::vector<std::uint32_t> stamped;  // points that the internal surfel
+                                         // keeps from becoming centres
 };
 
 /// The state of one run; each method is one step of it.
@@ -119,7 +124,8 @@ private:
     CoverStates states_;
     SecondFit second_;
     std::vector<std::uint64_t> strays_;  // their ids
-    std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
+    // places in by_priority() of points that may be open, rising
+    std::vector<std::uint32_t> open_;
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
 };
@@ -137,7 +143,8 @@ Bbox LevelCover::box_of(const PointBlock& points) {
     return box;
 }
 
-/// Marks the leaves of the levels before. Their sums are taken one after the other, whatever finds their points.
+/// Marks the leaves of the levels before. Their sums are taken one after the other,
+/// whatever finds their points.
 void LevelCover::mark_done() {
     std::vector<FittedSurfel> some;
     std::size_t n_points = 0;  // that they cover, in all slices
@@ -153,10 +160,12 @@ void LevelCover::mark_done() {
     mark_again(some);
 }
 
-/// Nobody asks what else lies over a point that is closed, unless leaves are fitted to what their blend leaves over.
+/// Nobody asks what else lies over a point that is closed, unless leaves are fitted to what their
+/// blend leaves over.
 void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
     WantedOfBucket open;
-    if (!rules_.fits_again()) open = [&](std::size_t first) { return states_.open_of_bucket(pyramid_.all(), first); };
+    if (!rules_.fits_again())
+        open = [&](std::size_t first) { return states_.open_of_bucket(pyramid_.all(), first); };
     std::vector<CoveringSurfel> covering(leaves.size());
     parallel_blocks(leaves.size(), 1, [&](std::size_t i, std::size_t) {
         covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance,
@@ -178,7 +187,9 @@ std::size_t LevelCover::thinning_for(double radius) const {
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
     // Only all of them are sifted for good: the coarse levels look at few.
-    const auto is_closed = [&](std::uint32_t rank) { return !states_.is_open(pyramid_.by_priority()[rank]); };
+    const auto is_closed = [&](std::uint32_t rank) {
+        return !states_.is_open(pyramid_.by_priority()[rank]);
+    };
     if (thinning == 0) parallel_erase_if(open_, is_closed);
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting(open_.begin(), end);
@@ -190,9 +201,9 @@ void LevelCover::run_level(int level) {
     }
 }
 
-/// Searches and accepts centres among the waiting points of a level whose overlap is not above a limit; those
-/// above it are left in `waiting`. A point that lies in no core is open whatever its overlap: the last pass
-/// takes them all.
+/// Searches and accepts centres among the waiting points of a level whose overlap is not above a
+/// limit; those above it are left in `waiting`. A point that lies in no core is open whatever its
+/// overlap: the last pass takes them all.
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                           std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= rules_.coverage();
@@ -244,7 +255,8 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (c.few_in_noise && states_.is_beside(c.point)) return;
     if (c.leaf) leaves_.make(c, lower, work);
     if (c.leaf && c.surfel.explains_center) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
-    if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
+    if (!c.leaf && !c.choice.isolated)
+        make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
 void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
@@ -252,8 +264,9 @@ void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false, rules_.noise_variance,
-                            work.exact.ball, Edges::ignored, Lists::left_out).fitted;
+    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
+                            rules_.noise_variance, work.exact.ball, Edges::ignored, Lists::left_out)
+                     .fitted;
     for (std::size_t i = 0; i < work.exact.ball.n; ++i)
         c.stamped.push_back(tree.source(work.exact.ball.index[i]));
 }
@@ -310,10 +323,12 @@ void LevelCover::accept_leaf(Candidate& c, int level) {
     if (!rules_.fits_again()) keep(f);
 }
 
-/// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only, stay as they are.
+/// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only,
+/// stay as they are.
 void LevelCover::finish_leaves() {
     out_.counts.refitted += second_.run(pyramid_.all());
-    const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
+    const auto own =
+        own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
     second_.hand_over([&](const FittedSurfel& leaf) {
         if (is_kept(leaf)) keep(leaf);
     });
@@ -325,7 +340,8 @@ void LevelCover::finish_leaves() {
     }
 }
 
-/// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
+/// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its
+/// neighbours.
 bool LevelCover::drop(std::uint32_t point) {
     states_.close(point);
     if (rules_.is_sample() || !owns(block_.position[point])) return false;

@@ -20,8 +20,8 @@ constexpr double kEdgeSlope = 0.5;  // sine of the angle between the normals at 
 constexpr double kEdgeCos = 0.866;  // and its cosine
 constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
-/// Points with a bad normal, but not one that faces the other way, are covered like others if their place is
-/// right; left open they would become centres of their own and speckle a curvature map.
+/// Points with a bad normal, but not one that faces the other way, are covered like others if their
+/// place is right; left open they would become centres of their own and speckle a curvature map.
 void take_back(BallPoints<double>& ball, const Vec3d& normal,
                const std::vector<SetAside<double>>& aside) {
     const Vec3f n = to_float(normal);
@@ -40,19 +40,25 @@ bool faces_away(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
 
 using Lanes = stdx::native_simd<double>;
 
-Lanes lanes_at(const std::vector<double>& a, std::size_t i) { return {&a[i], stdx::element_aligned}; }
+Lanes lanes_at(const std::vector<double>& a, std::size_t i) {
+    return {&a[i], stdx::element_aligned};
+}
 
 /// f at the ball's points, a group at a time, and who is near enough to be looked at.
 /// Other sheets' points and padding have sq = 2 and are passed over.
 class Residuals {
 public:
     Residuals(const Surfel& surfel, const BallPoints<double>& ball) : surfel_(surfel), ball_(ball) {
-        const auto spread = [](const Vec3d& v) { return Vec3<Lanes>{Lanes(v.x), Lanes(v.y), Lanes(v.z)}; };
-        frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis), spread(surfel.frame.normal)};
-        for (std::size_t k = 0; k < polynomial_.a.size(); ++k) polynomial_.a[k] = surfel.polynomial.a[k];
+        const auto spread = [](const Vec3d& v) {
+            return Vec3<Lanes>{Lanes(v.x), Lanes(v.y), Lanes(v.z)};
+        };
+        frame_ = {spread(surfel.frame.u_axis), spread(surfel.frame.v_axis),
+                  spread(surfel.frame.normal)};
+        for (std::size_t k = 0; k < polynomial_.a.size(); ++k)
+            polynomial_.a[k] = surfel.polynomial.a[k];
     }
-    /// Bits of the points of group `first` that lie no farther than `most`; their f is in off(), their place in
-    /// the tangent plane in u(), v().
+    /// Bits of the points of group `first` that lie no farther than `most`; their f is in off(),
+    /// their place in the tangent plane in u(), v().
     std::uint64_t within(double most, std::size_t first) {
         const Lanes sq = lanes_at(ball_.sq, first);
         const Vec3<Lanes> local = frame_.local_from_world(
@@ -87,7 +93,8 @@ struct CoveredLanes {
         const auto store = [](const Lanes& from, float* to) {
             stdx::static_simd_cast<LanesOfDouble<float>>(from).copy_to(to, stdx::element_aligned);
         };
-        store(weights, weight), store(residuals.u(), u), store(residuals.v(), v), store(residuals.off(), off);
+        store(weights, weight), store(residuals.u(), u), store(residuals.v(), v),
+            store(residuals.off(), off);
     }
 };
 
@@ -104,20 +111,21 @@ Lean lean_of(const Surfel& s, const Vec3d& local, const Vec3d& normal) {
     return {u, v, n.z, std::sqrt(u * u + v * v)};
 }
 
-/// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too much alike.
-/// n . (x - p) = 0 for x on the surfel, which is taken as its tangent plane over the point.
+/// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too
+/// much alike. n . (x - p) = 0 for x on the surfel, which is taken as its tangent plane over the
+/// point.
 std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& normal) {
     const Vec3d x = s.frame.local_from_world(p);
     const Lean lean = lean_of(s, x, normal);
     if (!(lean.slope > kEdgeSlope)) return {};
     const double above = s.polynomial.value(x.x, x.y) - x.z;
     const double reach = (lean.u * x.x + lean.v * x.y - lean.along * above) / lean.slope;
-    return EdgeSign{static_cast<float>(lean.u / lean.slope), static_cast<float>(lean.v / lean.slope),
-                    static_cast<float>(reach)};
+    return EdgeSign{static_cast<float>(lean.u / lean.slope),
+                    static_cast<float>(lean.v / lean.slope), static_cast<float>(reach)};
 }
 
-/// The covered points that are an edge's own. The surfel's normal at its centre stands for those all over it, so that
-/// few are looked at closely.
+/// The covered points that are an edge's own. The surfel's normal at its centre stands for those
+/// all over it, so that few are looked at closely.
 class EdgePoints {
 public:
     EdgePoints(const Surfel& surfel, const BallPoints<double>& ball)
@@ -129,8 +137,9 @@ public:
         const Vec3d x = surfel_.frame.local_from_world({ball_.x[i], ball_.y[i], ball_.z[i]});
         const Lean lean = lean_of(surfel_, x, normal);
         if (lean.slope > kEdgeSlope)
-            out.push_back({static_cast<float>(lean.u / lean.slope), static_cast<float>(lean.v / lean.slope),
-                           static_cast<float>(x.x), static_cast<float>(x.y)});
+            out.push_back({static_cast<float>(lean.u / lean.slope),
+                           static_cast<float>(lean.v / lean.slope), static_cast<float>(x.x),
+                           static_cast<float>(x.y)});
     }
 
 private:
@@ -146,12 +155,15 @@ struct Footprint {
     double middle = 0;   ///< share within half of the radius
 };
 
-[[gnu::flatten]] Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& frame) {
+[[gnu::flatten]] Footprint footprint_of(const BallPoints<double>& ball,
+                                        const Frame<double>& frame) {
     Lanes weight = 0, gu = 0, gv = 0;                         // under G
     Lanes n_middle = 0;
-    Lanes n = 0, u1 = 0, v1 = 0, uu = 0, uv = 0, vv = 0;      // plain: under G a few points are a line by chance
+    // plain: under G a few points are a line by chance
+    Lanes n = 0, u1 = 0, v1 = 0, uu = 0, uv = 0, vv = 0;
     for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
-        const Lanes x = lanes_at(ball.x, first), y = lanes_at(ball.y, first), z = lanes_at(ball.z, first);
+        const Lanes x = lanes_at(ball.x, first), y = lanes_at(ball.y, first),
+                    z = lanes_at(ball.z, first);
         const Lanes sq = lanes_at(ball.sq, first);
         const Lanes u = x * frame.u_axis.x + y * frame.u_axis.y + z * frame.u_axis.z;
         const Lanes v = x * frame.v_axis.x + y * frame.v_axis.y + z * frame.v_axis.z;
@@ -167,7 +179,8 @@ struct Footprint {
     if (!(sum(n) > 0)) return out;
     out.middle = sum(n_middle) / sum(n);
     const double u = sum(u1) / sum(n), v = sum(v1) / sum(n);
-    const double a = sum(uu) / sum(n) - u * u, b = sum(uv) / sum(n) - u * v, c = sum(vv) / sum(n) - v * v;
+    const double a = sum(uu) / sum(n) - u * u, b = sum(uv) / sum(n) - u * v,
+                 c = sum(vv) / sum(n) - v * v;
     out.breadth = std::sqrt(std::max(0.0, (a + c) / 2 - std::hypot((a - c) / 2, b)));
     return out;
 }
@@ -180,8 +193,8 @@ struct BallFit {
     bool normals_disagree;
 };
 
-/// Whether a ball's normals are those of more than one face: some were set aside, or stand at 30 degrees or more to the
-/// frame's.
+/// Whether a ball's normals are those of more than one face: some were set aside, or stand at 30
+/// degrees or more to the frame's.
 bool holds_edge(const BallPoints<double>& ball, const BallFit& fit) {
     if (!fit.aside.empty()) return true;
     for (std::size_t i = 0; i < ball.n; ++i) {
@@ -191,13 +204,14 @@ bool holds_edge(const BallPoints<double>& ball, const BallFit& fit) {
     return false;
 }
 
-BallFit fit_gathered(const Vec3d& normal, int degree, bool forced, double noise_variance, Enough enough, Edges edges,
-                     BallPoints<double>& ball) {
+BallFit fit_gathered(const Vec3d& normal, int degree, bool forced, double noise_variance,
+                     Enough enough, Edges edges, BallPoints<double>& ball) {
     const BallNormal average = average_normal(ball, 1, normal);
     BallFit out{frame_from_normal(round_normal(average.normal)), {}, {}, average.disagree};
     set_contrary_aside(ball, out.frame.normal, out.aside);
     if (edges != Edges::ignored && !holds_edge(ball, out)) enough = Enough::points;
-    out.fit = forced ? fit_ball(ball, 1, out.frame, 1) : fit_ball(ball, 1, out.frame, degree, enough);
+    out.fit =
+        forced ? fit_ball(ball, 1, out.frame, 1) : fit_ball(ball, 1, out.frame, degree, enough);
     for (int d = 2; forced && d <= degree && out.fit.sq_error > kWithinNoise * noise_variance; ++d)
         out.fit = fit_ball(ball, 1, out.frame, d);
     if (out.fit.fallback == Fallback::none && out.fit.degree < degree)
@@ -217,7 +231,8 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     take_back(ball, ball_fit.frame.normal, ball_fit.aside);
     out.fitted.surfel = {center, ball.radius, ball_fit.frame, fit.polynomial, fit.degree};
     out.edges_are_real = edges == Edges::real;
-    if (out.edges_are_real) out.fitted.surfel = level_linear(out.fitted.surfel);  // the rims' axes are the file's
+    // the rims' axes are the file's
+    if (out.edges_are_real) out.fitted.surfel = level_linear(out.fitted.surfel);
     out.fitted.fit_error = std::sqrt(fit.sq_error);
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
@@ -234,11 +249,12 @@ double tolerance_of(const FittedSurfel& f, double noise) {
 }  // namespace
 
 bool misses_center(const FittedSurfel& f, double noise_variance, double clearly) {
-    return std::abs(f.surfel.polynomial.a[0]) > tolerance_of(f, std::sqrt(noise_variance)) + clearly;
+    return std::abs(f.surfel.polynomial.a[0]) >
+           tolerance_of(f, std::sqrt(noise_variance)) + clearly;
 }
 
-[[gnu::flatten]] void list_points(const PointTree& tree, const BallPoints<double>& ball, double noise_variance,
-                                  CoveringSurfel& out) {
+[[gnu::flatten]] void list_points(const PointTree& tree, const BallPoints<double>& ball,
+                                  double noise_variance, CoveringSurfel& out) {
     const Surfel& s = out.fitted.surfel;
     const double noise = std::sqrt(noise_variance);
     const double tolerance = tolerance_of(out.fitted, noise);
@@ -253,7 +269,8 @@ bool misses_center(const FittedSurfel& f, double noise_variance, double clearly)
         const std::uint64_t inside = s.sharp ? 0 : lane_bits(lanes_at(ball.sq, first) < 1.0);
         for (std::uint64_t bits = inside & ~near; bits != 0; bits &= bits - 1) {
             const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
-            const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, {ball.nx[i], ball.ny[i], ball.nz[i]});
+            const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]},
+                                        {ball.nx[i], ball.ny[i], ball.nz[i]});
             if (sign) out.edges.push_back(*sign);
         }
         const std::uint64_t explained = residuals.no_farther_than(tolerance);
@@ -268,8 +285,9 @@ bool misses_center(const FittedSurfel& f, double noise_variance, double clearly)
                 out.beside.push_back(point);
                 continue;
             }
-            out.covered[n_covered++] = {point, lanes.weight[lane], lanes.u[lane], lanes.v[lane], lanes.off[lane],
-                                        ball.sq[i] < kTrim * kTrim};
+            out.covered[n_covered++] = {point,           lanes.weight[lane],
+                                        lanes.u[lane],   lanes.v[lane],
+                                        lanes.off[lane], ball.sq[i] < kTrim * kTrim};
             // The heaviest weight is G(0) = 1, which only points at the centre have.
             out.explains_center |= lanes.weight[lane] >= kAtCenter;
             if (out.edges_are_real) edge_points.add(i, out.edge_points);
@@ -282,11 +300,14 @@ CoveringSurfel fit_surfel(const PointTree& points, const Vec3d& center, const Ve
                           double radius, int degree, bool forced, double noise_variance,
                           BallPoints<double>& ball, Edges edges, Lists lists) {
     gather_ball(points, center, radius, ball);
-    return fit_gathered_surfel(points, center, normal, degree, forced, noise_variance, ball, edges, lists);
+    return fit_gathered_surfel(points, center, normal, degree, forced, noise_variance, ball, edges,
+                               lists);
 }
 
-CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center, const Vec3d& normal, int degree,
-                                   bool forced, double noise_variance, BallPoints<double>& ball, Edges edges, Lists lists) {
+CoveringSurfel fit_gathered_surfel(const PointTree& points, const Vec3d& center,
+                                   const Vec3d& normal, int degree, bool forced,
+                                   double noise_variance, BallPoints<double>& ball, Edges edges,
+                                   Lists lists) {
     const Enough enough = edges == Edges::ignored ? Enough::points : Enough::freedom;
     const BallFit fit = fit_gathered(normal, degree, forced, noise_variance, enough, edges, ball);
     return cover_by(points, center, fit, noise_variance, edges, lists, ball);
@@ -296,7 +317,8 @@ CoveringSurfel fit_steady_surfel(const PointPyramid& points, const Vec3d& center
                                  const Vec3d& normal, double radius, int degree, bool forced,
                                  double noise_variance, SteadyWork& work, Lists lists) {
     gather_ball(points.all(), center, radius, work.ball);
-    BallFit fit = fit_gathered(normal, degree, forced, noise_variance, Enough::freedom, Edges::ignored, work.ball);
+    BallFit fit = fit_gathered(normal, degree, forced, noise_variance, Enough::freedom,
+                               Edges::ignored, work.ball);
     fit.fit = steady_curvature(points, {center, fit.frame, work.ball, fit.fit}, degree,
                                noise_variance, work.wider);
     if (fit.fit.degree == degree) fit.fit.fallback = Fallback::none;
@@ -320,7 +342,8 @@ std::optional<CoveringSurfel> fit_sharp_surfel(const PointTree& points, const Ve
 }
 
 CoveringSurfel cover_again(const PointTree& points, const FittedSurfel& fitted,
-                           double noise_variance, BallPoints<double>& ball, const WantedOfBucket& wanted) {
+                           double noise_variance, BallPoints<double>& ball,
+                           const WantedOfBucket& wanted) {
     CoveringSurfel out;
     out.fitted = fitted;
     if (wanted)

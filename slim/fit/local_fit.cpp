@@ -16,8 +16,8 @@ namespace {
 constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
 constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
-/// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its ball. A parabola
-/// over a right-angled edge has 2.4 (notes/0008).
+/// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its
+/// ball. A parabola over a right-angled edge has 2.4 (notes/0008).
 constexpr double kSteepest = 4;
 
 /// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
@@ -83,7 +83,8 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
 }
 
 /// What a term of a degree takes off sum G w^2 by fitting noise alone, over sum G^2 / sum G and the
-/// noise's variance: terms of higher degree live where G is small. Disc averages under G (notes/0005).
+/// noise's variance: terms of higher degree live where G is small. Disc averages under G
+/// (notes/0005).
 constexpr double kNoiseOfTerm[] = {1, 0.5182, 0.3715, 0.3064, 0.2694};
 
 /// Fills in what the next degree would find.
@@ -95,16 +96,18 @@ void look_ahead(const NestedCholesky& solver, double weight, double radius, Loca
     fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
 }
 
-/// How far eps^2 may rise when the normals take part: a seventh of the noise in all, or what three standard errors
-/// of the coefficients amount to. Normals that the points contradict are not followed.
+/// How far eps^2 may rise when the normals take part: a seventh of the noise in all, or what three
+/// standard errors of the coefficients amount to. Normals that the points contradict are not
+/// followed.
 double most_raised(int degree, double n_effective) {
     const double k = n_coefficients(degree);
     return 1 + std::max(0.02, (k + 3 * std::sqrt(2 * k)) / n_effective);
 }
 
-/// The fit to points and normals in place of the fit to points alone. A slope counts as often as its
-/// variance goes into that of a height, both as this ball shows them: about the fit of the degree itself,
-/// normals as good as the points' own slopes (any that are made of them) hardly count.
+/// The fit to points and normals in place of the fit to points alone. A slope counts as often as
+/// its variance goes into that of a height, both as this ball shows them: about the fit of the
+/// degree itself, normals as good as the points' own slopes (any that are made of them) hardly
+/// count.
 template <int MomentDegree, class T>
 void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
                     const BallPoints<T>& points, double shrink, const Frame<double>& frame,
@@ -135,7 +138,8 @@ void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
         if (slopes_too.rank_degree() < next) return;
         const auto found = both.gain_in(alone, next);
         const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
-        fit.sq_missed = points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
+        fit.sq_missed =
+            points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
         const auto fully = both.gain_in(slopes_too, next);
         fit.sq_missed_slope = points.radius * points.radius * fully.sq_gain / m.weight() -
                               noise * fully.n_errors - fit.sq_missed;
@@ -168,7 +172,8 @@ bool are_enough(std::size_t n, double n_effective, int degree, Enough enough) {
            (enough == Enough::points || n_effective >= k + kLeastFreedom);
 }
 
-/// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it;
+/// sums of a higher degree are for look_ahead.
 template <int MomentDegree, class T>
 LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
                        const BallPoints<T>& points, double shrink, const Frame<double>& frame,
@@ -178,7 +183,8 @@ LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
     LocalFit fit;
     Fallback cause = Fallback::none;
     const double n_eff = m.n_effective();
-    while (degree > 1 && !are_enough(n, n_eff, degree, enough)) --degree, cause = Fallback::few_points;
+    while (degree > 1 && !are_enough(n, n_eff, degree, enough))
+        --degree, cause = Fallback::few_points;
     if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
     for (; degree >= 1; --degree, cause = Fallback::steep) {
         const auto a = solver.coefficients(degree);
@@ -214,7 +220,8 @@ SpreadFit fit_degree_with_spread(const BallPoints<T>& points, double shrink,
                                  const Frame<double>& frame) {
     const auto solution = solve_ball<Degree>(points, shrink, frame);
     SpreadFit out{fit_of_degree(solution, Degree, points, shrink, frame), {}};
-    if (out.fit.degree >= 1) out.spread = spread_of(solution.moments, solution.solver, out.fit.degree);
+    if (out.fit.degree >= 1)
+        out.spread = spread_of(solution.moments, solution.solver, out.fit.degree);
     return out;
 }
 
@@ -238,7 +245,8 @@ const char* fallback_name(Fallback fallback) {
 }
 
 template <class T>
-[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
+[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink,
+                                           const Vec3d& side) {
     using V = stdx::native_simd<T>;
     const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
     const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
@@ -263,7 +271,8 @@ template <class T>
 }
 
 template <class T>
-[[gnu::flatten]] void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
+[[gnu::flatten]] void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal,
+                                         std::vector<SetAside<T>>& out) {
     using V = LanesOfDouble<float>;
     const auto lanes = [](const std::vector<float>& a, std::size_t i) {
         return V(&a[i], stdx::element_aligned);
@@ -342,7 +351,8 @@ template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<floa
                                                            const Frame<double>&);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
                                                            const Frame<double>&);
-template SpreadFit fit_ball_with_spread(const BallPoints<float>&, double, const Frame<double>&, int);
+template SpreadFit fit_ball_with_spread(const BallPoints<float>&, double, const Frame<double>&,
+                                        int);
 template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

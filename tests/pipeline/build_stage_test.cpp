@@ -84,7 +84,8 @@ TEST_F(BuildStage, AModelHasNoOtherFormatsEnding) {
         EXPECT_NE(message_.find("ending in .slim"), std::string::npos) << message_;
         EXPECT_FALSE(fs::exists(file(name)));
     }
-    for (const char* name : {"m", "t_0.01", "m.slim"}) EXPECT_NO_THROW(build(build_config(cloud, name))) << name;
+    for (const char* name : {"m", "t_0.01", "m.slim"})
+        EXPECT_NO_THROW(build(build_config(cloud, name))) << name;
     EXPECT_GT(measure(file("t_0.01"), cloud)["leaves"], 0);
 }
 
@@ -112,16 +113,20 @@ TEST_F(BuildStage, TilesInARowAreOfOneFrame) {
         c.inputs.push_back(write(tile, "tile_" + std::to_string(i) + ".ply"));
     }
     build(c);
-    for (const std::string& said : listener_.warnings) EXPECT_EQ(said.find("same frame?"), std::string::npos) << said;
+    for (const std::string& said : listener_.warnings)
+        EXPECT_EQ(said.find("same frame?"), std::string::npos) << said;
 }
 
 TEST_F(BuildStage, CloudsOfOtherFramesDoNotHideWhatElseIsWrong) {
-    BuildConfig c = build_config(folder_.write("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n"), "m.slim");
+    BuildConfig c =
+        build_config(folder_.write("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n"), "m.slim");
     c.inputs.push_back(folder_.write("far.xyz", "1e6 0 0\n1000001 0 0\n"));
     code_of([&] { build(c); });
     ASSERT_GE(listener_.warnings.size(), 2u);
-    EXPECT_NE(listener_.warnings[0].find("same frame?"), std::string::npos) << listener_.warnings[0];
-    EXPECT_NE(listener_.warnings[1].find("on one line"), std::string::npos) << listener_.warnings[1];
+    EXPECT_NE(listener_.warnings[0].find("same frame?"), std::string::npos)
+        << listener_.warnings[0];
+    EXPECT_NE(listener_.warnings[1].find("on one line"), std::string::npos)
+        << listener_.warnings[1];
 }
 
 TEST_F(BuildStage, NoiseIsOverTheDiagonalForAllVerbs) {
@@ -138,7 +143,8 @@ TEST_F(BuildStage, NoiseIsOverTheDiagonalForAllVerbs) {
     EXPECT_DOUBLE_EQ(built["noise"].get<double>(), info["noise"].get<double>());
     EXPECT_NEAR(info["noise"].get<double>(), 0.003, 0.0006);
     const double diagonal = info["diagonal"];
-    EXPECT_NEAR(std::sqrt(built["noise_variance"].get<double>()) / diagonal, info["noise"].get<double>(), 1e-12);
+    EXPECT_NEAR(std::sqrt(built["noise_variance"].get<double>()) / diagonal,
+                info["noise"].get<double>(), 1e-12);
     SmoothConfig m;
     m.model = file("m.slim"), m.cloud = cloud, m.output = file("s.ply");
     EXPECT_NEAR(run_as("smooth", m, run_smooth, listener_)["noise"].get<double>(), 0.003, 0.0006);
@@ -153,7 +159,9 @@ TEST_F(BuildStage, InfoSaysThingsOnceAndLevelsInOrder) {
     EXPECT_TRUE(whole["provenance"].contains("fits"));  // --json has it
     const auto times_said = [&](const std::string& key) {
         std::size_t n = 0;
-        for (std::size_t at = 0; (at = context.text.find(key + "  ", at)) != std::string::npos; ++at) ++n;
+        for (std::size_t at = 0; (at = context.text.find(key + "  ", at)) != std::string::npos;
+             ++at)
+            ++n;
         return n;
     };
     for (const char* key : {"diagonal", "degree", "t_mdl", "forced"})
@@ -223,12 +231,14 @@ TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
     };
     auto config = build_config(cloud, "m.slim");
     const auto plain = info_of(config);
-    EXPECT_EQ(plain["fit"].dump(), R"({"cover":"B","degree":2,"radius_rule":"ladder","sharp":false,"weight":"gauss"})");
+    EXPECT_EQ(plain["fit"].dump(),
+              R"({"cover":"B","degree":2,"radius_rule":"ladder","sharp":false,"weight":"gauss"})");
     config.degree = "auto";
     config.weight = "polynomial";
     config.cover = "C";
     EXPECT_EQ(info_of(config)["fit"].dump(),
-              R"({"cover":"C","degree":"auto","radius_rule":"ladder","sharp":false,"weight":"polynomial"})");
+              R"({"cover":"C","degree":"auto","radius_rule":"ladder","sharp":false,)"
+              R"("weight":"polynomial"})");
     config.degree = "3";
     config.radius_rule = "windows";
     EXPECT_EQ(info_of(config)["fit"]["radius_rule"], "windows");
@@ -301,7 +311,8 @@ TEST_F(BuildStage, SharpIsExactOnACubeInAnySlicesAndDegree) {
             config.sharp = "on";
             const auto sharp = build(config), sharp_error = measure(config.output, cloud);
             EXPECT_GE(ModelFile::open(config.output).tree().sharp().size(), 20u);
-            // Smooth leaves that a fold ended are as few (slim/cover/notes/0012), and round the edges off.
+            // Smooth leaves that a fold ended are as few (slim/cover/notes/0012),
+            // and round the edges off.
             EXPECT_LT(sharp["leaves"].get<int>(), 1.25 * smooth["leaves"].get<int>());
             EXPECT_LT(sharp_error["l2"].get<double>(), 0.1 * smooth_error["l2"].get<double>());
             // Floats of the file, 6e-8 of a radius; one place of the linear model still has a
@@ -384,14 +395,16 @@ TEST_F(BuildStage, AModelTakesTheOutputsPlaceOfModelsOnly) {
     const std::string cloud = write(sampled("sphere", 2000), "c.ply");
     const std::string other = write(sampled("sphere", 300), "other.ply");
     EXPECT_EQ(code_of([&] { build(build_config(cloud, "other.ply")); }), ExitCode::usage);
-    EXPECT_NE(message_.find("other.ply: is there already and is a cloud"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("other.ply: is there already and is a cloud"), std::string::npos)
+        << message_;
     EXPECT_EQ(input_kind(other), InputKind::cloud);
     std::ofstream(file("notes.txt")) << "not a model";
     EXPECT_EQ(code_of([&] { build(build_config(cloud, "notes.txt")); }), ExitCode::usage);
     std::ofstream(file("empty.slim")).flush();
     std::ofstream(file("damaged.slim")) << "half a model";
     for (const char* name : {"empty.slim", "damaged.slim", "new.slim", "new.slim"})
-        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::ok) << name << ": " << message_;
+        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::ok)
+            << name << ": " << message_;
 }
 
 TEST_F(BuildStage, TooFewPointsAreRefusedWithExit3) {

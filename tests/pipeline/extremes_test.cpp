@@ -144,14 +144,17 @@ TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
         EXPECT_EQ(code_of([&] { built(same); }), ExitCode::bad_data);
         EXPECT_NE(message_.find("same.xyz"), std::string::npos) << message_;
         EXPECT_NE(message_.find("do not coincide"), std::string::npos) << message_;
-        EXPECT_NE(message_.find(": " + std::to_string(n) + " points within"), std::string::npos) << message_;
+        EXPECT_NE(message_.find(": " + std::to_string(n) + " points within"), std::string::npos)
+            << message_;
     }
     const std::string one = write_text("one.xyz", std::vector<Vec3d>(1, {1, 2, 3}));
     EXPECT_EQ(code_of([&] { built(one); }), ExitCode::bad_data);
     EXPECT_NE(message_.find(": 1 point within"), std::string::npos) << message_;
     listener_.warnings.clear();
-    const std::string floats = folder_.write("one.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-                                                        "property float y\nproperty float z\nend_header\n9 8 7\n");
+    const std::string floats =
+        folder_.write("one.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                      "property float y\nproperty float z\nend_header\n9 8 7\n");
     EXPECT_EQ(code_of([&] { built(floats); }), ExitCode::bad_data);
     EXPECT_FALSE(warned_of("finer detail"));  // there is none
 }
@@ -164,12 +167,14 @@ TEST_F(Extremes, Row07CopiesOfAFewPointsAreTheUniqueSet) {
         for (int i = 0; i < copies; ++i) append(all, cloud);
         build(build_config(write(cloud, "once.ply"), "once.slim"));
         const auto result = build(build_config(write(all, "often.ply"), "often.slim"));
-        EXPECT_EQ(result.at("stages").at("fit").at("copies"), static_cast<std::uint64_t>(n * (copies - 1)));
+        EXPECT_EQ(result.at("stages").at("fit").at("copies"),
+                  static_cast<std::uint64_t>(n * (copies - 1)));
         const auto once = measure(file("once.slim"), file("once.ply"));
         const auto often = measure(file("often.slim"), file("once.ply"));
         EXPECT_EQ(often.at("leaves"), once.at("leaves"));
         EXPECT_EQ(often.at("missed"), once.at("missed"));
-        EXPECT_NEAR(often.at("l2").get<double>(), once.at("l2").get<double>(), 0.02 * once.at("l2").get<double>());
+        EXPECT_NEAR(often.at("l2").get<double>(), once.at("l2").get<double>(),
+                    0.02 * once.at("l2").get<double>());
     }
 }
 

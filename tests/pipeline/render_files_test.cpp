@@ -244,8 +244,10 @@ TEST_F(RenderFiles, MatricesMapPToItsPixel) {
         EXPECT_NEAR(mapped("worldToNDC", 0) / w * 80, 44.5, 1e-3);
         EXPECT_NEAR(mapped("worldToNDC", 1) / w * 60, 25.5, 1e-3);
         // The same in [-1, 1], y upwards.
-        EXPECT_NEAR(mapped("worldToScreen", 0) / mapped("worldToScreen", 3), 2 * 44.5 / 80 - 1, 1e-4);
-        EXPECT_NEAR(mapped("worldToScreen", 1) / mapped("worldToScreen", 3), 1 - 2 * 25.5 / 60, 1e-4);
+        EXPECT_NEAR(mapped("worldToScreen", 0) / mapped("worldToScreen", 3), 2 * 44.5 / 80 - 1,
+                    1e-4);
+        EXPECT_NEAR(mapped("worldToScreen", 1) / mapped("worldToScreen", 3), 1 - 2 * 25.5 / 60,
+                    1e-4);
         EXPECT_NEAR(-mapped("worldToCamera", 2), channels.at("Z").floats[i], 1e-4);
     }
 }
@@ -270,7 +272,9 @@ TEST_F(RenderFiles, AFolderInTheWayIsRefusedBeforeTheFirstPictureOfAFilm) {
             ADD_FAILURE() << name;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::usage);
-            EXPECT_NE(std::string(error.what()).find(std::string(name) + ": is a folder"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(std::string(name) + ": is a folder"),
+                      std::string::npos)
+                << error.what();
         }
         EXPECT_FALSE(exists("film_0001.png"));
         std::filesystem::remove(file(name));
@@ -287,7 +291,8 @@ TEST_F(RenderFiles, LinesBelowAFileAreRefusedBeforeThePicture) {
             ADD_FAILURE() << name;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::usage);
-            EXPECT_NE(std::string(error.what()).find("a_file is no folder"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("a_file is no folder"), std::string::npos)
+                << error.what();
         }
         EXPECT_FALSE(exists("x.png"));
     }

@@ -186,7 +186,8 @@ TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
         {"frames is for a ", [](RenderConfig& c) { c.frames = 3; }},
         {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},
         {"expected 1 to 3", [](RenderConfig& c) { c.turntable = 3, c.frame = 4; }},
-        {"path: keyframe 2 \"sideways\": expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
+        {"path: keyframe 2 \"sideways\": expected",
+         [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
         {"zoom", [](RenderConfig& c) { c.path = "front zoom x", c.frames = 4; }},
     };
     for (const auto& [words, change] : cases) {
@@ -233,29 +234,35 @@ TEST_F(RenderOutputs, WhereOneFileCannotBeWrittenNoneOfThePictureAppears) {
     write_torus(3);
     std::filesystem::create_directory(file("x.mean.legend.svg"));
     RenderConfig c = config("x.png");
-    c.aov = {"shaded", "mean"}, c.lines = {"contour"}, c.lines_ply = file("l.ply"), c.size = "300x240";
+    c.aov = {"shaded", "mean"}, c.lines = {"contour"}, c.lines_ply = file("l.ply"),
+    c.size = "300x240";
     EXPECT_THROW(run(c), IoError);
     c.output = file("x.exr"), c.aov = {"mean"};
     EXPECT_THROW(run(c), IoError);
     int n = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) n += entry.path().extension() != ".slim";
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+        n += entry.path().extension() != ".slim";
     EXPECT_EQ(n, 1);  // the folder
     std::filesystem::remove(file("x.mean.legend.svg"));
     run(c);
-    for (const char* name : {"x.exr", "x.png", "x.lines.svg", "l.ply", "x.mean.legend.svg"}) EXPECT_TRUE(exists(name)) << name;
+    for (const char* name : {"x.exr", "x.png", "x.lines.svg", "l.ply", "x.mean.legend.svg"})
+        EXPECT_TRUE(exists(name)) << name;
 }
 
 TEST_F(RenderOutputs, AFilmThatShowsNothingLeavesNoPicture) {
     write_torus(2);
     RenderConfig c = config("film.png");
-    c.aov = {"mean"}, c.lines = {"contour"}, c.path = "0,0,50,0,0,90,0,1,0;0,0,60,0,0,90,0,1,0", c.frames = 3;
+    c.aov = {"mean"}, c.lines = {"contour"}, c.path = "0,0,50,0,0,90,0,1,0;0,0,60,0,0,90,0,1,0",
+    c.frames = 3;
     EXPECT_THROW(run(c), NumericalError);
     int n = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) n += entry.path().extension() != ".slim";
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+        n += entry.path().extension() != ".slim";
     EXPECT_EQ(n, 0);
     c.path = "0,0,50,0,0,90,0,1,0;front";  // the last one shows something
     run(c);
-    for (const char* name : {"film_0001.png", "film_0003.png", "film_0001.lines.svg", "film.mean.legend.svg"})
+    for (const char* name :
+         {"film_0001.png", "film_0003.png", "film_0001.lines.svg", "film.mean.legend.svg"})
         EXPECT_TRUE(exists(name)) << name;
 }
 

@@ -207,9 +207,11 @@ TEST_F(RenderTrace, BadOptionsAreNamed) {
         {"--ao", [](RenderConfig& c) { c.ao_distance = 1; }},
         {"--ao", [](RenderConfig& c) { c.ao_samples = 9; }},
         {"ao is for the aov shaded", [](RenderConfig& c) { c.ao = true, c.aov = {"mean"}; }},
-        {"ground is for the aov shaded or ao", [](RenderConfig& c) { c.ground = true, c.aov = {"mean"}; }},
+        {"ground is for the aov shaded or ao",
+         [](RenderConfig& c) { c.ground = true, c.aov = {"mean"}; }},
         {"light is for the aov shaded", [](RenderConfig& c) { c.light = "sun", c.aov = {"ao"}; }},
-        {"material is for", [](RenderConfig& c) { c.material = "color=#102030", c.aov = {"normal"}; }},
+        {"material is for",
+         [](RenderConfig& c) { c.material = "color=#102030", c.aov = {"normal"}; }},
         {"ambient is for", [](RenderConfig& c) { c.ambient = 0.5, c.aov = {"depth"}; }},
         {"--ground", [](RenderConfig& c) { c.ground_height = "1"; }},
         {"--ground", [](RenderConfig& c) { c.ground_color = "#112233"; }},
@@ -300,7 +302,8 @@ TEST_F(RenderTrace, LinesAndDirectionsOfAModelDoNotDependOnWhatStandsFirst) {
         EXPECT_EQ(one[kind]["polylines"], other[kind]["polylines"]) << kind;
         const auto strength = one[kind]["strength"].get<double>();
         EXPECT_NEAR(other[kind]["strength"].get<double>(), strength, 0.01 * strength) << kind;
-        EXPECT_NEAR(one[kind]["length"].get<double>(), other[kind]["length"].get<double>(), 0.01) << kind;
+        EXPECT_NEAR(one[kind]["length"].get<double>(), other[kind]["length"].get<double>(), 0.01)
+            << kind;
     }
     int n_far = 0;
     const PngImage a = read_png(file("x.dir1.png"));

@@ -19,8 +19,10 @@ struct SphereBuffers {
     explicit SphereBuffers(int size, float side = 1) : n(size) {
         for (int row = 0; row < n; ++row)
             for (int column = 0; column < n; ++column) {
-                const float u = 1.25f * (2 * (static_cast<float>(column) + 0.5f) / static_cast<float>(n) - 1);
-                const float v = 1.25f * (1 - 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
+                const float u =
+                    1.25f * (2 * (static_cast<float>(column) + 0.5f) / static_cast<float>(n) - 1);
+                const float v =
+                    1.25f * (1 - 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
                 const float rest = 1 - u * u - v * v;
                 hit.push_back(rest > 0);
                 x.push_back(rest > 0 ? side * u : 0);
@@ -79,7 +81,8 @@ TEST(Shade, IsBlinnPhongWithinAQuarterOfAnEightBitStep) {
     const Picture p = sphere.shaded(orthographic_view());
     for (std::size_t i = 0; i < p.n_pixels(); ++i) {
         if (!sphere.hit[i]) continue;
-        const double expected = reference_green(Lighting{}, {sphere.x[i], sphere.y[i], sphere.z[i]});
+        const double expected =
+            reference_green(Lighting{}, {sphere.x[i], sphere.y[i], sphere.z[i]});
         ASSERT_NEAR(255 * srgb_from_linear(p.rgba[4 * i + 1]),
                     255 * srgb_from_linear(static_cast<float>(expected)), 0.25);
     }
@@ -142,13 +145,15 @@ TEST(Shade, AnOvershootAtTheTopEdgeIsNoDarkRim) {
 }
 
 TEST(Shade, OnlyANearbyFrontMakesASilhouette) {
-    // Just reversed normals with a front of two columns at their left end, from which they lean away.
+    // Just reversed normals with a front of two columns at their left end,
+    // from which they lean away.
     constexpr int kWidth = 9, kHeight = 5;
     const std::size_t n = kWidth * kHeight;
     const std::vector<float> x(n, -0.995f), y(n, 0.0f);
     std::vector<float> z(n, -0.1f);
     for (int row = 0; row < kHeight; ++row)
-        for (int column = 0; column < 2; ++column) z[static_cast<std::size_t>(row * kWidth + column)] = 0.1f;
+        for (int column = 0; column < 2; ++column)
+            z[static_cast<std::size_t>(row * kWidth + column)] = 0.1f;
     const std::vector<std::uint8_t> hit(n, 1);
     const Picture p = shade(kWidth, kHeight, orthographic_view(), {x, y, z}, hit);
     EXPECT_NEAR(brightness(p, 2, 2), brightness(p, 1, 2), 0.02f);
@@ -169,7 +174,8 @@ TEST(Shade, WhatOneFrontPixelOrAnotherSurfaceDoesHasNoShape) {
         for (int row = 0; row < kSide; ++row)
             for (int column = 0; column < kSide; ++column)
                 if (static_cast<std::size_t>(row * kSide + column) != middle)
-                    most = std::max(most, std::abs(brightness(p, column, row) - brightness(p, 0, 0)));
+                    most =
+                        std::max(most, std::abs(brightness(p, column, row) - brightness(p, 0, 0)));
         return most;
     };
     z[middle] = 0.1f;

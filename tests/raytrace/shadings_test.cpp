@@ -195,7 +195,9 @@ TEST(Hillshade, HeavyLinesStayWhereTheOthersRunIntoATone) {
     const Picture p = paint_relief(slope(n, 1), pixel_view(camera, n, n), shade, {0, n}, relief, 1);
     std::vector<float> tone;
     for (int x = 53; x < 62; ++x) tone.push_back(p.pixel(x, 50)[0]);
-    EXPECT_LT(*std::max_element(tone.begin(), tone.end()) - *std::min_element(tone.begin(), tone.end()), 0.02f);
+    EXPECT_LT(
+        *std::max_element(tone.begin(), tone.end()) - *std::min_element(tone.begin(), tone.end()),
+        0.02f);
     for (const int heavy : {50, 65, 80}) EXPECT_LT(p.pixel(heavy, 50)[0], 0.6f * tone[4]) << heavy;
 }
 
@@ -205,7 +207,8 @@ TEST(Hillshade, ContoursOfAnySpacingAreNumbers) {
     Camera camera;
     camera.eye = {0, 0, 10}, camera.orthographic = true, camera.width = 9;
     for (const double spacing : {1e-300, 2.3e-308, 1e-20, 1e300}) {
-        const Relief relief{{Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 5e9, 315, 45, spacing, 5};
+        const Relief relief{
+            {Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 5e9, 315, 45, spacing, 5};
         const Picture picture =
             paint_relief(slope(9, 0.5), pixel_view(camera, 9, 9), shade, {0, 9}, relief, 1);
         for (const float v : picture.rgba) ASSERT_TRUE(v >= 0 && v <= 1) << spacing;
@@ -266,8 +269,10 @@ TEST(Key, StandsWhereItHidesLeastAndIsWrittenAsSvg) {
 
 TEST(Key, SvgIsAsWideAsItsWordsNeed) {
     const Key key{"contour lines", {{"every 5 m", false, {}}}};
-    EXPECT_NE(key_svg(key).find("width=\"70mm\" height=\"18mm\" viewBox=\"0 0 70 18\""), std::string::npos);
-    const std::string svg = key_svg({"contour lines", {{"heavy every 0.025 US survey feet (1927)", false, {}}}});
+    EXPECT_NE(key_svg(key).find("width=\"70mm\" height=\"18mm\" viewBox=\"0 0 70 18\""),
+              std::string::npos);
+    const std::string svg =
+        key_svg({"contour lines", {{"heavy every 0.025 US survey feet (1927)", false, {}}}});
     const double width = std::stod(svg.substr(svg.find("width=\"") + 7));
     EXPECT_GT(width, 74);  // 69.9 mm in DejaVu Sans, and 4 to its left
     EXPECT_LT(width, 90);

@@ -207,7 +207,8 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     std::vector<float> ratios;
     const auto exactly = by_edge(exact);
     for (const auto& [edge, evidence] : by_edge(differences))
-        if (const auto found = exactly.find(edge); found != exactly.end()) ratios.push_back(evidence / found->second);
+        if (const auto found = exactly.find(edge); found != exactly.end())
+            ratios.push_back(evidence / found->second);
     ASSERT_GT(ratios.size(), 20u);
     std::nth_element(ratios.begin(),
                      ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
@@ -216,7 +217,8 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
 
 TEST(ExtractLines, AreTheSameForAnyNumberOfThreads) {
     const Camera camera = test::camera_from_x(1.6);
-    const GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});  // several bands of rows
+    // several bands of rows
+    const GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});
     const PixelView view = pixel_view(camera, 300, 300);
     const auto lines_with = [&](int threads) {
         const ThreadLimit limit(threads);

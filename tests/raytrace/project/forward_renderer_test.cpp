@@ -200,8 +200,8 @@ TEST(ForwardRenderer, LevelOfDetailKeepsTheSilhouetteAndDrawsFewerSurfels) {
     EXPECT_NEAR(std::sqrt(area_coarse / std::numbers::pi), 160 / 12.0, 2);
 }
 
-/// 40 leaves of radius 0.02 below each of 1,500 surfels whose balls, of radius 0.07, cover the sphere, but
-/// not their cores.
+/// 40 leaves of radius 0.02 below each of 1,500 surfels whose balls, of radius 0.07, cover the
+/// sphere, but not their cores.
 SurfelTreeData fine_sphere(bool marked) {
     constexpr float kShrunken = 0.55f;
     auto model = test::two_level_sphere(1, 1500, 60000);
@@ -231,7 +231,8 @@ TEST(ForwardRenderer, StandInsLeaveNoHoles) {
         std::size_t through = 0, n = 0;
         for (std::size_t i = 0; i < full.n_pixels(); ++i) {
             n += full.hit[i];
-            through += full.hit[i] && !(coarse.hit[i] && std::abs(full.depth[i] - coarse.depth[i]) < 0.5f);
+            through +=
+                full.hit[i] && !(coarse.hit[i] && std::abs(full.depth[i] - coarse.depth[i]) < 0.5f);
         }
         EXPECT_GT(n, 1500u);
         EXPECT_EQ(through, 0u) << width;
@@ -265,7 +266,8 @@ TEST(ForwardRenderer, APartOfAPictureOfStandInsIsThatOfTheWhole) {
         render_forward(model.view(), request, part);
         for (int y = 0; y < w.height; ++y)
             for (int x = 0; x < w.width; ++x)
-                ASSERT_EQ(part.normal[0][part.index(x, y)], whole.normal[0][whole.index(w.x + x, w.y + y)])
+                ASSERT_EQ(part.normal[0][part.index(x, y)],
+                          whole.normal[0][whole.index(w.x + x, w.y + y)])
                     << x << ' ' << y;
     }
 }
@@ -298,7 +300,8 @@ TEST(ForwardRenderer, TheNearPlaneOpensTheSphere) {
     const auto model = test::sphere_model(1, 1000);
     RenderRequest request = request_for(model, 64, 64, false);
     const PixelView view = pixel_view(request.camera, 64, 64);
-    request.camera.near_plane = length(request.camera.eye);  // through the centre: the inside is seen
+    // through the centre: the inside is seen
+    request.camera.near_plane = length(request.camera.eye);
     GBuffer out;
     render_forward(model.view(), request, out);
     const std::size_t i = out.index(32, 32);

@@ -23,7 +23,9 @@ namespace {
 
 using OneLane = stdx::simd<float, stdx::simd_abi::scalar>;
 
-double uniform(std::uint64_t seed, std::uint64_t i) { return 2 * unit_interval(keyed_hash(seed, i)) - 1; }
+double uniform(std::uint64_t seed, std::uint64_t i) {
+    return 2 * unit_interval(keyed_hash(seed, i)) - 1;
+}
 
 /// In front of a camera at the origin that looks along z.
 Surfel random_surfel(std::uint64_t seed, int degree, double nearest) {
@@ -31,9 +33,11 @@ Surfel random_surfel(std::uint64_t seed, int degree, double nearest) {
     const double z = nearest + 1 + uniform(seed, 0);
     s.center = {0.5 * z * uniform(seed, 1), 0.5 * z * uniform(seed, 2), z};
     s.support_radius = 0.1 + 0.05 * uniform(seed, 3);
-    s.frame = frame_from_normal(round_normal(normalized(Vec3d{uniform(seed, 4), uniform(seed, 5), uniform(seed, 6)})));
+    s.frame = frame_from_normal(
+        round_normal(normalized(Vec3d{uniform(seed, 4), uniform(seed, 5), uniform(seed, 6)})));
     const auto n = static_cast<std::uint64_t>(degree <= 1 ? 1 : n_coefficients(degree));
-    for (std::uint64_t k = 0; k < n; ++k) s.polynomial.a[k] = (k < 3 ? 0.1 : 0.3) * uniform(seed, 10 + k);
+    for (std::uint64_t k = 0; k < n; ++k)
+        s.polynomial.a[k] = (k < 3 ? 0.1 : 0.3) * uniform(seed, 10 + k);
     s.degree = degree;
     return s;
 }
@@ -57,18 +61,22 @@ struct Direct {
         f = local.z - s.polynomial.value(local.x, local.y);
         sq_distance = sq_length(q);
         gradient = view.rotate_to_camera(world_gradient(s, local.x, local.y));
-        const Vec3d u = view.rotate_to_camera(s.frame.u_axis), v = view.rotate_to_camera(s.frame.v_axis);
-        const double uu = s.polynomial.d_uu(local.x, local.y), uv = s.polynomial.d_uv(local.x, local.y),
+        const Vec3d u = view.rotate_to_camera(s.frame.u_axis),
+                    v = view.rotate_to_camera(s.frame.v_axis);
+        const double uu = s.polynomial.d_uu(local.x, local.y),
+                     uv = s.polynomial.d_uv(local.x, local.y),
                      vv = s.polynomial.d_vv(local.x, local.y);
         std::size_t at = 0;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = i; j < 3; ++j)
-                hessian[at++] = -(uu * u[i] * u[j] + uv * (u[i] * v[j] + v[i] * u[j]) + vv * v[i] * v[j]);
+                hessian[at++] =
+                    -(uu * u[i] * u[j] + uv * (u[i] * v[j] + v[i] * u[j]) + vv * v[i] * v[j]);
     }
 };
 
 void add(const PixelView& view, const Surfel& s, SurfelBatch& batch) {
-    batch.add(view.camera_from_local(s.center), s.support_radius, octahedral_from_normal(s.frame.normal),
+    batch.add(view.camera_from_local(s.center), s.support_radius,
+              octahedral_from_normal(s.frame.normal),
               std::span<const double, kMaxCoefficients>(s.polynomial.a));
 }
 
@@ -95,13 +103,16 @@ template <int Degree>
 void expect_direct_values(bool orthographic, double nearest) {
     const PixelView view = view_of(orthographic);
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        SCOPED_TRACE(testing::Message() << Degree << ' ' << orthographic << ' ' << nearest << ' ' << seed);
+        SCOPED_TRACE(testing::Message()
+                     << Degree << ' ' << orthographic << ' ' << nearest << ' ' << seed);
         const Surfel s = random_surfel(seed, Degree, nearest);
         const auto r = record_of<Degree>(view, s);
         const Vec3d c = view.camera_from_local(s.center);
         const double scale = orthographic ? view.px_per_unit : view.focal_px / c.z;
-        const int x = static_cast<int>(view.center_x + scale * (c.x + 0.5 * s.support_radius * uniform(seed, 30)));
-        const int y = static_cast<int>(view.center_y + scale * (c.y + 0.5 * s.support_radius * uniform(seed, 31)));
+        const int x = static_cast<int>(view.center_x +
+                                       scale * (c.x + 0.5 * s.support_radius * uniform(seed, 30)));
+        const int y = static_cast<int>(view.center_y +
+                                       scale * (c.y + 0.5 * s.support_radius * uniform(seed, 31)));
         const double z = c.z + s.support_radius * 0.7 * uniform(seed, 32);
         const double height = orthographic ? 1 : c.z / z;
         const OneLane tau(static_cast<float>((z - c.z) / s.support_radius * height));
@@ -115,8 +126,10 @@ void expect_direct_values(bool orthographic, double nearest) {
         const Direct direct(view, s, x, y, z);
         constexpr double tolerance = 4e-6;
         ASSERT_NEAR(share[0], 1 / height, tolerance);
-        ASSERT_NEAR(lanes_value(row.polynomial(at), tau)[0], direct.f * std::pow(height, Degree), tolerance);
-        ASSERT_NEAR(row.ball(at).value(tau)[0], (direct.sq_distance - sq_radius) * height * height, tolerance);
+        ASSERT_NEAR(lanes_value(row.polynomial(at), tau)[0], direct.f * std::pow(height, Degree),
+                    tolerance);
+        ASSERT_NEAR(row.ball(at).value(tau)[0], (direct.sq_distance - sq_radius) * height * height,
+                    tolerance);
         const auto plane = row.plane(at, tau, share);
         ASSERT_NEAR(plane.u[0], direct.local.x, tolerance);
         ASSERT_NEAR(plane.v[0], direct.local.y, tolerance);
@@ -140,7 +153,8 @@ TEST(PixelRecord, IsTheSurfelAsAFunctionOfThePixel) {
 
 /// Whether the ray of a pixel meets the surface inside its ball.
 bool meets_patch(const PixelView& view, const Surfel& s, int x, int y) {
-    const LocalRay local = local_ray({view.ray_origin(x + 0.5, y + 0.5), view.ray_direction(x + 0.5, y + 0.5)}, s);
+    const LocalRay local =
+        local_ray({view.ray_origin(x + 0.5, y + 0.5), view.ray_direction(x + 0.5, y + 0.5)}, s);
     if (!local.meets_ball()) return false;
     const double half = local.half_chord();
     return ray_roots(ray_polynomial(local, s.polynomial), -half, half).n > 0;
@@ -156,9 +170,13 @@ std::array<Footprint, kSurfelLanes> footprints(const PixelView& view, const Surf
     return out;
 }
 
-Footprint footprint(const PixelView& view, const Surfel& s) { return footprints(view, lanes_of(view, s)).back(); }
+Footprint footprint(const PixelView& view, const Surfel& s) {
+    return footprints(view, lanes_of(view, s)).back();
+}
 
-bool holds(const ScreenRect& r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
+bool holds(const ScreenRect& r, int x, int y) {
+    return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
+}
 
 TEST(PixelRecord, EveryLaneIsItsOwnSurfel) {
     const PixelView view = view_of(false);
@@ -199,12 +217,15 @@ TEST(Outline, RectHoldsEveryPixelOfTheSurfaceAndLessThanTheBall) {
                 const PixelView view = view_of(orthographic);
                 const Surfel s = random_surfel(seed, degree, seed % 3 ? 0.7 : 2);
                 const ScreenRect r = footprint(view, s).rect;
-                const ScreenRect ball =
-                    screen_rect(view, {0, 0, 200, 200}, view.camera_from_local(s.center), s.support_radius);
-                in_patch += (r.x1 - r.x0) * (r.y1 - r.y0), in_ball += (ball.x1 - ball.x0) * (ball.y1 - ball.y0);
+                const ScreenRect ball = screen_rect(
+                    view, {0, 0, 200, 200}, view.camera_from_local(s.center), s.support_radius);
+                in_patch += (r.x1 - r.x0) * (r.y1 - r.y0),
+                    in_ball += (ball.x1 - ball.x0) * (ball.y1 - ball.y0);
                 for (int y = ball.y0; y < ball.y1; ++y)
                     for (int x = ball.x0; x < ball.x1; ++x)
-                        if (!holds(r, x, y)) { ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y; }
+                        if (!holds(r, x, y)) {
+                            ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y;
+                        }
             }
     EXPECT_LT(in_patch, 0.97 * in_ball);  // these are as thick as any: cubics of slope 1
 }
@@ -225,11 +246,14 @@ TEST(Outline, HoldsALevelPlaneBesideItsCentreSeenEdgeOn) {
             const ScreenRect r = footprint(view, s).rect;
             for (int y = 0; y < 200; ++y)
                 for (int x = 0; x < 200; ++x)
-                    if (!holds(r, x, y)) { ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y; }
+                    if (!holds(r, x, y)) {
+                        ASSERT_FALSE(meets_patch(view, s, x, y)) << x << ' ' << y;
+                    }
         }
 }
 
-/// Blocks of the tile about a surfel that its outline is said to touch; other lanes hold surfels of other sizes.
+/// Blocks of the tile about a surfel that its outline is said to touch;
+/// other lanes hold surfels of other sizes.
 BlockMask listed_blocks(const PixelView& view, const Surfel& s, std::size_t lane, TileBuffers& t) {
     const Footprint foot = footprint(view, s);
     t.x0 = static_cast<int>(foot.pixel_x) - 16, t.y0 = static_cast<int>(foot.pixel_y) - 16;
@@ -257,7 +281,8 @@ TEST(BlockSpans, HoldEveryPixelOfTheSurfaceAndAreTight) {
             std::array<bool, kTileBlocks> touched{};
             for (int y = 0; y < kTileSize; ++y)
                 for (int x = 0; x < kTileSize; ++x) {
-                    if (t->x0 + x < 0 || t->y0 + y < 0 || t->x0 + x >= 200 || t->y0 + y >= 200) continue;
+                    if (t->x0 + x < 0 || t->y0 + y < 0 || t->x0 + x >= 200 || t->y0 + y >= 200)
+                        continue;
                     if (!meets_patch(view, s, t->x0 + x, t->y0 + y)) continue;
                     const std::size_t block = pixel_entry(x, y) / kLanes;
                     touched[block] = true;
@@ -277,7 +302,10 @@ TEST(BlockList, HoldsTheBlocksOfEachSurfelInOrder) {
         BlockMask mask;
         for (int block = 0; block < kTileBlocks; ++block) {
             // None, all, or some.
-            if (surfel == 3 || (surfel != 5 && keyed_hash(7, static_cast<std::uint64_t>(surfel * kTileBlocks + block)) % 3 != 0)) continue;
+            if (surfel == 3 ||
+                (surfel != 5 &&
+                 keyed_hash(7, static_cast<std::uint64_t>(surfel * kTileBlocks + block)) % 3 != 0))
+                continue;
             mask.add(static_cast<std::size_t>(block), 1);
             expected.emplace_back(surfel, block);
         }
@@ -296,14 +324,18 @@ TEST(TileBuffers, BoundsOfBlocksAreThoseOfTheirPixels) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     for (std::size_t i = 0; i < kTilePixels; ++i) {
         const double x = uniform(11, i);
-        t->z.v[i] = x > 0.9 ? kInfinity : x < -0.9 ? -kInfinity : static_cast<float>(x + 0.01 * static_cast<double>(i / kLanes));
+        t->z.v[i] = x > 0.9    ? kInfinity
+                    : x < -0.9 ? -kInfinity
+                               : static_cast<float>(x + 0.01 * static_cast<double>(i / kLanes));
     }
     std::fill_n(t->z.v, kLanes, kInfinity);            // no hit in the first block,
     std::fill_n(t->z.v + kLanes, kLanes, -kInfinity);  // nothing of the window in the second
     const auto block = [&](int k) { return std::span(t->z.v + k * kLanes, kLanes); };
     EXPECT_EQ(t->bound_pixels(), kInfinity);
-    for (int k = 0; k < kTileBlocks; ++k) EXPECT_EQ(t->block_far[k], *std::max_element(block(k).begin(), block(k).end())) << k;
-    for (int k = 0; k < kTileBlocks; ++k) EXPECT_EQ(t->beyond(0.2f).has(k), t->block_far[k] > 0.2f) << k;
+    for (int k = 0; k < kTileBlocks; ++k)
+        EXPECT_EQ(t->block_far[k], *std::max_element(block(k).begin(), block(k).end())) << k;
+    for (int k = 0; k < kTileBlocks; ++k)
+        EXPECT_EQ(t->beyond(0.2f).has(k), t->block_far[k] > 0.2f) << k;
     ASSERT_TRUE(t->bound_hits());
     EXPECT_FALSE(t->within(-1e9f, 1e9f).has(0));
     EXPECT_FALSE(t->within(-1e9f, 1e9f).has(1));

@@ -99,7 +99,8 @@ TEST(RaySurfel, FirstHitLiesOnTheSurfelInsideTheTrimmedBall) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             Vec3d e;
             e[axis] = h;
-            const double difference = (surfel_function(s, q + e) - surfel_function(s, q - e)) / (2 * h);
+            const double difference =
+                (surfel_function(s, q + e) - surfel_function(s, q - e)) / (2 * h);
             ASSERT_NEAR(gradient[axis], s.support_radius * difference, 1e-8);
         }
         EXPECT_FALSE(first_hit(ray, s, *t + 2 * s.support_radius, kTrim, gradient));
@@ -126,7 +127,8 @@ TEST(Blend, ASheetFartherOffThanPointsBelongToIsNotBlended) {
 TEST(Curvature, OfATorusMatchesItsClosedForm) {
     const double big = 2, small = 0.5;
     for (double b = 0.1; b < 6.2; b += 0.37) {
-        // Implicit torus at angle b of the tube, in the plane y = 0: F = (sqrt(x^2+y^2) - R)^2 + z^2.
+        // Implicit torus at angle b of the tube, in the plane y = 0:
+        // F = (sqrt(x^2+y^2) - R)^2 + z^2.
         const double x = big + small * std::cos(b), z = small * std::sin(b), d = x - big;
         const Vec3d gradient{2 * d, 0, 2 * z};
         const SymmetricMatrix h{2, 0, 0, 2 * d / x, 0, 2};
@@ -146,7 +148,8 @@ TEST(Curvature, DoesNotCancelAtAnUmbilic) {
 
 std::vector<Surfel> sphere_model() {
     std::vector<Surfel> surfels;
-    for (std::uint64_t i = 0; i < 3000; ++i) surfels.push_back(sphere_surfel(random_unit(1000 + i), 0.15));
+    for (std::uint64_t i = 0; i < 3000; ++i)
+        surfels.push_back(sphere_surfel(random_unit(1000 + i), 0.15));
     return surfels;
 }
 
@@ -191,7 +194,8 @@ TEST(ProjectAlong, OneCubicSurfelKeepsTheCurvatureOfItsHeightField) {
         // Classic formulas of a graph, over rho for the unit; minus, because convex is positive.
         const double mean = -((1 + v * v) * uu - 2 * u * v * uv + (1 + u * u) * vv) /
                             (2 * g * g * g * s.support_radius);
-        const double gauss = (uu * vv - uv * uv) / (g * g * g * g * s.support_radius * s.support_radius);
+        const double gauss =
+            (uu * vv - uv * uv) / (g * g * g * g * s.support_radius * s.support_radius);
         ASSERT_NEAR(p->curvature.mean, mean, 1e-10);
         ASSERT_NEAR(p->curvature.gauss, gauss, 1e-10);
         ASSERT_GT(p->weight, 0);
@@ -220,7 +224,8 @@ TEST(ProjectAlong, OppositeSheetsDoNotMix) {
     EXPECT_NEAR(p->point.z, gap, 1e-15);
 }
 
-/// Of a convex edge the face z = 0.01 counts at the origin with a weight near 1; `other` is the other face's normal.
+/// Of a convex edge the face z = 0.01 counts at the origin with a weight near 1; `other` is the
+/// other face's normal.
 Surfel edge_above_origin(const Vec3d& other) {
     Surfel edge{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
     edge.polynomial.a[0] = 0.01;
@@ -232,14 +237,16 @@ Surfel edge_above_origin(const Vec3d& other) {
 }
 
 TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
-    // Of a convex edge the face z = 0.01 is met; the other face's leaves pass nearer, but p lies beyond the rim of one, and the
-    // rest of them is far off.
+    // Of a convex edge the face z = 0.01 is met; the other face's leaves pass nearer, but p lies
+    // beyond the rim of one, and the rest of them is far off.
     const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
     const Surfel edge = edge_above_origin(other);
-    Surfel ended{{0, 0, 0}, 1, frame_from_normal(other), {}, 1}, far{other * 0.1, 1, frame_from_normal(other), {}, 1};
+    Surfel ended{{0, 0, 0}, 1, frame_from_normal(other), {}, 1},
+        far{other * 0.1, 1, frame_from_normal(other), {}, 1};
     ended.center = ended.frame.u_axis * -0.5;
     ended.rims.first = pack_rim(0, 0.3);
-    for (const std::vector<const Surfel*>& supporters : {std::vector<const Surfel*>{&edge, &ended, &far}, {&far, &ended, &edge}}) {
+    for (const std::vector<const Surfel*>& supporters :
+         {std::vector<const Surfel*>{&edge, &ended, &far}, {&far, &ended, &edge}}) {
         const auto hit = project_along({0, 0, 0}, up, supporters);
         ASSERT_TRUE(hit);
         EXPECT_NEAR(hit->t, 0.01, 1e-12);
@@ -251,8 +258,8 @@ TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafBeyondItsRim) {
 }
 
 TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafAtTheEndOfItsWeight) {
-    // Another leaf of the other face passes through p itself, nearer than the edge's own; p lies inside its ball
-    // and its rim.
+    // Another leaf of the other face passes through p itself, nearer than the edge's own; p lies
+    // inside its ball and its rim.
     const Vec3d up{0, 0, 1}, other{std::sin(1.0), 0, std::cos(1.0)};
     const Surfel edge = edge_above_origin(other);
     const auto at_local = [&](double u, double v, PackedRim rim) {
@@ -274,9 +281,13 @@ TEST(ProjectAlong, WhichFaceCountsIsNotSaidByALeafAtTheEndOfItsWeight) {
     };
     const PackedRim packed = pack_rim(0, 0.3);
     const Rim rim = unpack_rim(packed);
-    const auto at_reach = [&](double reach) { return at_local(rim.u * reach, rim.v * reach, packed); };
-    EXPECT_NEAR(hit_beside(at_local(0.9176, 0, 0), 1e-4, 1e-5), 0.01, 1e-12);                  // at its ball's end
-    EXPECT_NEAR(hit_beside(at_reach(rim.reach - 3e-4 * kRimRamp), 1e-4, 5e-5), 0.01, 1e-12);  // at its rim's
+    const auto at_reach = [&](double reach) {
+        return at_local(rim.u * reach, rim.v * reach, packed);
+    };
+    // at its ball's end
+    EXPECT_NEAR(hit_beside(at_local(0.9176, 0, 0), 1e-4, 1e-5), 0.01, 1e-12);
+    // at its rim's
+    EXPECT_NEAR(hit_beside(at_reach(rim.reach - 3e-4 * kRimRamp), 1e-4, 5e-5), 0.01, 1e-12);
     // With an ordinary weight it does say.
     EXPECT_NEAR(hit_beside(at_local(0.6, 0, 0), 0.055, 0.01), 0, 1e-12);
     EXPECT_NEAR(hit_beside(at_reach(rim.reach - 0.5 * kRimRamp), 0.2, 0.1), 0, 1e-12);

@@ -67,8 +67,9 @@ TEST(NoiseVariance, NoiseLargerThanTheSpacingTakesMoreNeighbours) {
 }
 
 TEST(NoiseVariance, EdgesDoNotPassForNoise) {
-    // A coarse cube, where no neighbourhood is flat, has the noise of the flattest; with as many neighbours
-    // as it takes, the whole cube, it would be a tenth of its size. sigma is half a spacing.
+    // A coarse cube, where no neighbourhood is flat, has the noise of the flattest; with as many
+    // neighbours as it takes, the whole cube, it would be a tenth of its size. sigma is half a
+    // spacing.
     constexpr double sigma = 0.015;
     std::vector<Vec3d> points;
     for (std::uint64_t i = 0; i < 6000; ++i) {

@@ -50,7 +50,8 @@ TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {
     for (std::size_t i = 0; i < block.size(); ++i)
         block.scan.push_back(static_cast<std::uint16_t>(block.id[i] % 7));
     PointBlock other = permuted(block, 5);
-    for (const std::uint64_t id : other.id) other.scan.push_back(static_cast<std::uint16_t>(id % 7));
+    for (const std::uint64_t id : other.id)
+        other.scan.push_back(static_cast<std::uint16_t>(id % 7));
     const Bbox box = box_of(block);
     sort_along_curve(block, box);
     sort_along_curve(other, box);

@@ -222,11 +222,12 @@ TEST(FootPoint, OfAnEllipsoidIsPerpendicularAndNearerThanTheGradientsGuess) {
 }
 
 TEST(FootPoint, IsNotBeyondAnEdgeWhereTheGradientLeadsToTheSurfaceNearby) {
-    // Newton alone ended on other parts of the sculpture, at 0.13 of its diagonal from points that lie
-    // within 0.007 of it.
+    // Newton alone ended on other parts of the sculpture, at 0.13 of its diagonal from points that
+    // lie within 0.007 of it.
     const Shape& shape = find_shape("sculpture");
-    for (const Vec3d& x : {Vec3d{0.283372, -0.619621, 0.103694}, Vec3d{0.262819, -0.617535, -0.188137},
-                           Vec3d{-0.261512, -0.665507, 0.224609}}) {
+    for (const Vec3d& x :
+         {Vec3d{0.283372, -0.619621, 0.103694}, Vec3d{0.262819, -0.617535, -0.188137},
+          Vec3d{-0.261512, -0.665507, 0.224609}}) {
         const double first = std::abs(shape.value(x)) / length(shape.jet(x).gradient());
         const FootPoint foot = foot_point(shape, x);
         EXPECT_LT(std::abs(foot.signed_distance), 1.2 * first);
@@ -239,7 +240,8 @@ TEST(FootPoint, OfNoisyPointsIsSeldomFartherThanWhereTheyComeFrom) {
     const test::Cloud cloud = test::sampled("sculpture", 20000, 1);
     int n_farther = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-        const double draw = unit_interval(mix64(i)) - 0.5, off = 0.02 * draw + std::copysign(0.001, draw);
+        const double draw = unit_interval(mix64(i)) - 0.5,
+                     off = 0.02 * draw + std::copysign(0.001, draw);
         const FootPoint foot = foot_point(shape, cloud.positions[i] + cloud.truth[i].normal * off);
         const double farther = std::abs(foot.signed_distance / off);
         EXPECT_LT(farther, 3) << i;  // measured: 2.1; 26 before
@@ -250,7 +252,8 @@ TEST(FootPoint, OfNoisyPointsIsSeldomFartherThanWhereTheyComeFrom) {
 
 TEST(FootPoint, IsNotThroughTheHeadAndOutAtTheFace) {
     // Gradient projection leads there, 0.21 away; measured: 0.029.
-    const FootPoint foot = foot_point(find_shape("sculpture"), {-0.0508237705, 0.738359869, -0.10150709});
+    const FootPoint foot =
+        foot_point(find_shape("sculpture"), {-0.0508237705, 0.738359869, -0.10150709});
     EXPECT_LT(std::abs(foot.signed_distance), 0.03);
 }
 
@@ -258,7 +261,8 @@ TEST(FootPoint, IsNotThroughTheHeadAndOutAtTheFace) {
 double distance_to(const char* name, const Vec3d& x) {
     const auto foot = nearest_point(find_shape(name), x);
     if (!foot) return -1;
-    EXPECT_NEAR(std::abs(foot->signed_distance), length(x - foot->point), 1e-12 * length(x)) << name;
+    EXPECT_NEAR(std::abs(foot->signed_distance), length(x - foot->point), 1e-12 * length(x))
+        << name;
     return std::abs(foot->signed_distance);
 }
 
@@ -305,14 +309,16 @@ TEST(NearestPoint, AcrossACreaseLiesOnIt) {
     // Beside the plinth's upper edge x = 0.46, y = -0.86, which runs along z; and its corner.
     const Vec3d edge{0.46, -0.86, 0.1}, corner{0.46, -1, 0.46};
     for (const double off : {0.001, 0.01, 0.1}) {
-        EXPECT_NEAR(distance_to("sculpture", edge + Vec3d{off, off, 0}), off * std::sqrt(2.0), 1e-4);
-        EXPECT_NEAR(distance_to("sculpture", corner + Vec3d{off, -off, off}), off * std::sqrt(3.0), 1e-4);
+        EXPECT_NEAR(distance_to("sculpture", edge + Vec3d{off, off, 0}), off * std::sqrt(2.0),
+                    1e-4);
+        EXPECT_NEAR(distance_to("sculpture", corner + Vec3d{off, -off, off}), off * std::sqrt(3.0),
+                    1e-4);
     }
 }
 
 TEST(NearestPoint, InsideASolidIsNotAtAnEdgeWithinIt) {
-    // Where two parts overlap the value has an edge inside, at -0.02; there gradient projection ended, and
-    // 0.0031 was the distance of a point that is 0.12 from the surface.
+    // Where two parts overlap the value has an edge inside, at -0.02; there gradient projection
+    // ended, and 0.0031 was the distance of a point that is 0.12 from the surface.
     const Shape& shape = find_shape("sculpture");
     const Vec3d x{-0.227850463, -0.876905319, -0.0716606202};
     const auto foot = nearest_point(shape, x);
@@ -334,7 +340,8 @@ TEST(NearestPoint, AgreesWithTheFootOfPointsNearTheSurface) {
             const FootPoint foot = foot_point(shape, x);
             const auto nearest = nearest_point(shape, x);
             ASSERT_TRUE(nearest) << shape.name;
-            if (foot.converged) EXPECT_DOUBLE_EQ(nearest->signed_distance, foot.signed_distance) << shape.name;
+            if (foot.converged)
+                EXPECT_DOUBLE_EQ(nearest->signed_distance, foot.signed_distance) << shape.name;
         }
 }
 
