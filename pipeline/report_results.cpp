@@ -138,13 +138,8 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
             std::find_if(result.rows.begin(), result.rows.end(), [&](const ReportRow& r) {
                 return is_meant(r, plot.when) && r.text(plot.series, 6, plot.where) == curve.name;
             });
-        CheckResult out{result.experiment->name,
-                        "slope of " + plot.title,
-                        curve.name,
-                        "",
-                        "",
-                        Verdict::passed,
-                        ""};
+        CheckResult out{result.experiment->name, "slope of " + plot.title, curve.name,
+                        "", "", Verdict::passed, ""};
         if (!curve.slope) {
             out.verdict = curve.lacks.empty() ? Verdict::not_run : Verdict::failed;
             out.reason = curve.lacks.empty() ? "too few points for a slope" : curve.lacks;
@@ -163,28 +158,11 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
 
 /// Counters that are not zero, of one step or a part of it: what the user would be told.
 std::string health_of(const ReportRow& row, const std::string& of) {
-    static const char* const kCounters[] = {"dropped",
-                                            "dropped_isolated",
-                                            "dropped_beside",
-                                            "dropped_unexplained",
-                                            "contrary",
-                                            "normals_disagree",
-                                            "forced",
-                                            "saturated",
-                                            "noise_variance_floored",
-                                            "few_points",
-                                            "rank",
-                                            "steep",
-                                            "plane",
-                                            "estimated",
-                                            "turned",
-                                            "degenerate",
-                                            "unsupported",
-                                            "missed",
-                                            "opposed",
-                                            "astray",
-                                            "loose",
-                                            "warnings"};
+    static const char* const kCounters[] = {
+        "dropped", "dropped_isolated", "dropped_beside", "dropped_unexplained", "contrary",
+        "normals_disagree", "forced", "saturated", "noise_variance_floored", "few_points", "rank",
+        "steep", "plane", "estimated", "turned", "degenerate", "unsupported", "missed", "opposed",
+        "astray", "loose", "warnings"};
     std::string out;
     for (const std::string& prefix : {of + ".", of + ".stages.slice.", of + ".stages.normals.",
                                       of + ".stages.fit.", of + ".stages.fit.fallbacks."})

@@ -12,9 +12,8 @@ namespace slim {
 /// number of threads. `out` is reset to the request's window and channels;
 /// what is not wanted is not computed.
 ///
-/// Departs from the paper: surfels that oppose the first hit's gradient are not blended (NUMERICS
-///         4.4);
-/// a pixel left without weight keeps its first hit.
+/// Departs from the paper: surfels that oppose the first hit's gradient are not blended
+/// (NUMERICS 4.4); a pixel left without weight keeps its first hit.
 /// throws  ConfigError for the camera, the size or the window; FormatError for a tree with cycles
 /// cost    O(nodes above the cut + cut + covered pixels x overlap)
 RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request, GBuffer& out);

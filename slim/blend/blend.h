@@ -48,10 +48,9 @@ struct Gate {
 /// guess, and if the gate admits its gradient there, this side of its rim. G at |q_i - c_i| /
 /// rho_i, less towards the rim. Returns whether it took part.
 /// Departs from the paper, which blends any root: where a ball holds another sheet or its
-///         polynomial runs out
-/// of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to 3.3e-4 L, maximum
-/// 1.8e-2 to 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such points to others
-/// by the same measure.
+/// polynomial runs out of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to
+/// 3.3e-4 L, maximum 1.8e-2 to 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such
+/// points to others by the same measure.
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
                    Derivatives wanted, BlendSums& sums);
 

@@ -132,16 +132,9 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double energy = mdl(fit.sq_error, radius);
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
-    return Rung{rung,
-                level,
-                found.degree,
-                n_sample,
-                energy,
-                upper,
-                energy - missed,
-                upper - missed,
-                missed + fit.sq_missed_slope,
-                2 * fit.sq_missed_error};
+    return Rung{rung, level, found.degree, n_sample, energy, upper,
+                energy - missed, upper - missed,
+                missed + fit.sq_missed_slope, 2 * fit.sq_missed_error};
 }
 
 RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {

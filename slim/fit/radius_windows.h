@@ -11,9 +11,9 @@ namespace slim {
 ///     window E(r) <= min(E(l), E(m)) (1 + 1e-3), coarsest window  a saturated leaf at r
 ///     fewer than 2 K points at l, or l below least_radius  a forced leaf at r
 ///     otherwise                                            the next finer window
-/// Departs from the paper: a window first slides up while E falls that way,
-///         so that a point whose minimum
-/// lies above the level at which it is looked at is not lost to the finest level (NUMERICS 3.3).
+/// Departs from the paper: a window first slides up while E falls that way, so that a point whose
+/// minimum lies above the level at which it is looked at is not lost to the finest level
+/// (NUMERICS 3.3).
 class RadiusWindows {
 public:
     /// As RadiusLadder; of the rules only `sample` counts.

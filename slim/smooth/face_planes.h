@@ -25,8 +25,8 @@ std::vector<FacePlane> project_faces(const Mesh& mesh, const BallIndex& index);
 /// 0.03 A |y - x|^2, the quadric error metric of Garland and Heckbert (Ohtake 2005, sec. 4), along
 /// the directions whose eigenvalue is at least 0.2 of the largest; along the others x stays.
 /// Departs from NUMERICS 5.5, which pulls towards the mean of the q_f and truncates at 1e-2:
-///         vertices then slide to the
-/// middle of their faces and shoot along directions that only noise tells apart (notes/0001).
+/// vertices then slide to the middle of their faces and shoot along directions that only noise
+/// tells apart (notes/0001).
 /// faces   numbers into planes; those without area do not count
 /// returns false if none counts; x is not touched then
 bool nearest_to_planes(std::span<const FacePlane> planes, std::span<const std::uint32_t> faces,

@@ -21,10 +21,9 @@ struct ProjectedPoint {
 
 /// Cosine between a point's own normal and the surface's from which smoothing trusts the former.
 /// Departs from the paper, which projects along any normal: those of raw scans run along the
-///         surface here and there, and
-/// carry their points far to the side (bumpy sphere, scanned with noise of 0.1 %: moved by 0.0049,
-/// RMS, instead of 0.0037, which is the noise; RMS distance to the truth after it 5.2e-4 and
-/// 5.0e-4, at 1 % noise 6.2e-3 and 5.3e-3).
+/// surface here and there, and carry their points far to the side (bumpy sphere, scanned with noise
+/// of 0.1 %: moved by 0.0049, RMS, instead of 0.0037, which is the noise; RMS distance to the truth
+/// after it 5.2e-4 and 5.0e-4, at 1 % noise 6.2e-3 and 5.3e-3).
 inline constexpr double kTrustedCosine = 0.7;
 
 /// Puts points on a model, each along its own normal by eq. (6) (Ohtake 2005, sec. 4; NUMERICS

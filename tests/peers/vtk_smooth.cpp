@@ -1,5 +1,6 @@
 // VTK's smoothing of meshes by a windowed sinc filter (Taubin, Zhang, Golub 1996), for the
-//   benchmarks. peer_vtk_smooth in.ply out.ply PASS_BAND ITERATIONS
+// benchmarks.
+//   peer_vtk_smooth in.ply out.ply PASS_BAND ITERATIONS
 // in: binary little-endian PLY, vertices first, then triangles alone as `list uchar int`. Boundary
 // vertices stay; vertices keep their order. One JSON object on stdout.
 #include "tests/peers/plain_points.h"

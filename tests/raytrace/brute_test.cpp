@@ -92,16 +92,9 @@ Surfel ellipsoid_surfel(const Vec3d& on_sphere, const Vec3d& axes, double rho) {
                  wv3 = (w(0, 2 * h) - 2 * w(0, h) + 2 * w(0, -h) - w(0, -2 * h)) / (2 * h * h * h);
     const auto uu = [&](double v) { return (w(h, v) - 2 * w(0, v) + w(-h, v)) / (h * h); };
     const auto vv = [&](double u) { return (w(u, h) - 2 * w(u, 0) + w(u, -h)) / (h * h); };
-    s.polynomial.a = {0,
-                      0,
-                      0,
-                      uu(0) / 2,
-                      (w(h, h) - w(h, -h) - w(-h, h) + w(-h, -h)) / (4 * h * h),
-                      vv(0) / 2,
-                      wu3 / 6,
-                      (uu(h) - uu(-h)) / (4 * h),
-                      (vv(h) - vv(-h)) / (4 * h),
-                      wv3 / 6};
+    const double uv = (w(h, h) - w(h, -h) - w(-h, h) + w(-h, -h)) / (4 * h * h);
+    const double uuv = (uu(h) - uu(-h)) / (4 * h), uvv = (vv(h) - vv(-h)) / (4 * h);
+    s.polynomial.a = {0, 0, 0, uu(0) / 2, uv, vv(0) / 2, wu3 / 6, uuv, uvv, wv3 / 6};
     return s;
 }
 
