@@ -2,7 +2,8 @@
 
 #include "raytrace/project/lod_cut.h"
 #include "raytrace/project/tile_resolve.h"
-#include "raytrace/project/tile_stages.h"
+#include "raytrace/project/tile_stage_1.h"
+#include "raytrace/project/tile_stage_2.h"
 #include "slim/base/parallel.h"
 
 #include <chrono>
