@@ -8,6 +8,12 @@
 
 namespace slim {
 
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+        text.replace(at, what.size(), by);
+    return text;
+}
+
 std::string number_text(double value, int digits) {
     const double most = digits >= 17 ? 1e15 : 1e7;  // people count zeros badly
     if (std::isfinite(value) && value == std::round(value) && std::abs(value) < most)
