@@ -59,6 +59,19 @@ struct RenderConfig {
 
     template <class Visitor>
     void visit(Visitor&& field) {
+        visit_camera(field);
+        visit_drawn(field);
+        visit_light(field);
+        visit_frame(field);
+        visit_maps(field);
+        visit_looks(field);
+        visit_parts(field);
+    }
+
+private:
+    // The model, the files, the size and the camera.
+    template <class Visitor>
+    void visit_camera(Visitor& field) {
         field.input("model", model, "model to draw (model.slim)");
         field.output(
             "output", output,
@@ -82,6 +95,11 @@ struct RenderConfig {
               "enlarges about the picture's middle, of named cameras the model's: 2 shows half of "
               "what the camera shows",
               0.001, 1000);
+    }
+
+    // What is drawn, and how it is found.
+    template <class Visitor>
+    void visit_drawn(Visitor& field) {
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
                       "mean",     "gauss", "k1",          "k2",      "dir1",       "dir2",
@@ -100,6 +118,11 @@ struct RenderConfig {
             "forward: fast; raytrace: shadows, mirrors, ambient occlusion; brute: the slow "
             "reference in doubles",
             {"forward", "raytrace", "brute"});
+    }
+
+    // Light, materials and what rays add.
+    template <class Visitor>
+    void visit_light(Visitor& field) {
         field("light", light,
               "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or "
               "from=x,y,z), point at=x,y,z, spot at= to= cone= blur=, rect at= to= size=W,H, disc "
@@ -126,6 +149,11 @@ struct RenderConfig {
               "#rrggbb, or shadow: only its shadows are seen, over the background");
         field.path("add", add,
                    "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
+    }
+
+    // How finely.
+    template <class Visitor>
+    void visit_frame(Visitor& field) {
         field("lod", lod,
               "draw a ball's stand-in when smaller than this in pixels, or what it shows is (0: "
               "never; forward only)",
@@ -134,6 +162,11 @@ struct RenderConfig {
               "draw loose surfels too: small pieces that agree with no surface about them");
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
+    }
+
+    // Ranges and legends of the maps.
+    template <class Visitor>
+    void visit_maps(Visitor& field) {
         field("range", range,
               "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI (signed "
               "maps keep 0 neutral: each side goes to its own end)");
@@ -154,6 +187,11 @@ struct RenderConfig {
               "that those of several runs overlay");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
+    }
+
+    // Backgrounds, files and the looks of single maps.
+    template <class Visitor>
+    void visit_looks(Visitor& field) {
         field("background", background,
               "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom; lines alone are "
               "light on dark ones, in the SVG too");
@@ -181,6 +219,11 @@ struct RenderConfig {
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
         field("same_scale", same_scale,
               "orthographic named cameras: one scale for all six sides, at which each fits");
+    }
+
+    // Parts of a picture, and films.
+    template <class Visitor>
+    void visit_parts(Visitor& field) {
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
               "whole has there (with lines each part, of --tile and --share too, first finds those "

@@ -134,6 +134,42 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
             config.unit, unknown));
 }
 
+/// What can be told before anything is drawn.
+void check_job(const RenderJob& job, Reporter& reporter) {
+    require_scale(job);
+    warn_of_flat_surfels(job, reporter);
+    warn_of_letters(job.config, reporter);
+    warn_of_sizes(job, reporter);
+}
+
+/// How pictures become a film, and what is not as it should be in what was drawn.
+void say_of_outcome(const RenderJob& job, const RenderOutcome& outcome, Reporter& reporter) {
+    if (job.n_frames > 1)
+        for (const std::string& command : film_commands(job.plan))
+            reporter.info("as a film: " + command);
+    if (outcome.truth_unknown > 0)
+        reporter.warn(
+            fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
+                        "(truth_unknown_pixels): is the model of that shape?",
+                        outcome.truth_unknown, job.config.truth_shape));
+    if (outcome.clamped > 0)
+        reporter.warn(fmt::format(
+            "{}: {} values of its colours are brighter than the {} that its numbers hold and are "
+            "written as that (clamped_values): dim the lights",
+            job.plan.exr.string(), outcome.clamped, kLargestHalf));
+}
+
+/// What of `--aov all` the model does not have, and how much of it was read.
+void add_model_figures(const RenderConfig& config, const ModelFile& model, const ModelReads& reads,
+                       Json& result) {
+    const bool shows_colors = !model.colors().empty() && config.add.empty();
+    for (const LeftOut& left : left_out_of_all(config.aov, model.header().degree, shows_colors))
+        result["left_out"].push_back(left.aovs + ": " + left.reason);
+    result["model_bytes"] = model.file_size();
+    result["model_bytes_read"] = reads.bytes();
+    result["model_nodes_checked"] = reads.n_checked();
+}
+
 /// Draws what a configuration asks for, or a share of its film; `manifest` is written last.
 Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& manifest,
           StageContext& context) {
@@ -162,25 +198,11 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
-    RenderJob job{config,
-                  tree,
-                  aovs,
-                  plan,
-                  size,
-                  frame_camera(config, header, size, room, 0),
-                  lines,
-                  wanted_window(config, size),
-                  load_shadings(config, aovs, tree.header()),
-                  frames,
-                  header,
-                  traced ? &*traced : nullptr,
-                  &reads,
-                  share};
+    RenderJob job{config, tree, aovs, plan, size, frame_camera(config, header, size, room, 0),
+                  lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
+                  frames, header, traced ? &*traced : nullptr, &reads, share};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
-    require_scale(job);
-    warn_of_flat_surfels(job, context.reporter);
-    warn_of_letters(config, context.reporter);
-    warn_of_sizes(job, context.reporter);
+    check_job(job, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
     if (std::any_of(lines.begin(), lines.end(), is_crease))
@@ -188,26 +210,9 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
     const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
-    if (frames > 1)
-        for (const std::string& command : film_commands(job.plan))
-            context.reporter.info("as a film: " + command);
-    if (outcome.truth_unknown > 0)
-        context.reporter.warn(
-            fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
-                        "(truth_unknown_pixels): is the model of that shape?",
-                        outcome.truth_unknown, config.truth_shape));
-    if (outcome.clamped > 0)
-        context.reporter.warn(fmt::format(
-            "{}: {} values of its colours are brighter than the {} that its numbers hold and are "
-            "written as that (clamped_values): dim the lights",
-            job.plan.exr.string(), outcome.clamped, kLargestHalf));
+    say_of_outcome(job, outcome, context.reporter);
     Json result = make_result(job, outcome);
-    const bool shows_colors = !model.colors().empty() && config.add.empty();
-    for (const LeftOut& left : left_out_of_all(config.aov, tree.header().degree, shows_colors))
-        result["left_out"].push_back(left.aovs + ": " + left.reason);
-    result["model_bytes"] = model.file_size();
-    result["model_bytes_read"] = reads.bytes();
-    result["model_nodes_checked"] = reads.n_checked();
+    add_model_figures(config, model, reads, result);
     return stamp.commit(std::move(result), Outlasts::power_cut, outcome.files);
 }
 
