@@ -196,6 +196,63 @@ View view_of(const TraceScene& scene, const ModelHeader& header, const char* nam
     return view;
 }
 
+/// Times of both trees, in milliseconds; medians of some runs in turn.
+struct BuildTimes {
+    std::vector<double> own, embree;
+
+    BuildTimes(const TraceModel& model, int repeat, int n_threads, RTCBuildQuality quality) {
+        const std::vector<BoxF> filed = boxes_as_filed(model);
+        for (int k = 0; k < repeat; ++k) {
+            own.push_back(ms_of([&] { build_bvh(filed); }));
+            embree.push_back(ms_of([&] { EmbreeSurfels(model, filed, n_threads, quality); }));
+        }
+    }
+    nlohmann::ordered_json to_json() const {
+        return {{"own_build_ms", median(own)}, {"embree_build_ms", median(embree)}};
+    }
+};
+
+/// Rays and shadow rays of a view through both trees and through none, and where the trees' answers
+/// are apart.
+class ViewTimes {
+public:
+    ViewTimes(const View& view, const OwnTree& own, const EmbreeSurfels& embree, int repeat) {
+        std::vector<FirstHits> own_hits(view.n_blocks()), embree_hits(own_hits), no_hits(own_hits);
+        std::vector<std::uint64_t> own_lit(view.n_blocks() * view.lights.size()),
+            embree_lit(own_lit), no_lit(own_lit);
+        draw(view, own, own_hits);
+        const std::vector<Points> points = points_of(view, own_hits);
+        for (int k = 0; k < repeat; ++k) {
+            rays_.push_back(ms_of([&] { draw(view, NoTree{}, no_hits); }));
+            own_.push_back(ms_of([&] { draw(view, own, own_hits); }));
+            embree_.push_back(ms_of([&] { draw(view, embree, embree_hits); }));
+            shadow_rays_.push_back(ms_of([&] { light(view, NoTree{}, points, no_lit); }));
+            own_shadow_.push_back(ms_of([&] { light(view, own, points, own_lit); }));
+            embree_shadow_.push_back(ms_of([&] { light(view, embree, points, embree_lit); }));
+        }
+        apart_.count_hits(view, own_hits, embree_hits);
+        apart_.count_shadows(view, points, own_lit, embree_lit);
+    }
+    nlohmann::ordered_json to_json() const {
+        return {{"rays_ms", median(rays_)},
+                {"own_ms", median(own_)},
+                {"embree_ms", median(embree_)},
+                {"shadow_rays", apart_.shadow_rays},
+                {"shadow_rays_ms", median(shadow_rays_)},
+                {"own_shadow_ms", median(own_shadow_)},
+                {"embree_shadow_ms", median(embree_shadow_)},
+                {"hit_differs", apart_.hit},
+                {"surfel_differs", apart_.record},
+                {"largest_distance", apart_.distance},
+                {"shadow_differs", apart_.shadow}};
+    }
+    std::uint64_t hits() const { return apart_.hits; }
+
+private:
+    std::vector<double> rays_, own_, embree_, shadow_rays_, own_shadow_, embree_shadow_;
+    Apart apart_;
+};
+
 int run(int argc, char** argv) {
     const ModelFile file = ModelFile::open(argv[1]);
     const SurfelTree tree = file.tree();
@@ -210,51 +267,15 @@ int run(int argc, char** argv) {
     const TraceModel& model = scene.models()[0];
     const View view = view_of(scene, tree.header(), argc > 5 ? argv[5] : "front", size);
 
-    const std::vector<BoxF> filed = boxes_as_filed(model);
-    std::vector<double> own_build, embree_build;
-    for (int k = 0; k < repeat; ++k) {
-        own_build.push_back(ms_of([&] { build_bvh(filed); }));
-        embree_build.push_back(ms_of([&] { EmbreeSurfels(model, filed, n_threads, quality); }));
-    }
+    const BuildTimes build(model, repeat, n_threads, quality);
     std::vector<BoxF> boxes;
     for (const TraceRecord& r : model.records) boxes.push_back(hit_box(r));
     const EmbreeSurfels embree(model, boxes, n_threads, quality);
-    const OwnTree own{scene};
-
-    std::vector<FirstHits> own_hits(view.n_blocks()), embree_hits(view.n_blocks()),
-        no_hits(view.n_blocks());
-    std::vector<std::uint64_t> own_lit(view.n_blocks() * view.lights.size()), embree_lit(own_lit),
-        no_lit(own_lit);
-    draw(view, own, own_hits);
-    const std::vector<Points> points = points_of(view, own_hits);
-    std::vector<double> ms[6];
-    for (int k = 0; k < repeat; ++k) {
-        ms[0].push_back(ms_of([&] { draw(view, NoTree{}, no_hits); }));
-        ms[1].push_back(ms_of([&] { draw(view, own, own_hits); }));
-        ms[2].push_back(ms_of([&] { draw(view, embree, embree_hits); }));
-        ms[3].push_back(ms_of([&] { light(view, NoTree{}, points, no_lit); }));
-        ms[4].push_back(ms_of([&] { light(view, own, points, own_lit); }));
-        ms[5].push_back(ms_of([&] { light(view, embree, points, embree_lit); }));
-    }
-    Apart apart;
-    apart.count_hits(view, own_hits, embree_hits);
-    apart.count_shadows(view, points, own_lit, embree_lit);
-    const nlohmann::ordered_json row{{"surfels", model.records.size()},
-                                     {"lanes", kLanes},
-                                     {"hits", apart.hits},
-                                     {"own_build_ms", median(own_build)},
-                                     {"embree_build_ms", median(embree_build)},
-                                     {"rays_ms", median(ms[0])},
-                                     {"own_ms", median(ms[1])},
-                                     {"embree_ms", median(ms[2])},
-                                     {"shadow_rays", apart.shadow_rays},
-                                     {"shadow_rays_ms", median(ms[3])},
-                                     {"own_shadow_ms", median(ms[4])},
-                                     {"embree_shadow_ms", median(ms[5])},
-                                     {"hit_differs", apart.hit},
-                                     {"surfel_differs", apart.record},
-                                     {"largest_distance", apart.distance},
-                                     {"shadow_differs", apart.shadow}};
+    const ViewTimes seen(view, OwnTree{scene}, embree, repeat);
+    nlohmann::ordered_json row{
+        {"surfels", model.records.size()}, {"lanes", kLanes}, {"hits", seen.hits()}};
+    row.update(build.to_json());
+    row.update(seen.to_json());
     std::printf("%s\n", row.dump().c_str());
     return 0;
 }
