@@ -106,17 +106,7 @@ TEST(ExtractLines, RidgesOfAnEllipsoidLieOnItsSharpestSection) {
 TEST(ExtractLines, AnEllipsoidTurnedInsideOutHasValleys) {
     const Camera camera = test::camera_from_x(1.6);
     GBuffer b = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});
-    // Seen from within: -k2 takes the part of k1, t2 that of t1, e2 that of -e1.
-    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
-        std::swap(b.k1[i], b.k2[i]);
-        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
-        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
-        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
-        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
-        // N x t2 = -t1, along which k2 = -(the old k1) changes by +e1.
-        const float e1 = b.third[0][i];
-        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
-    }
+    test::turn_inside_out(b);
     const PixelView view = pixel_view(camera, 300, 300);
     const LineScene scene{b, view, 2.6, 3};
     const auto lines = extract_lines(scene, std::vector{LineKind::valley, LineKind::ridge});

@@ -58,16 +58,7 @@ View ellipsoid_view(int size) {
 /// The same seen from within: ridges are valleys.
 View hollow_view(int size) {
     View view = ellipsoid_view(size);
-    GBuffer& b = view.buffer;
-    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
-        std::swap(b.k1[i], b.k2[i]);
-        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
-        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
-        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
-        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
-        const float e1 = b.third[0][i];
-        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
-    }
+    test::turn_inside_out(view.buffer);
     return view;
 }
 

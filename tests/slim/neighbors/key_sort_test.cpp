@@ -13,20 +13,25 @@
 namespace slim::test {
 namespace {
 
+/// By key, items of equal keys in their order, on several threads.
+void expect_sorts(KeyedIndices items) {
+    KeyedIndices expected = items;
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](const auto& a, const auto& b) { return a.key < b.key; });
+    const ThreadLimit limit(3);
+    sort_by_key(items);
+    EXPECT_TRUE(items == expected);
+    sort_by_key(items);
+    EXPECT_TRUE(items == expected);
+}
+
 TEST(KeySort, SortsByKeyAndKeepsTheOrderOfEqualOnes) {
     for (const std::size_t n : {0u, 1u, 100u, 5000u, 200000u})
         for (const std::uint64_t mask : {~0ull, 0xffull, 0xff00ff0000ull, 0ull}) {
             SCOPED_TRACE(testing::Message() << n << " items, mask " << mask);
             KeyedIndices items(n);
             for (std::uint32_t i = 0; i < n; ++i) items[i] = {keyed_hash(3, i) & mask, i};
-            KeyedIndices expected = items;
-            std::stable_sort(expected.begin(), expected.end(),
-                             [](const auto& a, const auto& b) { return a.key < b.key; });
-            const ThreadLimit limit(3);
-            sort_by_key(items);
-            EXPECT_TRUE(items == expected);
-            sort_by_key(items);
-            EXPECT_TRUE(items == expected);
+            expect_sorts(std::move(items));
         }
 }
 
@@ -36,12 +41,7 @@ TEST(KeySort, SortsACrowdInOneCornerOfTheRange) {
         const std::uint64_t key = keyed_hash(5, i) >> 1;
         items[i] = {i % 8 == 0 ? key : key >> 20, i};
     }
-    KeyedIndices expected = items;
-    std::stable_sort(expected.begin(), expected.end(),
-                     [](const auto& a, const auto& b) { return a.key < b.key; });
-    const ThreadLimit limit(3);
-    sort_by_key(items);
-    EXPECT_TRUE(items == expected);
+    expect_sorts(std::move(items));
 }
 
 TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {
