@@ -118,43 +118,14 @@ TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
     const ExrImage image = read_exr(file("x.exr"));
     std::vector<std::string> names;
     for (const auto& [name, channel] : image.channels) names.push_back(name);
-    EXPECT_EQ(names, (std::vector<std::string>{"A",
-                                               "B",
-                                               "G",
-                                               "N.X",
-                                               "N.Y",
-                                               "N.Z",
-                                               "P.X",
-                                               "P.Y",
-                                               "P.Z",
-                                               "R",
-                                               "Z",
-                                               "curvature.gauss",
-                                               "curvature.k1",
-                                               "curvature.k2",
-                                               "curvature.mean",
-                                               "dir1.X",
-                                               "dir1.Y",
-                                               "dir1.Z",
-                                               "dir2.X",
-                                               "dir2.Y",
-                                               "dir2.Z",
-                                               "environment.B",
-                                               "environment.G",
-                                               "environment.R",
-                                               "fit.coverage",
-                                               "fit.error",
-                                               "fit.level",
-                                               "hillshade.B",
-                                               "hillshade.G",
-                                               "hillshade.R",
-                                               "matcap.B",
-                                               "matcap.G",
-                                               "matcap.R",
-                                               "reflection.B",
-                                               "reflection.G",
-                                               "reflection.R",
-                                               "surfel.id"}));
+    const std::vector<std::string> conventions{
+        "A", "B", "G", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R", "Z", "curvature.gauss",
+        "curvature.k1", "curvature.k2", "curvature.mean", "dir1.X", "dir1.Y", "dir1.Z",
+        "dir2.X", "dir2.Y", "dir2.Z", "environment.B", "environment.G", "environment.R",
+        "fit.coverage", "fit.error", "fit.level", "hillshade.B", "hillshade.G", "hillshade.R",
+        "matcap.B", "matcap.G", "matcap.R", "reflection.B", "reflection.G", "reflection.R",
+        "surfel.id"};
+    EXPECT_EQ(names, conventions);
     for (const auto& [name, channel] : image.channels)
         EXPECT_EQ(channel.type, is_light(name)        ? ChannelType::half_float
                                 : name == "surfel.id" ? ChannelType::uint32
