@@ -11,6 +11,10 @@
 namespace slim::test {
 namespace {
 
+using nlohmann::json;
+
+class MeasurePictures : public MeasureWays {};
+
 TEST_F(MeasurePictures, PicturesDifferWhereTheyDo) {
     const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
     const std::string b = png("b.png", {255, 0, 0, 255, 10, 71, 30, 255});
