@@ -162,7 +162,8 @@ void AtomicFile::seal(Outlasts outlasts) {
         fail("cannot be flushed to disk");
     const int closed = ::close(file_);
     file_ = -1;
-    std::vector<char>().swap(buffer_);  // sealed files may be many: the pictures of a film that show nothing yet
+    // sealed files may be many: the pictures of a film that show nothing yet
+    std::vector<char>().swap(buffer_);
     sealed_ = true;
     if (closed != 0 && errno != EINTR) fail("cannot be closed");  // quotas of network file systems
 }

@@ -30,8 +30,8 @@ enum class Outlasts { power_cut, process };
 /// Without commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage`
-/// when the place cannot be written to at all. What failed once fails again in seal() and commit(): libraries that
-/// write through it may drop an exception.
+/// when the place cannot be written to at all. What failed once fails again in seal() and commit():
+/// libraries that write through it may drop an exception.
 /// cost   one buffer of 1 MiB, until it is sealed
 class AtomicFile {
 public:

@@ -38,11 +38,14 @@ struct ByteReader::Inflater {
 ByteReader::ByteReader(const std::string& path) : path_(path) {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0)
-        throw IoError(message(path, ": cannot be opened: ", std::strerror(errno),
-                              path == "-" ? " (standard input is not read: clouds are read more than once)" : ""));
+        throw IoError(message(
+            path, ": cannot be opened: ", std::strerror(errno),
+            path == "-" ? " (standard input is not read: clouds are read more than once)" : ""));
     if (!S_ISREG(status.st_mode))
-        throw IoError(message(path, S_ISDIR(status.st_mode) ? ": is a folder; expected a cloud's file in it"
-                                                            : ": is not a regular file; clouds are read more than once"));
+        throw IoError(
+            message(path, S_ISDIR(status.st_mode)
+                              ? ": is a folder; expected a cloud's file in it"
+                              : ": is not a regular file; clouds are read more than once"));
     file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (file_ < 0) throw IoError(message(path, ": cannot be opened: ", std::strerror(errno)));
     file_size_ = static_cast<std::uint64_t>(status.st_size);
@@ -103,7 +106,8 @@ std::size_t ByteReader::inflate_some(char* out, std::size_t n) {
         if (status == Z_STREAM_END) inflater_->at_member_end = true;
         else if (status != Z_OK && status != Z_BUF_ERROR)
             throw FormatError(message(path_, ": near byte ", file_offset_ - z.avail_in,
-                                      ": damaged gzip stream (", z.msg ? z.msg : "zlib error", ")"));
+                                      ": damaged gzip stream (", z.msg ? z.msg : "zlib error",
+                                      ")"));
     }
     return room - z.avail_out;
 }

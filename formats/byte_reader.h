@@ -30,7 +30,8 @@ public:
     void advance(std::size_t n) { begin_ += n; }
     /// Passes over n bytes; false if the file ends before.
     bool skip(std::uint64_t n);
-    /// Drops UTF-8's byte order mark (EF BB BF) if that comes next, as at the start of a text saved on Windows; says whether.
+    /// Drops UTF-8's byte order mark (EF BB BF) if that comes next, as at the start of a text saved
+    /// on Windows; says whether.
     bool skip_byte_order_mark();
     /// The next line without its end (LF, CR LF, or CR in a file that has only these); false at the
     /// end of the file. The view lives until the next call.

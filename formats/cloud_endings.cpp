@@ -11,7 +11,9 @@ constexpr auto kText = std::to_array<std::string_view>({".xyz", ".txt", ".asc", 
 
 }  // namespace
 
-bool is_text_ending(std::string_view ending) { return std::find(kText.begin(), kText.end(), ending) != kText.end(); }
+bool is_text_ending(std::string_view ending) {
+    return std::find(kText.begin(), kText.end(), ending) != kText.end();
+}
 
 bool is_cloud_ending(std::string_view ending) { return ending == ".ply" || is_text_ending(ending); }
 

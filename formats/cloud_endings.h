@@ -11,7 +11,8 @@ bool is_text_ending(std::string_view ending);
 /// Whether a cloud that is read may be named so: a PLY or such a text; not packed.
 bool is_cloud_ending(std::string_view ending);
 
-/// The endings of texts, for messages: ".xyz, .txt, ... or .csv" with ", " between them and " or " before the last.
+/// The endings of texts, for messages: ".xyz, .txt, ... or .csv" with ", " between them and " or "
+/// before the last.
 std::string text_endings(std::string_view between, std::string_view before_last);
 
 }  // namespace slim

@@ -12,8 +12,8 @@ namespace slim {
 namespace {
 
 std::string what_is_read() {
-    return "read are PLY (ascii, binary of either byte order) and text of coordinates (" + text_endings(" ", " ") +
-           "), each also packed with gzip";
+    return "read are PLY (ascii, binary of either byte order) and text of coordinates (" +
+           text_endings(" ", " ") + "), each also packed with gzip";
 }
 
 constexpr const char* kPdal =
@@ -103,8 +103,8 @@ std::string with_names(std::string advice, const std::string& path) {
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const char* advice) {
-    throw FormatError(
-        message(path, ": ", what, ": this format is not read; ", what_is_read(), with_names(advice, path)));
+    throw FormatError(message(path, ": ", what, ": this format is not read; ", what_is_read(),
+                              with_names(advice, path)));
 }
 
 bool is_control(char c) {
@@ -130,7 +130,8 @@ bool starts_as_ply(std::string_view head) {
 }  // namespace
 
 CloudKind cloud_kind(const std::string& path, std::string_view head) {
-    if (head.empty()) throw FormatError(message(path, ": the file is empty (0 bytes); ", what_is_read()));
+    if (head.empty())
+        throw FormatError(message(path, ": the file is empty (0 bytes); ", what_is_read()));
     if (starts_as_ply(head)) return CloudKind::ply;
     for (const KnownFormat& format : kMagics)
         if (head.starts_with(format.key)) refuse(path, format.name, format.advice);

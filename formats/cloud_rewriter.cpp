@@ -16,13 +16,16 @@ namespace {
 void check_extension(const std::string& in, CloudKind kind, const std::string& out) {
     const std::string extension = lower_extension(out);
     if (extension == ".gz")
-        throw ConfigError(message(out, ": the output is written unpacked, that of a gzip file too: leave out .gz, "
-                                       "and pack it afterwards with gzip"));
+        throw ConfigError(
+            message(out,
+                    ": the output is written unpacked, that of a gzip file too: leave out .gz, and "
+                    "pack it afterwards with gzip"));
     if (kind == CloudKind::ply ? extension == ".ply" : is_text_ending(extension)) return;
-    throw ConfigError(message(out, ": the output has the format of the input, and ", in, " is ",
-                              kind == CloudKind::ply
-                                  ? "a PLY: expected a name ending in .ply"
-                                  : "a text of coordinates: expected a name ending in " + text_endings(", ", " or ")));
+    throw ConfigError(message(
+        out, ": the output has the format of the input, and ", in, " is ",
+        kind == CloudKind::ply
+            ? "a PLY: expected a name ending in .ply"
+            : "a text of coordinates: expected a name ending in " + text_endings(", ", " or ")));
 }
 
 }  // namespace

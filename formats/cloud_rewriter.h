@@ -16,24 +16,27 @@ struct RewrittenPoint {
     bool moved = false;      ///< else its coordinates and normal stay as they stand in the file
 };
 
-/// A cloud written anew with other positions and normals: the same format, byte order, types of coordinates,
-/// order and attributes, faces and all else byte for byte (text: lines end with LF).
+/// A cloud written anew with other positions and normals: the same format, byte order, types of
+/// coordinates, order and attributes, faces and all else byte for byte (text: lines end with LF).
 ///
-/// PLY   gets normals (float nx ny nz) if it has none, and `float scalar_displacement`, or new values where
-///       it has them. Coordinates and normals of integer types become double and float.
+/// PLY   gets normals (float nx ny nz) if it has none, and `float scalar_displacement`, or new
+///       values where it has them. Coordinates and normals of integer types become double and
+///       float.
 /// text  keeps its columns: neither is added. Comments, counts and lines of names are kept.
 /// A gzip file is written unpacked.
 class CloudRewriter {
 public:
     virtual ~CloudRewriter() = default;
-    /// The next points, in file order. The file must hold as many (a SLIM_CHECK): it was read before.
+    /// The next points, in file order. The file must hold as many (a SLIM_CHECK):
+    /// it was read before.
     virtual void write(std::span<const RewrittenPoint> points) = 0;
-    /// Writes what follows the points and makes the file visible; every point must have been written.
+    /// Writes what follows the points and makes the file visible;
+    /// every point must have been written.
     virtual void commit() = 0;
 };
 
-/// text_step  what coordinates in text are rounded to at the most, world units; a number with more decimals
-///            in the file keeps as many
+/// text_step  what coordinates in text are rounded to at the most, world units; a number with more
+///            decimals in the file keeps as many
 /// throws     ConfigError if the name of `out` asks for another format than that of `in`; else as
 ///            open_cloud and AtomicFile
 /// cost       constant memory

@@ -10,8 +10,8 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4 rims,
-/// version 5 second rims; a file without any is still version 1.
+/// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4
+/// rims, version 5 second rims; a file without any is still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
 constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
 constexpr ChunkFileKind kDroppedFitKind{"SLIMFITS", "SLIM fit", 3};
@@ -126,8 +126,8 @@ bool all_finite(std::span<const double> values) {
 bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
            all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
-           r.fit_error >= 0 && r.level < 64 && r.degree < 128 && r.sharp < 128 && (r.sharp & 3) < kMostSheets &&
-           ((r.sharp & 3) == 0 || r.rim() == 0);
+           r.fit_error >= 0 && r.level < 64 && r.degree < 128 && r.sharp < 128 &&
+           (r.sharp & 3) < kMostSheets && ((r.sharp & 3) == 0 || r.rim() == 0);
 }
 
 bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }
@@ -138,8 +138,8 @@ std::span<const PackedRim> second_rims_of(const ChunkFile& file) {
     const auto rims = file.array<PackedRim>("second_rims");
     const std::size_t n = file.array<Record>("surfels").size();
     if (rims.size() != n)
-        throw FormatError(message(file.path(), ": byte ", file.offset("second_rims"), ": expected ", n,
-                                  " second rims, found ", rims.size()));
+        throw FormatError(message(file.path(), ": byte ", file.offset("second_rims"), ": expected ",
+                                  n, " second rims, found ", rims.size()));
     return rims;
 }
 
@@ -224,15 +224,15 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
     if (file_.has("second_rims")) second_rims = second_rims_of(file_);
     const auto take_record = [&](std::size_t i, const Record& r) {
         if (!is_sound(r))
-            throw FormatError(message(file_.path(), ": byte ",
-                                      file_.offset("surfels") + i * sizeof(Record), ": surfel ", i,
-                                      " has no finite ball, shape or error, or level ", int{r.level}, " or degree ", int{r.degree},
-                                      " or sheets ", int{r.sharp}));
+            throw FormatError(
+                message(file_.path(), ": byte ", file_.offset("surfels") + i * sizeof(Record),
+                        ": surfel ", i, " has no finite ball, shape or error, or level ",
+                        int{r.level}, " or degree ", int{r.degree}, " or sheets ", int{r.sharp}));
         FittedSurfel surfel = unpack(r);
         if (!second_rims.empty()) surfel.surfel.rims.second = second_rims[i];
         if (surfel.surfel.rims.second != 0 && !surfel.surfel.rims.any())
-            throw FormatError(message(file_.path(), ": byte ", file_.offset("second_rims") + i, ": surfel ", i,
-                                      " has a second rim and no first"));
+            throw FormatError(message(file_.path(), ": byte ", file_.offset("second_rims") + i,
+                                      ": surfel ", i, " has a second rim and no first"));
         const std::size_t extra = r.sharp & 3u;
         if (extra > sheets.size())
             throw FormatError(message(file_.path(), ": surfel ", i, " needs ", extra,

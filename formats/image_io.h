@@ -70,9 +70,10 @@ private:
 ///
 /// channels  any order, unique names; R G B A are premultiplied linear colour
 /// place     where the channels lie in a larger picture, as the data window of its display window
-/// metadata  string attributes; "DateTime" becomes capDate, "ImageDescription" comments, "Copyright" owner
-/// matrices  m44f attributes such as worldToCamera: 16 floats, row-vector form as Imath has it, that is
-///           with the translation in the last row
+/// metadata  string attributes; "DateTime" becomes capDate, "ImageDescription" comments,
+///           "Copyright" owner
+/// matrices  m44f attributes such as worldToCamera: 16 floats, row-vector form as Imath has it,
+///           that is with the translation in the last row
 /// throws    IoError naming the file; a plane of the wrong length is a SLIM_CHECK failure
 void write_exr(const std::string& path, int width, int height, std::span<const ExrChannel> channels,
                const ImageMetadata& metadata = {}, const ImageMatrices& matrices = {},
@@ -154,8 +155,8 @@ struct ExrImage {
 /// throws IoError if it cannot be opened, FormatError if it is not an EXR or is damaged
 ExrImage read_exr(const std::string& path);
 
-/// The same band by band from the top, for pictures larger than memory. Rows lie in blocks of up to 16 in the
-/// file: bands of a multiple of that unpack each once.
+/// The same band by band from the top, for pictures larger than memory. Rows lie in blocks of up to
+/// 16 in the file: bands of a multiple of that unpack each once.
 class ExrReader {
 public:
     /// throws as read_exr

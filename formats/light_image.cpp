@@ -7,7 +7,7 @@
 namespace slim {
 
 /// Loads OpenImageIO only now, in a module of its own beside the program: few pictures have an
-/// image of light, and loading takes 0.3 s (formats/notes/0003).
+/// image of light, and loading takes 0.3 s (formats/notes/0002).
 LightImage read_light_image(const std::string& path) {
     if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
     void* module =

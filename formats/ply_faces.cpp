@@ -15,8 +15,9 @@ std::size_t vertex_index(double value, std::size_t n_vertices, const std::string
                          const PlyRows& rows) {
     if (value >= 0 && value < static_cast<double>(n_vertices) && std::floor(value) == value)
         return static_cast<std::size_t>(value);
-    throw FormatError(message(path, ": ", rows.place(), ": face ", rows.n_read(), " has vertex index ",
-                              value, ", but there are ", n_vertices, " vertices"));
+    throw FormatError(message(path, ": ", rows.place(), ": face ", rows.n_read(),
+                              " has vertex index ", value, ", but there are ", n_vertices,
+                              " vertices"));
 }
 
 }  // namespace

@@ -62,8 +62,9 @@ void PlyRewriter::find_columns() {
                                         [&](const auto& name) { return p.name == name.second; });
         if (known == kNames.end()) continue;
         if (p.is_list)
-            throw FormatError(message(in_.path(), ": property ", p.name,
-                                      " of the vertices is a list: expected a number, as it is to be rewritten"));
+            throw FormatError(
+                message(in_.path(), ": property ", p.name,
+                        " of the vertices is a list: expected a number, as it is to be rewritten"));
         columns_.push_back({known->first, written_type(p.type, known->first), p.type});
         properties_.push_back(i);
     }

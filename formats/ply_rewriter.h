@@ -12,7 +12,8 @@
 
 namespace slim {
 
-/// CloudRewriter of a PLY of any encoding, with any further elements before and behind the vertices.
+/// CloudRewriter of a PLY of any encoding, with any further elements before and behind the
+/// vertices.
 class PlyRewriter : public CloudRewriter {
 public:
     PlyRewriter(const std::string& in, const std::string& out, double text_step);

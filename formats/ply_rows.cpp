@@ -83,8 +83,8 @@ double PlyRows::ascii_value(std::string_view& line, std::size_t column) {
     const std::string_view word = next_word(line);
     double value = 0;
     if (word.empty())
-        fail(message("the row ends where property ", element_.properties[column].name,
-                     " (number ", column + 1, " of ", element_.properties.size(), ") was expected"));
+        fail(message("the row ends where property ", element_.properties[column].name, " (number ",
+                     column + 1, " of ", element_.properties.size(), ") was expected"));
     if (!parse_number(word, value))
         fail(message("expected a number for property ", element_.properties[column].name,
                      ", found '", word.substr(0, 40), "'"));
@@ -136,7 +136,8 @@ double PlyRows::take(PlyType type) {
 
 bool PlyRows::pass_over(std::uint64_t n_bytes) {
     if (ranges_.empty()) return in_.skip(n_bytes);
-    constexpr std::uint64_t kAtOnce = 1 << 20;  // a count that lies must not ask for the rest of the file at once
+    // a count that lies must not ask for the rest of the file at once
+    constexpr std::uint64_t kAtOnce = 1 << 20;
     while (n_bytes > 0) {
         const std::uint64_t wanted = std::min(n_bytes, kAtOnce);
         const std::string_view bytes = in_.peek(wanted).substr(0, wanted);

@@ -27,7 +27,8 @@ public:
 
     /// Decodes the next row; false after the last.
     bool next();
-    /// Keeps each row from now on as it stands in the file; to be asked for before the first next().
+    /// Keeps each row from now on as it stands in the file;
+    /// to be asked for before the first next().
     void keep_raw() { ranges_.resize(element_.properties.size()); }
     /// The last row as it stands in the file, an ascii one without its line end.
     const std::string& raw() const { return raw_; }

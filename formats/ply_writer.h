@@ -23,7 +23,8 @@ struct PlyLayout {
     /// `comment slim origin X Y Z`; positions are given local to it
     std::optional<Vec3d> origin;
     std::vector<std::string> comments;
-    std::optional<std::uint64_t> n_faces;  ///< element face, `list uchar int vertex_indices`; all follow the points
+    std::optional<std::uint64_t> n_faces;  ///< element face, `list uchar int
+                                           ///< vertex_indices`; all follow the points
     bool large_faces = false;       ///< some have more than 255 corners: their counts are int
     bool ascii = false;             ///< else binary little endian
 };
@@ -45,7 +46,8 @@ public:
     void write(const PlyPoints& points);
     /// The next face, after all points; corners by the points' numbers.
     void write_face(std::span<const std::uint32_t> corners);
-    /// Completes the header (as many faces as the layout says, a SLIM_CHECK) and makes the file visible; without it nothing is left behind.
+    /// Completes the header (as many faces as the layout says, a SLIM_CHECK) and makes the file
+    /// visible; without it nothing is left behind.
     void commit();
     std::uint64_t n_points() const { return n_points_; }
 

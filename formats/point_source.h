@@ -30,8 +30,10 @@ struct CloudInfo {
     /// a closed mesh wound inwards: its normals were turned
     bool faces_turned = false;
     std::vector<std::string> carried;       ///< names of properties that are read
-    std::vector<std::string> colors;        ///< names of what open_colored_cloud reads, if there is any
-    std::vector<std::string> skipped;       ///< names of all other properties of a point: passed over
+    std::vector<std::string> colors;        ///< names of what open_colored_cloud
+                                            ///< reads, if there is any
+    std::vector<std::string> skipped;       ///< names of all other properties of
+                                            ///< a point: passed over
     CoordinateType coordinates = CoordinateType::float64;
     std::optional<Vec3d> origin;            ///< of the header; already added to what read() gives
     std::uint64_t file_size = 0;

@@ -20,13 +20,13 @@ TruthReader::TruthReader(const std::string& path) : path_(path), in_(path, std::
     std::error_code error;
     const std::uint64_t size = std::filesystem::file_size(path, error);
     if (error || !in_)
-        throw IoError(
-            message(path, ": the truth cannot be read (", error ? error.message() : std::strerror(errno),
-                    "); expected a file of five doubles a point, nx ny nz k1 k2, as `slim scan` writes "
-                    "beside its cloud"));
+        throw IoError(message(
+            path, ": the truth cannot be read (", error ? error.message() : std::strerror(errno),
+            "); expected a file of five doubles a point, nx ny nz k1 k2, as `slim scan` writes "
+            "beside its cloud"));
     if (size % sizeof(PointTruth) != 0)
-        throw FormatError(
-            message(path, ": expected points of ", sizeof(PointTruth), " bytes, found ", size, " bytes"));
+        throw FormatError(message(path, ": expected points of ", sizeof(PointTruth),
+                                  " bytes, found ", size, " bytes"));
     n_points_ = size / sizeof(PointTruth);
 }
 
@@ -35,7 +35,8 @@ void TruthReader::read(std::size_t n, const std::string& cloud, std::vector<Poin
         throw FormatError(
             message(path_, ": holds ", n_points_, " points' truth, ", cloud, " has more points"));
     out.resize(n);
-    if (!in_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(n * sizeof(PointTruth))))
+    if (!in_.read(reinterpret_cast<char*>(out.data()),
+                  static_cast<std::streamsize>(n * sizeof(PointTruth))))
         throw IoError(message(path_, ": cannot be read: ", std::strerror(errno)));
     n_read_ += n;
 }
@@ -44,7 +45,8 @@ std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_poin
     TruthReader reader(path);
     if (reader.n_points() != n_points)
         throw FormatError(message(path, ": expected ", n_points, " points of ", sizeof(PointTruth),
-                                  " bytes, found ", reader.n_points() * sizeof(PointTruth), " bytes"));
+                                  " bytes, found ", reader.n_points() * sizeof(PointTruth),
+                                  " bytes"));
     std::vector<PointTruth> truth;
     reader.read(n_points, path, truth);
     return truth;

@@ -37,7 +37,8 @@ private:
 /// Reads a truth file from its first point to its last, a part at a time.
 class TruthReader {
 public:
-    /// throws IoError if it cannot be opened; FormatError if it does not hold whole points of 40 bytes
+    /// throws IoError if it cannot be opened; FormatError if it does not hold whole points of 40
+    ///        bytes
     explicit TruthReader(const std::string& path);
     std::uint64_t n_points() const { return n_points_; }
     std::uint64_t n_left() const { return n_points_ - n_read_; }

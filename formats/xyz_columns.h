@@ -19,13 +19,15 @@ struct XyzColumns {
     int position[3] = {0, 1, 2};
     int normal[3] = {-1, -1, -1};
     int scan = -1;
-    std::vector<std::string> names = {};  ///< of all columns, in small letters, if a line names them
+    std::vector<std::string> names = {};  ///< of all columns, in small
+                                          ///< letters, if a line names them
 
     bool has_normals() const { return normal[0] >= 0; }
     /// Whether the points' positions, normals or scans are in that column.
     bool carries(int column) const {
         bool is_axis = false;
-        for (int axis = 0; axis < 3; ++axis) is_axis |= position[axis] == column || normal[axis] == column;
+        for (int axis = 0; axis < 3; ++axis)
+            is_axis |= position[axis] == column || normal[axis] == column;
         return is_axis || scan == column;
     }
 };

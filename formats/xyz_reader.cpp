@@ -109,7 +109,8 @@ void XyzReader::describe() {
         return;
     }
     for (int i = 0; i < static_cast<int>(columns_.n_columns); ++i)
-        if (!columns_.carries(i)) info_.skipped.push_back(columns_.names[static_cast<std::size_t>(i)]);
+        if (!columns_.carries(i))
+            info_.skipped.push_back(columns_.names[static_cast<std::size_t>(i)]);
 }
 
 void XyzReader::store(const std::vector<double>& row, PointChunk& out) const {

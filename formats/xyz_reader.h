@@ -13,7 +13,8 @@ namespace slim {
 
 /// A text of coordinates, one point a line, separated by blanks, commas or semicolons. Lines that
 /// are empty or start with `#` or `//` are passed over; a line of names may come first; a line with
-/// one whole number alone (PTS) says how many points follow. UTF-8's byte order mark may stand before all of it.
+/// one whole number alone (PTS) says how many points follow. UTF-8's byte order mark may stand
+/// before all of it.
 /// throws FormatError naming the line: a word that is no number, another number of columns than the
 ///        first row, fewer points than a PTS count said
 class XyzReader : public PointSource {

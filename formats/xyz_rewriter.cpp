@@ -19,7 +19,8 @@ XyzRewriter::XyzRewriter(const std::string& in, const std::string& out, double t
         };
         found.push_back({columns_.position[axis], {at(Quantity::x), PlyType::f64, PlyType::f64}});
         if (columns_.has_normals())
-            found.push_back({columns_.normal[axis], {at(Quantity::nx), PlyType::f32, PlyType::f32}});
+            found.push_back(
+                {columns_.normal[axis], {at(Quantity::nx), PlyType::f32, PlyType::f32}});
     }
     std::sort(found.begin(), found.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });

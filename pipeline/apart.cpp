@@ -15,15 +15,17 @@ std::string likely_cause(const PlacedFile& cloud, const PlacedFile& model) {
     const double c = cloud.box.diagonal(), m = model.box.diagonal();
     if (c > 0 && m > 0 && std::max(c / m, m / c) >= kOtherUnit)
         return fmt::format(
-            "the {} is {:.4g} times as large: are both in the same unit? Scale one, or build the model of a cloud in "
-            "this one's unit",
+            "the {} is {:.4g} times as large: are both in the same unit? Scale one, or build the "
+            "model of a cloud in this one's unit",
             c > m ? "cloud" : "model", std::max(c / m, m / c));
     if (!meet(cloud.box, model.box))
         return fmt::format(
-            "from the model's centre to the cloud's it is {}: are both in the same frame? Move the cloud back (an "
-            "offset that a program took off?), or build the model of a cloud in this one's frame",
+            "from the model's centre to the cloud's it is {}: are both in the same frame? Move the "
+            "cloud back (an offset that a program took off?), or build the model of a cloud in "
+            "this one's frame",
             point_text(cloud.box.center() - model.box.center()));
-    return "their boxes meet, their surfaces do not: is one of them turned, or mirrored, or of something else?";
+    return "their boxes meet, their surfaces do not: is one of them turned, or mirrored, or of "
+           "something else?";
 }
 
 }  // namespace
@@ -39,10 +41,12 @@ PlacedFile placed(const std::string& path, const ModelHeader& header) {
 }
 
 void refuse_apart(const PlacedFile& cloud, const PlacedFile& model, std::uint64_t n_points) {
-    throw NumericalError(fmt::format(
-        "{}: {} has no surface in reach of {}; nothing is written. Cloud from {}, model from {}: {}",
-        cloud.path, model.path, n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points),
-        box_text(cloud.box), box_text(model.box), likely_cause(cloud, model)));
+    throw NumericalError(
+        fmt::format("{}: {} has no surface in reach of {}; nothing is written. Cloud from {}, "
+                    "model from {}: {}",
+                    cloud.path, model.path,
+                    n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points),
+                    box_text(cloud.box), box_text(model.box), likely_cause(cloud, model)));
 }
 
 }  // namespace slim

@@ -20,9 +20,10 @@ bool meet(const Bbox& a, const Bbox& b);
 /// The model's input points.
 PlacedFile placed(const std::string& path, const ModelHeader& header);
 
-/// Throws NumericalError: the model has no surface in reach of any of the cloud's `n_points` finite points.
-/// Names both files and their boxes, and what makes them lie so: units if their sizes differ by a factor of 8 or
-/// more, a frame where their boxes do not meet, else a turn.
-[[noreturn]] void refuse_apart(const PlacedFile& cloud, const PlacedFile& model, std::uint64_t n_points);
+/// Throws NumericalError: the model has no surface in reach of any of the cloud's `n_points` finite
+/// points. Names both files and their boxes, and what makes them lie so: units if their sizes
+/// differ by a factor of 8 or more, a frame where their boxes do not meet, else a turn.
+[[noreturn]] void refuse_apart(const PlacedFile& cloud, const PlacedFile& model,
+                               std::uint64_t n_points);
 
 }  // namespace slim

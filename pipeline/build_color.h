@@ -9,7 +9,8 @@
 
 namespace slim {
 
-/// throws  DataError if none of the clouds has colours: asked before hours of work; what opening them throws
+/// throws  DataError if none of the clouds has colours: asked before hours of work;
+///         what opening them throws
 void require_colors(const std::vector<std::string>& clouds);
 
 /// Fits the colours of the clouds to the leaves of their model and writes it again with them: one

@@ -202,7 +202,8 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     }
     if (!config.sensors.empty()) stamp.input(config.sensors);
     stamp.outputs({config.output});
-    if (keep_work) stamp.outputs({plan_path(work)});  // of the folder, which is to be there afterwards
+    // of the folder, which is to be there afterwards
+    if (keep_work) stamp.outputs({plan_path(work)});
     nlohmann::json result;
     if (auto done = stamp.up_to_date()) {
         result = *done;

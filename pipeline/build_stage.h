@@ -32,8 +32,8 @@ struct BuildConfig : FitOptions {
         field.output("output", output, "model to write (model.slim)");
         FitOptions::visit(field);
         field.choice("normals", normals,
-                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad ones; flip: as auto, then all turned "
-                     "round",
+                     "keep: as they are; estimate: ignore them; auto: keep good ones, mend bad "
+                     "ones; flip: as auto, then all turned round",
                      {"auto", "keep", "estimate", "flip"});
         field.path("sensors", sensors,
                    "JSON with sensor positions per scan; default: <input>.scans.json, if there");
@@ -45,8 +45,9 @@ struct BuildConfig : FitOptions {
                      "points of their own; off: its vertices alone",
                      {"on", "off"});
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
-        field.path("work", work,
-                   "folder for intermediate files, kept; default: <output>.work, removed at the end");
+        field.path(
+            "work", work,
+            "folder for intermediate files, kept; default: <output>.work, removed at the end");
         field("seed", seed, "chooses among equally good centres");
         field("color", color,
               "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: "

@@ -104,8 +104,9 @@ double drawn_diagonal(const std::string& model) {
 
 std::string build_summary(const std::string& model, const std::vector<std::string>& clouds,
                           const nlohmann::json& result) {
-    const double noise = noise_over_diagonal(result.value("noise_variance", 0.0),
-                                             result.at("stages").at("slice").at("diagonal").get<double>());
+    const double noise =
+        noise_over_diagonal(result.value("noise_variance", 0.0),
+                            result.at("stages").at("slice").at("diagonal").get<double>());
     std::string text = fmt::format(
         "{}: {}, {}, {}; of the diagonal: fit error {:.2g} (RMS of each leaf alone), "
         "noise {:.2g}\n",

@@ -50,7 +50,8 @@ public:
     explicit ErrorsFile(const std::string& path) {
         if (path.empty()) return;
         file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-        if (file_ < 0) throw IoError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+        if (file_ < 0)
+            throw IoError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
     }
     ~ErrorsFile() {
         if (file_ >= 0) close(file_);
@@ -64,8 +65,8 @@ private:
 };
 
 /// The child after fork: other threads may have held locks, so system calls only. Stdout to `out`,
-/// stderr to `errors` unless that is -1, the signals that watch_signals blocked and ignored as they were; why it could not start goes to
-/// `said`.
+/// stderr to `errors` unless that is -1, the signals that watch_signals blocked and ignored as they
+/// were; why it could not start goes to `said`.
 [[noreturn]] void become(char* const* argv, int out, int errors, int said, pid_t parent) {
     // The child works for its parent alone: were that killed, it would go on and hold the folder's
     // lock.

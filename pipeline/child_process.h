@@ -14,7 +14,8 @@ struct ChildResult {
     double seconds = 0;
     double processor_seconds = 0;  ///< of all its threads, in the kernel too
     std::uint64_t peak_memory_bytes = 0;
-    /// By read(), from the disk or its cache; mapped files do not count. 0 where the system does not say.
+    /// By read(), from the disk or its cache; mapped files do not count. 0 where the system does
+    /// not say.
     std::uint64_t bytes_read = 0;
 };
 

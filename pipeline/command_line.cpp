@@ -59,8 +59,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
-/// A list option may be written a,b or given again; of a single value the last one counts. A file whose name has a
-/// comma is that file.
+/// A list option may be written a,b or given again; of a single value the last one counts. A file
+/// whose name has a comma is that file.
 std::vector<std::string> items_of(const Field& field, const std::vector<std::string>& given) {
     if (!field.is_list()) return {given.back()};
     if (field.is_word()) return given;
@@ -110,18 +110,22 @@ bool misses_output(const FieldList& fields, const std::vector<Given>& given) {
     return false;
 }
 
-void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields, const std::vector<Given>& given) {
+void refuse_extras(const std::vector<std::string>& extras, const FieldList& fields,
+                   const std::vector<Given>& given) {
     for (const std::string& word : extras) {
         if (word.size() < 2 || word[0] != '-') continue;
         const std::string name = word.substr(0, word.find('='));
         // As make and others have it.
-        const bool threads = name.starts_with("-j") && name.find_first_not_of("0123456789", 2) == std::string::npos;
-        throw ConfigError(fmt::format("unknown option {}{}", name,
-                                      threads ? " (threads are --threads N)" : suggestion(name, all_options(fields))));
+        const bool threads =
+            name.starts_with("-j") && name.find_first_not_of("0123456789", 2) == std::string::npos;
+        throw ConfigError(fmt::format(
+            "unknown option {}{}", name,
+            threads ? " (threads are --threads N)" : suggestion(name, all_options(fields))));
     }
     if (extras.empty()) return;
-    throw ConfigError(fmt::format("unexpected argument '{0}'{1}", extras[0],
-                                  misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
+    throw ConfigError(
+        fmt::format("unexpected argument '{0}'{1}", extras[0],
+                    misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
 }
 
 void apply_given(const FieldList& fields, const std::vector<Given>& given) {
@@ -201,7 +205,8 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
         throw ConfigError(in_our_words(error.what()));
     }
     if (common.help || common.version) return common;
-    if (common.quiet && common.verbose) throw ConfigError("--quiet and --verbose: expected one of the two");
+    if (common.quiet && common.verbose)
+        throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
     if (!common.config.empty()) apply_config_file(common.config, fields);
     for (const std::string& text : common.set) apply_set(text, fields);

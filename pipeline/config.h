@@ -140,8 +140,9 @@ public:
         add(std::move(key), &member, std::move(help), FieldRole::path);
     }
 
-    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads. `how` says to who leaves
-    /// out the table what is written: "a key of the job is written TABLE.KEY, such as fit.t_mdl".
+    /// Takes --set TABLE.KEY=VALUE: changes to the file that the verb reads. `how` says to who
+    /// leaves out the table what is written: "a key of the job is written TABLE.KEY,
+    /// such as fit.t_mdl".
     void settings(std::vector<std::string>& member, std::string how) {
         settings_ = &member;
         settings_help_ = std::move(how);

@@ -16,12 +16,14 @@ struct FitOptions {
 
     template <class Visitor>
     void visit(Visitor&& field) {
-        field.choice("degree", degree,
-                     "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
-                     "for its error",
-                     {"1", "2", "3", "auto"});
+        field.choice(
+            "degree", degree,
+            "polynomial degree of a surfel; auto: of each, the one that takes the fewest bytes "
+            "for its error",
+            {"1", "2", "3", "auto"});
         field("t_mdl", t_mdl,
-              "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12, 1e3);
+              "T_MDL of eq. (3), fraction of the diagonal: larger is sparser and smoother", 1e-12,
+              1e3);
         field("lambda", lambda, "noise variance of eq. (3), model units squared; 0: measured", 0,
               1e300);
         field.choice("radius_rule", radius_rule,
@@ -31,11 +33,13 @@ struct FitOptions {
                      "of the points in a fit; gauss: the paper's, polynomial: (1 - r^2)^4",
                      {"gauss", "polynomial"});
         field.choice("cover", cover,
-                     "how far a leaf covers; A: the paper to the letter, B: G up to its radius, C: a B-spline",
+                     "how far a leaf covers; A: the paper to the letter, B: G up to its radius, C: "
+                     "a B-spline",
                      {"A", "B", "C"});
-        field.choice("sharp", sharp,
-                     "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
-                     {"on", "off"});
+        field.choice(
+            "sharp", sharp,
+            "on: edges and corners get surfels of two or three sheets where that takes fewer bytes",
+            {"on", "off"});
     }
 };
 

@@ -1,6 +1,9 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
+#include "pipeline/cover_counts_json.h"
+#include "pipeline/fit_noise.h"
+#include "pipeline/fit_rules.h"
 #include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -9,108 +12,16 @@
 #include "pipeline/peak_memory.h"
 #include "pipeline/slice_points.h"
 #include "slim/base/error.h"
-#include "slim/cover/level_cover.h"
-#include "slim/fit/noise_variance.h"
-#include "slim/fit/normal_variance.h"
 #include "slim/model/distinct_points.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <limits>
 #include <optional>
 
 namespace slim {
 namespace {
-
-// of the normals: estimated ones tell nothing new of the points
-constexpr double kFewEstimated = 0.01;
-// sqrt(lambda) over the spacing between which leaves are fitted again (slim/cover/notes/0010): below it the surface is
-// smooth at the points' distance, above it their noise is the larger part of what a leaf errs.
-constexpr double kSmooth = 0.03, kNoisy = 0.12;
-
-nlohmann::json counts_json(const CoverCounts& c) {
-    nlohmann::json fallbacks, degrees;
-    for (std::size_t i = 1; i < kFallbacks; ++i)
-        fallbacks[fallback_name(static_cast<Fallback>(i))] = c.fallbacks[i];
-    for (std::size_t d = 0; d < c.degrees.size(); ++d)
-        degrees[std::to_string(d)] = c.degrees[d];
-    return {{"leaves", c.leaves},
-            {"internals", c.internals},
-            {"levels", c.levels},
-            {"saturated", c.saturated},
-            {"forced", c.forced},
-            {"contrary", c.contrary},
-            {"normals_disagree", c.normals_disagree},
-            {"refitted", c.refitted},
-            {"own", c.own},
-            {"recentred", c.recentred},
-            {"sharp_edges", c.sharp_edges},
-            {"sharp_corners", c.sharp_corners},
-            {"sharp_rungs", c.sharp_rungs},
-            {"dropped_unexplained", c.unexplained},
-            {"dropped_isolated", c.isolated},
-            {"dropped_beside", c.beside},
-            {"searches", c.evaluated},
-            {"searches_discarded", c.discarded},
-            {"rungs", c.rungs},
-            {"refinements", c.refinements},
-            {"point_visits", c.point_visits},
-            {"fallbacks", fallbacks},
-            {"degrees", degrees}};
-}
-
-CoverRules rules_of(const FitConfig& config, const SlicePlan& plan, const GlobalNoise& noise) {
-    CoverRules rules;
-    rules.ladder.choose_degree = config.degree == "auto";
-    rules.degree = rules.ladder.choose_degree ? kMaxDegree : config.degree[0] - '0';
-    rules.mdl_threshold = config.t_mdl;
-    rules.diagonal = plan.diagonal;
-    rules.noise_variance = noise.noise_variance;
-    rules.least_radius = std::max(2 * plan.coordinate_quantum,
-                                  plan.diagonal * std::numeric_limits<double>::epsilon());
-    rules.seed = config.seed;
-    rules.windows = config.radius_rule == "windows";
-    rules.weight = config.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
-    rules.reading = static_cast<CoverReading>(config.cover[0] - 'A');
-    rules.sharp = config.sharp == "on";
-    rules.ladder.contrary_share = noise.contrary_share;
-    rules.spacing = noise.spacing;
-    rules.typical_variance = noise.typical_variance;
-    rules.follow_normals = noise.normals_inform && !rules.windows;
-    const double roughness = std::sqrt(noise.noise_variance) / noise.spacing;
-    rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
-                   roughness > kSmooth && roughness < kNoisy;
-    return rules;
-}
-
-/// What a tree needs to know of a fit, and what all fits of a job must share.
-nlohmann::json rules_json(const CoverRules& rules) {
-    return {{"degree", rules.degree},
-            {"choose_degree", rules.ladder.choose_degree},
-            {"t_mdl", rules.mdl_threshold},
-            {"diagonal", rules.diagonal},
-            {"noise_variance", rules.noise_variance},
-            {"contrary_share", rules.ladder.contrary_share},
-            {"spacing", rules.spacing},
-            {"radius_rule", rules.windows ? "windows" : "ladder"},
-            {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
-            {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
-            {"sharp", rules.sharp},
-            {"follow_normals", rules.follow_normals},
-            {"refits", rules.refits},
-            {"seed", rules.seed}};
-}
-
-/// What a fit takes from the normals of all slices, for its manifest.
-std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}", rules.noise_variance,
-                       rules.ladder.contrary_share, rules.spacing, rules.typical_variance, rules.follow_normals);
-}
 
 /// Covers points and writes the surfels as they come: they take no memory, however many.
 CoverCounts write_cover(const std::filesystem::path& path, const PointBlock& points,
@@ -197,58 +108,10 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     return stamp.commit(std::move(result), Outlasts::process);
 }
 
-/// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
-/// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
-void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
-    if (slice.empty()) return;
-    if (sums.size() < slice.size())
-        sums.resize(slice.size(), sums.empty() ? NoiseVariance{} : sums.back());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        NoiseVariance& s = sums[i];
-        const nlohmann::json& one = slice[std::min(i, slice.size() - 1)];
-        const std::size_t n = one.at("samples");
-        if (n == 0) continue;
-        const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
-        s.value += share * (one.at("variance").get<double>() - s.value);
-        s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
-        s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
-        const auto add_log = [&](double value, double& mean) {  // geometric means
-            mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
-        };
-        add_log(one.at("spacing"), s.spacing);
-        add_log(one.at("normal_variance"), s.normal);
-        add_log(one.at("typical_variance"), s.typical);
-        s.n_sampled += n;
-    }
-}
-
-/// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job (NUMERICS
-/// 3.2).
-NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
-    for (const NoiseVariance& n : noise)
-        if (n.flatness <= kFlat) return n;
-    const auto flatter = [](const auto& a, const auto& b) { return a.flatness < b.flatness; };
-    const auto best = std::min_element(noise.begin(), noise.end(), flatter);
-    return best == noise.end() ? NoiseVariance{} : *best;
-}
-
-void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
-    if (sum.is_null()) sum = nlohmann::json::object();
-    for (const auto& [key, value] : one.items()) {
-        if (key == "recorded") continue;
-        if (value.is_object()) {
-            if (!sum.contains(key)) sum[key] = nlohmann::json::object();
-            add_counts(value, sum[key]);
-        } else if (key == "levels") {
-            sum[key] = std::max(sum.value(key, std::uint64_t{0}), value.get<std::uint64_t>());
-        } else if (value.is_number_unsigned()) {
-            sum[key] = sum.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
-        }
-    }
-}
-
 /// What a usual slice of several takes.
-std::uint64_t bytes_in_use(const SlicePlan& plan) { return plan.n_points / plan.slices.size() * kBytesPerPoint; }
+std::uint64_t bytes_in_use(const SlicePlan& plan) {
+    return plan.n_points / plan.slices.size() * kBytesPerPoint;
+}
 
 }  // namespace
 
@@ -260,54 +123,17 @@ std::filesystem::path coarse_fit_path(const std::filesystem::path& work) {
     return work / "coarse.fit";
 }
 
-GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan) {
-    std::string missing;
-    double noisy = 0, points = 0, not_own = 0;
-    std::vector<NoiseVariance> noise;
-    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
-        std::ifstream file(manifest_path(oriented_points_path(config.work, i)));
-        const auto manifest = json_or_discarded(file);
-        if (manifest.is_discarded() || !manifest.contains("result")) {
-            missing += fmt::format(" {}", i);
-            continue;
-        }
-        const auto& r = manifest.at("result");
-        add_noise(r.at("noise"), noise);
-        noisy += r.at("noisy").get<double>();
-        points += r.at("points").get<double>();
-        // Missing and turned ones are no more the cloud's own than estimated ones.
-        not_own += r.at("points").get<double>() - r.at("kept").get<double>();
-    }
-    if (!missing.empty())
-        throw IncompleteError(fmt::format(
-            "{}: normals are missing for slices{}: run `slim normals {}`", config.work, missing,
-            config.work));
-    GlobalNoise out;
-    const NoiseVariance chosen = choose_noise(noise);
-    const double measured = chosen.value;
-    out.spacing = chosen.spacing;
-    out.typical_variance = chosen.typical;
-    const double quantum = std::max(plan.coordinate_quantum,
-                                    plan.diagonal * std::numeric_limits<double>::epsilon());
-    const double floor = 16 * quantum * quantum;
-    out.noise_variance = config.lambda > 0 ? config.lambda : std::max(measured, floor);
-    out.floored = config.lambda <= 0 && measured < floor;
-    out.normals_inform = not_own <= kFewEstimated * points &&
-                         chosen.independence >= kIndependent &&
-                         normals_inform(chosen.typical, chosen.normal, chosen.spacing);
-    out.contrary_share = points > 0 ? noisy / points : 0;
-    return out;
-}
-
 void check_fit_config(const FitConfig& config) {
     if (config.coarse && (config.slice >= 0 || config.slices_per_task > 1))
-        throw ConfigError("--coarse: the coarse levels are of all slices: leave out --slice and --slices-per-task");
+        throw ConfigError(
+            "--coarse: the coarse levels are of all slices: leave out --slice and "
+            "--slices-per-task");
     if (config.radius_rule != "windows") return;
     if (config.degree == "auto" || config.sharp == "on")
-        throw ConfigError(fmt::format(
-            "--radius-rule windows: goes with one degree and without sharp features, found --degree {} "
-            "--sharp {}",
-            config.degree, config.sharp));
+        throw ConfigError(
+            fmt::format("--radius-rule windows: goes with one degree and without sharp features, "
+                        "found --degree {} --sharp {}",
+                        config.degree, config.sharp));
 }
 
 nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
@@ -323,9 +149,10 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
             "{}: {} within a box of diagonal {}: a surface needs at least 3 points that do not "
             "coincide",
             plan.inputs.empty() ? config.work : plan.inputs[0].path,
-            plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points), plan.diagonal));
-    const GlobalNoise noise = read_global_noise(config, plan);
-    const CoverRules rules = rules_of(config, plan, noise);
+            plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points),
+            plan.diagonal));
+    const GlobalNoise noise = read_global_noise(config.work, config.lambda, plan);
+    const CoverRules rules = fit_rules(config, config.seed, plan, noise);
     const FitDivision division = divide_fit(plan, parse_memory_size(config.memory));
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;

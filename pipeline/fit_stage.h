@@ -24,8 +24,9 @@ struct FitConfig : FitOptions, SliceChoice {
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice` and `slim normals`");
         SliceChoice::visit(field);
-        field.part("coarse", coarse,
-                   "only the coarse levels that all slices share: once before an array job over slices");
+        field.part(
+            "coarse", coarse,
+            "only the coarse levels that all slices share: once before an array job over slices");
         FitOptions::visit(field);
         field("memory", memory,
               "bounds the sample that coarse levels of a job in slices are fitted from");
@@ -37,21 +38,8 @@ struct FitConfig : FitOptions, SliceChoice {
 std::filesystem::path fit_path(const std::filesystem::path& work, std::size_t slice);
 std::filesystem::path coarse_fit_path(const std::filesystem::path& work);
 
-/// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's
-/// manifests.
-struct GlobalNoise {
-    double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
-    double contrary_share = 0;  ///< of normals that noise turns out of a height field
-    double typical_variance = 0;  ///< noise of a typical place, without what edges add to lambda
-    double spacing = 0;         ///< square root of the area that a point usually has
-    bool floored = false;
-    /// the cloud's own normals tell more of its shape than its positions
-    bool normals_inform = false;
-};
-/// IncompleteError (exit 6) naming the slices whose normals are missing.
-GlobalNoise read_global_noise(const FitConfig& config, const SlicePlan& plan);
-
-/// throws ConfigError if options do not go together: the windows know neither prices nor edges, coarse levels no slices
+/// throws ConfigError if options do not go together: the windows know neither prices nor edges,
+///        coarse levels no slices
 void check_fit_config(const FitConfig& config);
 
 /// Writes surfels.fit of each slice. A job of several slices first fits its coarse levels once,

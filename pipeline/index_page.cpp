@@ -45,7 +45,8 @@ std::string figure_text(const std::string& key, const json& value) {
         return memory_size_text(value.get<std::uint64_t>());
     if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
     if (value.is_number()) return fmt::format("{:.4g}", value.get<double>());
-    return value.is_string() ? escaped_markup(value.get<std::string>()) : escaped_markup(text_of(value));
+    return value.is_string() ? escaped_markup(value.get<std::string>())
+                             : escaped_markup(text_of(value));
 }
 
 using Columns = std::vector<std::pair<std::string, std::string>>;  // key, heading
@@ -86,8 +87,9 @@ std::string cost_table(const std::vector<StepOutcome>& outcomes) {
     std::string text =
         "<table>\n<tr><th></th><th>seconds</th><th>peak memory</th><th></th></tr>\n";
     for (const StepOutcome& outcome : outcomes) {
-        text += cost_row(escaped_markup(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
-                         outcome.up_to_date ? "up to date: as recorded" : "");
+        text +=
+            cost_row(escaped_markup(outcome.step.name), outcome.seconds, outcome.peak_memory_bytes,
+                     outcome.up_to_date ? "up to date: as recorded" : "");
         if (!outcome.result.contains("stages")) continue;
         const json& stages = outcome.result.at("stages");
         for (const char* name : {"slice", "normals", "fit", "tree"})
@@ -106,14 +108,17 @@ bool is_later_frame(const std::string& stem, const StepOutcome& outcome) {
 }
 
 std::string pictures_of(const Job& job, const StepOutcome& outcome) {
-    std::string text = "<h2>" + escaped_markup(outcome.step.name) + "</h2>\n<div class=\"views\">\n", links;
+    std::string text =
+                    "<h2>" + escaped_markup(outcome.step.name) + "</h2>\n<div class=\"views\">\n",
+                links;
     if (!outcome.result.contains("files")) return "";
     for (const json& file : outcome.result.at("files")) {
         const fs::path path = file.get<std::string>();
         const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
         if (path.string().ends_with(".lines.svg"))
-            links += fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
-                                 url_of(relative.string()), escaped_markup(path.filename().string()));
+            links +=
+                fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
+                            url_of(relative.string()), escaped_markup(path.filename().string()));
         if (path.extension() != ".png" || is_later_frame(path.stem().string(), outcome)) continue;
         const std::string caption = path.stem().string();
         text += fmt::format(
@@ -151,8 +156,10 @@ std::string scan_line(const Job& job, const std::vector<StepOutcome>& outcomes) 
 }  // namespace
 
 std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes) {
-    std::string text = html_head(job.title, kStyle) + "<h1>" + escaped_markup(job.title) + "</h1>\n";
-    text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n", escaped_markup(program_version()),
+    std::string text =
+        html_head(job.title, kStyle) + "<h1>" + escaped_markup(job.title) + "</h1>\n";
+    text += fmt::format("<p class=\"note\">slim {} &middot; {}</p>\n",
+                        escaped_markup(program_version()),
                         escaped_markup(job.file.filename().string()));
     text += scan_line(job, outcomes);
     text += "<h2>Model</h2>\n" +
@@ -166,7 +173,8 @@ std::string index_page(const Job& job, const std::vector<StepOutcome>& outcomes)
          {"k1_rms_x_diagonal", "k1 (RMS &times; L)"}, {"k2_rms_x_diagonal", "k2 (RMS &times; L)"}});
     if (!errors.empty())
         text += "<h2>Errors</h2>\n" + errors +
-                "<p class=\"note\">L: diagonal of the bounding box of the input; k &gt; 0: convex</p>\n";
+                "<p class=\"note\">L: diagonal of the bounding box of the input; k &gt; 0: "
+                "convex</p>\n";
     for (const StepOutcome& outcome : outcomes)
         if (outcome.step.verb == "render") text += pictures_of(job, outcome);
     return text + "<h2>Cost</h2>\n" + cost_table(outcomes) + kHtmlEnd;

@@ -1,157 +1,25 @@
 #include "pipeline/info_stage.h"
 
 #include "formats/fit_file.h"
-#include "formats/model_file.h"
-#include "formats/point_source.h"
 #include "formats/slice_file.h"
-#include "formats/truth_file.h"
+#include "pipeline/info_cloud.h"
+#include "pipeline/info_json.h"
+#include "pipeline/info_model.h"
 #include "pipeline/json_text.h"
-#include "pipeline/noise_over_diagonal.h"
 #include "pipeline/plan_file.h"
 #include "slim/base/error.h"
+#include "slim/model/surfel_tree.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <set>
-#include <vector>
 
 namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr std::size_t kChunk = std::size_t{1} << 16;
-
-json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
-
-bool finite(const Vec3d& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-/// Corners in the world, given a box in the local frame.
-json bounds_json(const Bbox& box, const Vec3d& origin = {}) {
-    if (box.empty()) return nullptr;
-    return {{"min", vector_json(box.lo + origin)},
-            {"max", vector_json(box.hi + origin)},
-            {"diagonal", box.diagonal()}};
-}
-
-json parsed(const std::string& text) {
-    const json value = json_or_discarded(text);
-    return value.is_discarded() ? json(text) : value;
-}
-
-/// Counts by a small number, such as surfels per level: {"1": 12, "2": 40}.
-class Tally {
-public:
-    void add(std::size_t i) { ++counts_[i]; }
-    json to_json() const {
-        json out = json::object();
-        for (std::size_t i = 0; i < counts_.size(); ++i)
-            if (counts_[i]) out[std::to_string(i)] = counts_[i];
-        return out;
-    }
-
-private:
-    std::array<std::uint64_t, 256> counts_{};
-};
-
-/// The options that the model was fitted with, as its provenance has them.
-json fit_options(const json& provenance) {
-    json out = json::object();
-    if (!provenance.is_object() || !provenance.contains("rules")) return out;
-    const json& rules = provenance.at("rules");
-    out["degree"] = rules.value("choose_degree", false) ? json("auto") : rules.at("degree");
-    for (const char* key : {"radius_rule", "weight", "cover", "sharp"})
-        if (rules.contains(key)) out[key] = rules.at(key);
-    return out;
-}
-
-/// Leaves that are not as asked, by cause, over all fits of the model.
-json fallback_sums(const json& provenance) {
-    std::map<std::string, std::uint64_t> sums;
-    if (provenance.is_object() && provenance.contains("fits"))
-        for (const json& fit : provenance.at("fits")) {
-            const json by_cause = fit.value("fallbacks", json::object());
-            for (const auto& [cause, n] : by_cause.items())
-                sums[cause] += n.get<std::uint64_t>();
-            for (const char* cause : {"forced", "contrary", "normals_disagree", "recentred"})
-                sums[cause] += fit.value(cause, std::uint64_t{0});
-        }
-    return sums;
-}
-
-/// throws FormatError if the provenance is not what a model of this program says of itself
-json provenance_info(const std::string& path, const json& provenance) {
-    try {
-        return {{"fit", fit_options(provenance)}, {"fallbacks", fallback_sums(provenance)}};
-    } catch (const json::exception& error) {
-        throw FormatError(fmt::format("{}: chunk provenance: {}", path, error.what()));
-    }
-}
-
-/// Support radii of the leaves, model units; empty without any.
-json leaf_radii(const SurfelTree& tree) {
-    std::vector<double> radii;
-    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
-        if (tree.node(i).is_leaf()) radii.push_back(tree.support_radius(i));
-    if (radii.empty()) return json::object();
-    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-    std::nth_element(radii.begin(), middle, radii.end());
-    const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
-    return {{"min", *least}, {"median", *middle}, {"max", *most}};
-}
-
-json model_info(const std::string& path) {
-    const ModelFile file = ModelFile::open(path);
-    const ModelHeader& header = file.header();
-    const SurfelTree tree = file.tree();
-    Tally levels, degrees, sheets;
-    std::uint64_t saturated = 0, forced = 0, loose = 0;
-    const json provenance = parsed(file.provenance_json());
-    for (const SharpEntry& sharp : tree.sharp()) sheets.add(std::size_t{1} + sharp.n_extra);
-    for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
-        if (!node.is_leaf()) continue;
-        levels.add(node.level);
-        degrees.add(node.degree);
-        saturated += (node.flags & kSaturated) != 0;
-        forced += (node.flags & kForced) != 0;
-        loose += node.is_loose();
-    }
-    const json said = provenance_info(path, provenance);
-    return {{"kind", "model"},
-            {"bytes", file.file_size()},
-            {"degree", header.degree},
-            {"colors", !file.colors().empty()},
-            {"points", header.n_points},
-            {"leaves", header.n_leaves},
-            {"loose", loose},
-            {"surfels", tree.n_nodes() ? tree.n_nodes() - 1 : 0},
-            {"origin", vector_json(header.origin)},
-            {"bounds", bounds_json(header.bounds, header.origin)},
-            {"diagonal", header.diagonal},
-            {"noise", noise_over_diagonal(header.noise_variance, header.diagonal)},
-            {"t_mdl", header.mdl_threshold},
-            {"seed", header.seed},
-            {"leaf_radius", leaf_radii(tree)},
-            {"leaves_by_level", levels.to_json()},
-            {"leaves_by_degree", degrees.to_json()},
-            {"sharp_leaves_by_sheets", sheets.to_json()},
-            {"health",
-             {{"checksums", "ok"},
-              {"radius_at_the_largest", saturated},
-              {"radius_not_chosen", forced}}},
-            {"fit", said.at("fit")},
-            {"fallbacks", said.at("fallbacks")},
-            {"provenance", provenance}};
-}
 
 json slice_info(const std::string& path) {
     const PointBlock block = read_slice(path);
@@ -185,65 +53,8 @@ json fit_info(const std::string& path) {
             {"header", parsed(fit.header_json)}};
 }
 
-/// Totals of a cloud, gathered chunk by chunk.
-struct CloudTotals {
-    std::uint64_t points = 0, not_finite = 0, without_normal = 0;
-    Bbox box;
-    std::set<std::uint16_t> scans;
-
-    void add(const PointChunk& chunk) {
-        points += chunk.size();
-        for (const Vec3d& p : chunk.position) {
-            if (finite(p))
-                box.extend(p);
-            else
-                ++not_finite;
-        }
-        for (const Vec3f& n : chunk.normal) {
-            const float sq = dot(n, n);
-            without_normal += !(sq > 0) || !std::isfinite(sq);
-        }
-        scans.insert(chunk.scan.begin(), chunk.scan.end());
-    }
-};
-
-json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
-    json attributes = json::array();
-    for (const std::string& name : info.carried) attributes.push_back(name);
-    json out = {{"kind", "cloud"},
-                {"format", info.format},
-                {"bytes", info.file_size},
-                {"points", totals.points},
-                {"bounds", bounds_json(totals.box)},
-                {"attributes", attributes},
-                {"colors", info.colors.empty() ? "no" : "yes, read by slim build --color"},
-                {"skipped", info.skipped},
-                {"normals", info.faces_turned         ? "from faces, turned outwards"
-                            : info.normals_from_faces ? "from faces"
-                            : info.has_normals        ? "yes"
-                                                      : "no"},
-                {"truth", fs::exists(truth_path(info.path))},
-                {"health", {{"not_finite", totals.not_finite}}}};
-    if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;
-    if (info.has_scan) out["scans"] = totals.scans.size();
-    if (info.origin) out["origin"] = vector_json(*info.origin);
-    return out;
-}
-
-json cloud_info(const std::string& path, StageContext& context) {
-    const std::unique_ptr<PointSource> source = open_cloud(path);
-    CloudTotals totals;
-    for (PointChunk chunk; source->read(chunk, kChunk);) {
-        totals.add(chunk);
-        context.reporter.progress("bytes read", source->bytes_read(), source->info().file_size);
-    }
-    json out = cloud_json(source->info(), totals);
-    if (source->info().has_faces()) out["faces"] = source->info().n_faces;
-    return out;
-}
-
-/// What stands in a result twice is said once: a model's diagonal and degree, and of its provenance the counts and rules that
-/// --json has whole.
+/// What stands in a result twice is said once: a model's diagonal and degree, and of its provenance
+/// the counts and rules that --json has whole.
 void drop_repeated(json& info) {
     if (info.contains("diagonal")) info["bounds"].erase("diagonal");
     if (info.contains("fit") && info.at("fit").contains("degree")) info["fit"].erase("degree");

@@ -12,8 +12,9 @@
 namespace slim {
 namespace {
 
-/// Gap between two clouds, over the larger one's diagonal, up to which they are neighbours: tiles and stations of one
-/// survey have one that near, though the first and the last of a long row lie farther apart.
+/// Gap between two clouds, over the larger one's diagonal, up to which they are neighbours: tiles
+/// and stations of one survey have one that near, though the first and the last of a long row lie
+/// farther apart.
 constexpr double kOtherFrame = 10;
 
 /// Between the boxes' nearest places; 0 where they meet.
@@ -34,7 +35,9 @@ std::optional<double> relative_gap(const Bbox& a, const Bbox& b) {
 /// Clouds that neighbours join, one to the next (single linkage).
 class Groups {
 public:
-    explicit Groups(std::size_t n) : above_(n) { std::iota(above_.begin(), above_.end(), std::size_t{0}); }
+    explicit Groups(std::size_t n) : above_(n) {
+        std::iota(above_.begin(), above_.end(), std::size_t{0});
+    }
     std::size_t of(std::size_t i) {
         while (above_[i] != i) i = above_[i] = above_[above_[i]];
         return i;
@@ -53,7 +56,8 @@ std::vector<std::size_t> along_axis(std::span<const Bbox> boxes, std::size_t& ax
         if (!boxes[i].empty()) all.extend(boxes[i]), out.push_back(i);
     const Vec3d extent = all.extent();
     axis = extent.x >= std::max(extent.y, extent.z) ? 0 : extent.y >= extent.z ? 1 : 2;
-    std::sort(out.begin(), out.end(), [&](std::size_t a, std::size_t b) { return boxes[a].lo[axis] < boxes[b].lo[axis]; });
+    std::sort(out.begin(), out.end(),
+              [&](std::size_t a, std::size_t b) { return boxes[a].lo[axis] < boxes[b].lo[axis]; });
     return out;
 }
 
@@ -63,13 +67,16 @@ std::vector<std::vector<std::size_t>> groups_of(std::span<const Bbox> boxes) {
     const std::vector<std::size_t> sorted = along_axis(boxes, axis);
     Groups groups(boxes.size());
     for (const std::size_t i : sorted) {
-        // Its neighbours that are no larger: they begin at most a diagonal, as wide as they may be, before its reach.
+        // Its neighbours that are no larger: they begin at most a diagonal, as wide as they may be,
+        // before its reach.
         const double diagonal = boxes[i].diagonal(), reach = kOtherFrame * diagonal;
         const double first = boxes[i].lo[axis] - reach - diagonal, last = boxes[i].hi[axis] + reach;
-        auto k = std::lower_bound(sorted.begin(), sorted.end(), first,
-                                  [&](std::size_t at, double place) { return boxes[at].lo[axis] < place; });
+        auto k = std::lower_bound(
+            sorted.begin(), sorted.end(), first,
+            [&](std::size_t at, double place) { return boxes[at].lo[axis] < place; });
         for (; k != sorted.end() && boxes[*k].lo[axis] <= last; ++k)
-            if (groups.of(i) != groups.of(*k) && gap_between(boxes[i], boxes[*k]) <= reach) groups.join(i, *k);
+            if (groups.of(i) != groups.of(*k) && gap_between(boxes[i], boxes[*k]) <= reach)
+                groups.join(i, *k);
     }
     std::vector<std::vector<std::size_t>> out;
     std::vector<std::size_t> place(boxes.size(), boxes.size());
@@ -87,8 +94,10 @@ struct FarPair {
     std::size_t first = 0, second = 0;
 };
 
-/// Of two groups' clouds the two with the widest gap for their size; a gap of 0 where none has a size.
-FarPair farthest_of(std::span<const std::size_t> a, std::span<const std::size_t> b, std::span<const Bbox> boxes) {
+/// Of two groups' clouds the two with the widest gap for their size;
+/// a gap of 0 where none has a size.
+FarPair farthest_of(std::span<const std::size_t> a, std::span<const std::size_t> b,
+                    std::span<const Bbox> boxes) {
     FarPair out;
     for (const std::size_t i : a)
         for (const std::size_t k : b)
@@ -104,14 +113,15 @@ std::string other_frame_text(std::span<const std::string> paths, std::span<const
     const auto groups = groups_of(boxes);
     FarPair far;
     for (std::size_t g = 1; g < groups.size(); ++g)
-        if (const FarPair pair = farthest_of(groups[0], groups[g], boxes); pair.gap > far.gap) far = pair;
+        if (const FarPair pair = farthest_of(groups[0], groups[g], boxes); pair.gap > far.gap)
+            far = pair;
     if (!(far.gap > 0)) return {};
     return fmt::format(
-        "{} from {} and {} from {} lie {:.3g} times their size apart{}: are both in the same frame? (One may be "
-        "georeferenced, or lack its scanner's pose.) One model of both has little detail: T_MDL and errors "
-        "count over the diagonal of all",
-        paths[far.first], box_text(boxes[far.first]), paths[far.second], box_text(boxes[far.second]), far.gap,
-        boxes.size() > 2 ? ", with no cloud between" : "");
+        "{} from {} and {} from {} lie {:.3g} times their size apart{}: are both in the same "
+        "frame? (One may be georeferenced, or lack its scanner's pose.) One model of both has "
+        "little detail: T_MDL and errors count over the diagonal of all",
+        paths[far.first], box_text(boxes[far.first]), paths[far.second],
+        box_text(boxes[far.second]), far.gap, boxes.size() > 2 ? ", with no cloud between" : "");
 }
 
 }  // namespace slim

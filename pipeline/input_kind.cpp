@@ -23,8 +23,9 @@ namespace fs = std::filesystem;
 
 /// Of clouds that are not read, meshes, pictures and texts.
 constexpr auto kOtherEndings = std::to_array<std::string_view>(
-    {".las", ".laz", ".e57", ".pcd", ".ptx", ".obj", ".off",  ".stl", ".glb",  ".vtk", ".gz",  ".zip",
-     ".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff", ".svg", ".pdf", ".json", ".toml", ".html"});
+    {".las", ".laz",  ".e57", ".pcd", ".ptx",  ".obj",  ".off", ".stl",
+     ".glb", ".vtk",  ".gz",  ".zip", ".png",  ".exr",  ".jpg", ".jpeg",
+     ".tif", ".tiff", ".svg", ".pdf", ".json", ".toml", ".html"});
 
 /// Without reading on: of a large model no more may be wanted than a few pages.
 bool begins_with(const std::string& path, const std::string& magic) {
@@ -49,7 +50,8 @@ bool names_a_cloud(const std::string& path) {
 [[noreturn]] void say_what_is_wrong(const std::string& path) {
     PointChunk chunk;
     open_cloud(path)->read(chunk, 1);
-    throw DataError(path + ": holds no point; expected a model (model.slim), as `slim build` writes");
+    throw DataError(path +
+                    ": holds no point; expected a model (model.slim), as `slim build` writes");
 }
 
 bool has_a_point(const std::string& path) {
@@ -77,15 +79,19 @@ void refuse_to_replace_other(const std::string& output) {
     const InputKind kind = input_kind(output);
     const bool is_cloud = kind == InputKind::cloud;
     if (kind == InputKind::model || (!is_cloud && fs::path(output).extension() == ".slim")) return;
-    throw ConfigError(fmt::format("{}: is there already and is {}, not a model; name another file or remove it",
-                                  output, is_cloud ? "a cloud" : "some other file"));
+    throw ConfigError(
+        fmt::format("{}: is there already and is {}, not a model; name another file or remove it",
+                    output, is_cloud ? "a cloud" : "some other file"));
 }
 
 void refuse_other_ending(const std::string& model) {
     const std::string ending = lower_extension(model);
-    if (!is_cloud_ending(ending) && std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end()) return;
-    throw ConfigError(fmt::format("{}: a model is written, no {} file; expected a name ending in .slim, as {}", model,
-                                  ending, fs::path(model).replace_extension(".slim").string()));
+    if (!is_cloud_ending(ending) &&
+        std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) == kOtherEndings.end())
+        return;
+    throw ConfigError(
+        fmt::format("{}: a model is written, no {} file; expected a name ending in .slim, as {}",
+                    model, ending, fs::path(model).replace_extension(".slim").string()));
 }
 
 void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {

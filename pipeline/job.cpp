@@ -55,10 +55,10 @@ public:
     Job read() {
         check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
         if (!root_.values.empty())
-            throw ConfigError(fmt::format(
-                "{}:{}: unknown key '{}': keys stand in the tables input, fit, render, light, view, "
-                "output and measure",
-                file_.string(), root_.values[0].line, root_.values[0].key));
+            throw ConfigError(
+                fmt::format("{}:{}: unknown key '{}': keys stand in the tables input, fit, render, "
+                            "light, view, output and measure",
+                            file_.string(), root_.values[0].line, root_.values[0].key));
         job_.file = file_;
         read_output();
         read_input();
@@ -143,7 +143,8 @@ private:
         stages.slice_target = manifest_path(stages.work, "slice");
         stages.estimate_normals = build.normals == "estimate";
         stages.memory = build.memory;
-        stages.degree = build.degree, stages.color = build.color, stages.sharp = build.sharp == "on";
+        stages.degree = build.degree, stages.color = build.color,
+        stages.sharp = build.sharp == "on";
         for (const fs::path& cloud : clouds_) stages.slice.push_back(cloud.string());
         stages.slice.insert(stages.slice.end(), {"-o", stages.work.string()});
         append_shared<SliceConfig>(stages.slice, table, build);
@@ -174,13 +175,15 @@ private:
         NoKeys none;
         std::set<std::string> owned = {"model", "cloud", "output"};
         if (clouds_.size() > 1) owned.insert("per_point");  // one file for one cloud
-        const std::vector<std::string> options = read_options<MeasureConfig>(*table, file_, none, owned);
+        const std::vector<std::string> options =
+            read_options<MeasureConfig>(*table, file_, none, owned);
         std::set<std::string> names;
         for (const fs::path& cloud : clouds_) {
             JobStep step{
                 "measure", "measure", {model_.string(), cloud.string()}, {model_, cloud}, {},
                 {},        {}};
-            if (clouds_.size() > 1) step.name = numbered("measure " + cloud.filename().string(), names);
+            if (clouds_.size() > 1)
+                step.name = numbered("measure " + cloud.filename().string(), names);
             append_arguments(step, options);
             step.output = job_.folder / (file_name(step.name) + ".json");
             add_step_output(step, job_);
@@ -196,7 +199,8 @@ private:
     /// The name, with a number if its file is taken: clouds of several folders may be named alike.
     static std::string numbered(const std::string& name, std::set<std::string>& taken) {
         std::string out = name;
-        for (int k = 2; !taken.insert(file_name(out)).second; ++k) out = fmt::format("{} {}", name, k);
+        for (int k = 2; !taken.insert(file_name(out)).second; ++k)
+            out = fmt::format("{} {}", name, k);
         return out;
     }
 

@@ -51,7 +51,8 @@ struct Job {
     std::vector<JobStep> steps;
     BuildStages stages;
     std::vector<std::string> left_out;  ///< "curvature: no AOV and no line asks for it"
-    std::vector<std::string> missing;   ///< "view front: crest lines: they need degree = 3 in [fit]"
+    std::vector<std::string> missing;   ///< "view front: crest lines: they
+                                        ///< need degree = 3 in [fit]"
 };
 
 /// Reads a job (docs/job.md), changed by the settings ("fit.t_mdl=0.02"). Relative paths are taken

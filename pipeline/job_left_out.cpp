@@ -31,7 +31,8 @@ ViewWork work_of(const AskedView& view, const BuildStages& stages) {
     const int degree = model_degree(stages);
     work.aovs = possible_aovs(view.aovs, degree, stages.color && view.render.add.empty());
     work.lines = line_choice(view.render, view.aovs, degree, stages.sharp);
-    work.channels = channels_of(work.aovs, view.render.light_maps) | line_channels(work.lines.drawn, degree);
+    work.channels =
+        channels_of(work.aovs, view.render.light_maps) | line_channels(work.lines.drawn, degree);
     return work;
 }
 
@@ -42,7 +43,8 @@ std::string fit_remedy(LineKind kind) {
 
 }  // namespace
 
-std::vector<std::string> left_out_of_views(std::span<const AskedView> views, const BuildStages& stages) {
+std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
+                                           const BuildStages& stages) {
     Channels channels = 0;
     std::set<std::string> aovs, asked;
     bool lines = false, rays = false, shadows = false, openness = false;
@@ -60,11 +62,13 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views, con
     std::vector<std::string> out;
     if (!(channels & kHessianChannels))
         out.push_back("curvature: no AOV and no line asks for it (no second derivatives)");
-    if (!(channels & kThirdOrderChannel)) out.push_back("third derivatives: no AOV and no line that can be drawn asks for them");
+    if (!(channels & kThirdOrderChannel))
+        out.push_back("third derivatives: no AOV and no line that can be drawn asks for them");
     if (!lines) out.push_back("feature lines: no view asks for them");
     if (!aovs.contains("color"))
-        out.push_back(stages.color ? "colours: no view shows them (their section of the model is not read)"
-                                   : "colours: color = false in [fit] (the model has no section of them)");
+        out.push_back(stages.color
+                          ? "colours: no view shows them (their section of the model is not read)"
+                          : "colours: color = false in [fit] (the model has no section of them)");
     if (!rays) out.push_back("rays: no view has mode = \"raytrace\"");
     else if (!shadows) out.push_back("shadows: no shaded view asks for them");
     if (rays && !openness) out.push_back("ambient occlusion: no view asks for it");
@@ -79,16 +83,21 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views, con
     return out;
 }
 
-std::vector<std::string> missing_in_views(std::span<const AskedView> views, const BuildStages& stages) {
+std::vector<std::string> missing_in_views(std::span<const AskedView> views,
+                                          const BuildStages& stages) {
     std::vector<std::string> out;
     const int degree = model_degree(stages);
     for (const AskedView& view : views) {
         std::set<std::string> said;
-        for (const LineKind kind : line_choice(view.render, view.aovs, degree, stages.sharp).lacking)
+        for (const LineKind kind :
+             line_choice(view.render, view.aovs, degree, stages.sharp).lacking)
             if (said.insert(line_word(kind)).second)
-                out.push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind), fit_remedy(kind)));
-        for (const LeftOut& aov : left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
-            out.push_back(fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
+                out.push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
+                                          fit_remedy(kind)));
+        for (const LeftOut& aov :
+             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
+            out.push_back(
+                fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
     }
     return out;
 }

@@ -16,12 +16,14 @@ struct AskedView {
     RenderConfig render;
 };
 
-/// What no view of a job asks for, so that it is neither computed nor read: by the channels that the renderer is asked
-/// for (channels_of, line_channels), a line each with the reason.
-std::vector<std::string> left_out_of_views(std::span<const AskedView> views, const BuildStages& stages);
+/// What no view of a job asks for, so that it is neither computed nor read: by the channels that
+/// the renderer is asked for (channels_of, line_channels), a line each with the reason.
+std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
+                                           const BuildStages& stages);
 
-/// What views ask for and models of this [fit] cannot give: lines of which a picture then shows less, what "all" passes
-/// over. A line each, with the remedy.
-std::vector<std::string> missing_in_views(std::span<const AskedView> views, const BuildStages& stages);
+/// What views ask for and models of this [fit] cannot give: lines of which a picture then shows
+/// less, what "all" passes over. A line each, with the remedy.
+std::vector<std::string> missing_in_views(std::span<const AskedView> views,
+                                          const BuildStages& stages);
 
 }  // namespace slim

@@ -15,11 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where ready styles lie: in the source tree that the program was built in, beside the programs (in a copy of their
-/// folder), or installed. The first that is there; else the one that a copy has.
+/// Where ready styles lie: in the source tree that the program was built in, beside the programs
+/// (in a copy of their folder), or installed. The first that is there;
+/// else the one that a copy has.
 fs::path style_folder() {
     const fs::path here = program_folder(), beside = here / "styles";
-    for (const fs::path& folder : {here / "../../configs/styles", beside, here / "../share/slim/styles"}) {
+    for (const fs::path& folder :
+         {here / "../../configs/styles", beside, here / "../share/slim/styles"}) {
         std::error_code error;
         if (fs::is_directory(folder, error)) return folder;
     }
@@ -81,11 +83,11 @@ fs::path job_file(const JobSource& source) {
     const auto known = style_names();
     throw ConfigError(
         known.empty()
-            ? fmt::format("{}: no such job file, and there are no ready styles beside the program: expected them in {} "
-                          "(they are configs/styles of the source)",
+            ? fmt::format("{}: no such job file, and there are no ready styles beside the program: "
+                          "expected them in {} (they are configs/styles of the source)",
                           source.job, style_folder().string())
-            : fmt::format("{}: no such job file, and no ready style of that name{} (known: {})", source.job,
-                          suggestion(source.job, known), fmt::join(known, ", ")));
+            : fmt::format("{}: no such job file, and no ready style of that name{} (known: {})",
+                          source.job, suggestion(source.job, known), fmt::join(known, ", ")));
 }
 
 std::vector<std::string> job_settings(const JobSource& source) {

@@ -27,7 +27,8 @@ const TomlTable* find_table(const TomlTable& in, const std::string& name, const 
     return found;
 }
 
-void check_tables(const TomlTable& in, const std::vector<std::string>& known, const fs::path& file) {
+void check_tables(const TomlTable& in, const std::vector<std::string>& known,
+                  const fs::path& file) {
     for (const TomlTable& table : in.tables)
         if (std::find(known.begin(), known.end(), table.name) == known.end())
             throw ConfigError(fmt::format("{}: unknown table [{}]{}", table_place(file, table),
@@ -52,8 +53,9 @@ void append_arguments(JobStep& step, const std::vector<std::string>& arguments) 
 void add_step_output(JobStep& step, const Job& job) {
     for (const JobStep& earlier : job.steps)
         if (earlier.output == step.output)
-            throw ConfigError(fmt::format("{}: {} would write {}, which {} writes: expected different names",
-                                          job.file.string(), step.name, step.output.string(), earlier.name));
+            throw ConfigError(
+                fmt::format("{}: {} would write {}, which {} writes: expected different names",
+                            job.file.string(), step.name, step.output.string(), earlier.name));
     step.arguments.push_back("-o");
     step.arguments.push_back(step.output.string());
     step.target = manifest_path(step.output);

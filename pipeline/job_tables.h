@@ -16,7 +16,8 @@ namespace slim {
 std::string table_place(const std::filesystem::path& file, const TomlTable& table);
 
 /// The table of that name, null without one. ConfigError for a second.
-const TomlTable* find_table(const TomlTable& in, const std::string& name, const std::filesystem::path& file);
+const TomlTable* find_table(const TomlTable& in, const std::string& name,
+                            const std::filesystem::path& file);
 
 /// ConfigError for a table of any other name, with the nearest.
 void check_tables(const TomlTable& in, const std::vector<std::string>& known,
@@ -27,15 +28,15 @@ void append_option(const Field& field, std::vector<std::string>& out);
 
 void append_arguments(JobStep& step, const std::vector<std::string>& arguments);
 
-/// -o, the manifest and the product of a step whose output is known. ConfigError if an earlier step of the job writes
-/// that.
+/// -o, the manifest and the product of a step whose output is known. ConfigError if an earlier step
+/// of the job writes that.
 void add_step_output(JobStep& step, const Job& job);
 
 /// Checks a table against the fields of a verb and of the job's own part of it, and returns the
 /// verb's as command-line options. `owned` are the verb's keys that the job fills in itself.
 template <class Config, class Own>
-std::vector<std::string> read_options(const TomlTable& table, const std::filesystem::path& file, Own& own,
-                                      const std::set<std::string>& owned) {
+std::vector<std::string> read_options(const TomlTable& table, const std::filesystem::path& file,
+                                      Own& own, const std::set<std::string>& owned) {
     Config config;
     FieldList all;
     own.visit(all);

@@ -73,7 +73,8 @@ public:
     }
 
     void note_left_out() {
-        for (std::string& line : left_out_of_views(asked_, job_.stages)) job_.left_out.push_back(std::move(line));
+        for (std::string& line : left_out_of_views(asked_, job_.stages))
+            job_.left_out.push_back(std::move(line));
         job_.missing = missing_in_views(asked_, job_.stages);
     }
 
@@ -99,8 +100,9 @@ private:
         }
         if (all.empty()) return;
         if (render_.light != RenderConfig{}.light)
-            throw ConfigError(file_.string() +
-                              ": both [[light]] tables and light in [render]: expected one of the two");
+            throw ConfigError(
+                file_.string() +
+                ": both [[light]] tables and light in [render]: expected one of the two");
         render_.light = all;
         defaults.push_back("--light=" + all);
     }
@@ -122,13 +124,14 @@ private:
         if (view.name.empty()) view.name = name_of(options);
         try {
             check_view_name(view.name);
-            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color, job_.stages.sharp);
+            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color,
+                              job_.stages.sharp);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
         if (!names_.insert(view.name).second)
-            throw ConfigError(fmt::format("{}: a second view of the name '{}'", table_place(file_, table),
-                                          view.name));
+            throw ConfigError(fmt::format("{}: a second view of the name '{}'",
+                                          table_place(file_, table), view.name));
         check_rays(render, view.aovs, table);
         asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
@@ -145,19 +148,24 @@ private:
         job_.steps.push_back(std::move(step));
     }
 
-    /// Views of one camera overlay: if a picture of the job has a legend, its room is left in all, but in those with
-    /// legend = false.
+    /// Views of one camera overlay: if a picture of the job has a legend, its room is left in all,
+    /// but in those with legend = false.
     void leave_room() {
-        if (std::none_of(views_.begin(), views_.end(), [](const View& view) { return view.has_legend; })) return;
+        if (std::none_of(views_.begin(), views_.end(),
+                         [](const View& view) { return view.has_legend; }))
+            return;
         for (const View& view : views_)
-            if (!view.has_legend && view.render.legend && !view.render.legend_room && frames_by_name(view.render))
+            if (!view.has_legend && view.render.legend && !view.render.legend_room &&
+                frames_by_name(view.render))
                 job_.steps[view.step].arguments.push_back("--legend-room");
     }
 
-    void divide(JobStep& step, const RenderConfig& render, const ViewTable& view, const TomlTable& table) {
+    void divide(JobStep& step, const RenderConfig& render, const ViewTable& view,
+                const TomlTable& table) {
         try {
             const ViewDivision division = division_of_view(render, view.aovs, view.shares);
-            step.shares = shares_of_view(render, view.aovs, step.output, view.name, division.shares);
+            step.shares =
+                shares_of_view(render, view.aovs, step.output, view.name, division.shares);
             step.division = division.reason;
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
@@ -183,9 +191,10 @@ private:
         RenderConfig usual;
         const FieldList given = fields_of(render_), defaults = fields_of(usual);
         for (const OptionUse& use : option_uses())
-            if (given.find(use.key)->items() != defaults.find(use.key)->items() && !taken_.contains(use.key))
-                throw ConfigError(
-                    fmt::format("{}: no view takes it: {}", place_of_default(use.key), unused_text(use)));
+            if (given.find(use.key)->items() != defaults.find(use.key)->items() &&
+                !taken_.contains(use.key))
+                throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
+                                              unused_text(use)));
     }
 
     /// Where [render], or the first [[light]], says it.
@@ -200,7 +209,8 @@ private:
     }
 
     /// Checks what only rays can do.
-    void check_rays(const RenderConfig& render, const std::vector<std::string>& aovs, const TomlTable& table) const {
+    void check_rays(const RenderConfig& render, const std::vector<std::string>& aovs,
+                    const TomlTable& table) const {
         try {
             check_tracing(render, aovs);
         } catch (const ConfigError& error) {
@@ -238,7 +248,8 @@ private:
         return camera.find(',') == std::string::npos ? camera : "view";
     }
 
-    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share", "join"};
+    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share",
+                                                              "join"};
 
     const fs::path& file_;
     const TomlTable& root_;

@@ -17,9 +17,9 @@ struct JobPictures {
     const std::filesystem::path& model;
 };
 
-/// Reads [render], [[light]] and [[view]]: adds a step for each view, and what no view asks for to what is
-/// left out. Options of [render] that a view has no use for are left out of it (options_for); ConfigError for
-/// one that none takes.
+/// Reads [render], [[light]] and [[view]]: adds a step for each view, and what no view asks for to
+/// what is left out. Options of [render] that a view has no use for are left out of it
+/// (options_for); ConfigError for one that none takes.
 void read_job_views(const JobPictures& pictures, Job& job);
 
 }  // namespace slim

@@ -37,7 +37,8 @@ bool is_option(const std::string& word, const std::string& key) {
     return word == "--" + name || word == "--no-" + name || word.starts_with("--" + name + "=");
 }
 
-std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options,
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options,
                                      const std::set<std::string>& own, RenderConfig& config) {
     const auto take_out = [&](const std::string& key) {
         std::erase_if(options, [&](const std::string& word) { return is_option(word, key); });
@@ -93,7 +94,8 @@ void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig&
                 degree));
     }
     if (!sharp && view.lines == std::vector<std::string>{"crease"})
-        throw ConfigError("lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
+        throw ConfigError(
+            "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
     if (contains(aovs, "color") && !color)
         throw ConfigError("aov color needs a model with colours: expected color = true in [fit]");
 }

@@ -20,10 +20,12 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
 /// Whether a word of the command line is that option: --ao-samples=9 or --no-legend.
 bool is_option(const std::string& word, const std::string& key);
 
-/// [render] may say what only some views take (a truth, contours, lights): slim-render refuses it elsewhere,
-/// so these options are left out of views that have no use for them, and set back in `config`; and so are
-/// those that the view's `own` keys replace: on a command line lists would be joined.
-std::vector<std::string> options_for(const std::vector<std::string>& aovs, std::vector<std::string> options,
+/// [render] may say what only some views take (a truth, contours, lights): slim-render refuses it
+/// elsewhere, so these options are left out of views that have no use for them, and set back in
+/// `config`; and so are those that the view's `own` keys replace:
+/// on a command line lists would be joined.
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options,
                                      const std::set<std::string>& own, RenderConfig& config);
 
 /// Files that these options of slim-render name to be read.

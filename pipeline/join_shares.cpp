@@ -28,8 +28,9 @@ fs::path named_of(const RenderConfig& config) {
 }
 
 /// The recorded results of all shares. IncompleteError names those that are missing.
-std::vector<Json> results_of_shares(const RenderConfig& config, const std::vector<std::string>& aovs,
-                                    const ModelFile& model, const StageContext& context) {
+std::vector<Json> results_of_shares(const RenderConfig& config,
+                                    const std::vector<std::string>& aovs, const ModelFile& model,
+                                    const StageContext& context) {
     Reporter quiet;  // each would say that it is up to date
     const StageContext checking{quiet,         context.threads, false,
                                 context.stage, context.config,  context.config_toml};
@@ -56,10 +57,9 @@ std::vector<Json> results_of_shares(const RenderConfig& config, const std::vecto
 }
 
 void add_counts(const Json& share, Json& sum) {
-    for (const char* key :
-         {"covered_pixels", "surfels_drawn", "loose_hidden", "nodes_visited", "root_tests",
-          "distance_tests", "unblended_pixels", "blocks_passed", "surfels_cut_off", "light_rays", "clamped_values",
-          "frames"})
+    for (const char* key : {"covered_pixels", "surfels_drawn", "loose_hidden", "nodes_visited",
+                            "root_tests", "distance_tests", "unblended_pixels", "blocks_passed",
+                            "surfels_cut_off", "light_rays", "clamped_values", "frames"})
         if (sum.contains(key))
             sum[key] = sum[key].get<std::int64_t>() + share.at(key).get<std::int64_t>();
     for (const char* key : {"model_bytes_read", "model_nodes_checked"})

@@ -52,7 +52,9 @@ std::string conditional_word(const std::string& text) {
 enum class Place { target, need, include, function };
 
 std::string make_char(char c, Place place) {
-    const auto is_one_of = [c](std::string_view set) { return set.find(c) != std::string_view::npos; };
+    const auto is_one_of = [c](std::string_view set) {
+        return set.find(c) != std::string_view::npos;
+    };
     const bool in_rule = place == Place::target || place == Place::need;
     if (is_one_of("|;\n\\")) return "";
     if (c == '$') return "$$";
@@ -72,8 +74,10 @@ std::string make_path(const fs::path& path, Place place) {
     for (const char c : path.string()) {
         const std::string written = make_char(c, place);
         if (written.empty())
-            throw ConfigError(fmt::format("{}: a Makefile cannot name a path with {}; expected another name, or --format snakemake",
-                                          path.string(), c == '\n' ? "a line break" : std::string{c}));
+            throw ConfigError(
+                fmt::format("{}: a Makefile cannot name a path with {}; expected another name, or "
+                            "--format snakemake",
+                            path.string(), c == '\n' ? "a line break" : std::string{c}));
         out += written;
     }
     return out;
@@ -102,8 +106,8 @@ public:
         const fs::path folder = marks_ / id;
         const fs::path file = folder / hash_text(program_version() + options).substr(0, 16);
         const std::string at = recipe_word(folder.string());
-        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n", make_path(file, Place::target),
-                             at, at, recipe_word(file.string()));
+        text_ += fmt::format("\n{}:\n\t@rm -rf {} && mkdir -p {} && touch {}\n",
+                             make_path(file, Place::target), at, at, recipe_word(file.string()));
         return file;
     }
 
@@ -147,7 +151,8 @@ void add_build(const JobStep& step, const Job& job, const fs::path& programs, Ru
     rules.step("build", build);
 }
 
-/// A step that is one task, or the tasks that share it, which have one stamp, and the one that joins them.
+/// A step that is one task, or the tasks that share it, which have one stamp,
+/// and the one that joins them.
 void add_step(const JobStep& step, const Job& job, const fs::path& programs, Rules& rules) {
     if (step.shares.empty()) return rules.step(step.name, whole_task(step, job, programs));
     const fs::path mark = rules.stamp(step.name + " shares", text_of(step.arguments));
@@ -179,8 +184,8 @@ std::string slices_part(const Job& job, const Rules& rules, const fs::path& prog
            "job)\nendif\n" +
            // A file that is to be remade first must not slice by what the job was before.
            "\nifeq ($(shell test " + conditional_word(job.file.string()) +
-           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " + make_path(file, Place::include) +
-           "\nendif\n";
+           " -nt '$(this)' && test -e '$(this)' && echo stale),)\ninclude " +
+           make_path(file, Place::include) + "\nendif\n";
 }
 
 }  // namespace
@@ -207,7 +212,9 @@ std::string makefile_of(const Job& job, const fs::path& programs) {
         goals = {page.target};
     }
     std::string text = fmt::format(kHeader, job.file.string(), rules.slices_file().string());
-    text += "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\nopen := (\nclose := )\nequals := =\n\nall:";
+    text +=
+        "\nthis := $(lastword $(MAKEFILE_LIST))\ncomma := ,\nopen := (\nclose := )\nequals := =\n\n"
+        "all:";
     for (const fs::path& goal : goals) text += " " + make_path(goal, Place::need);
     return text + "\n.PHONY: all FORCE\nFORCE:\n" + rules.text() +
            slices_part(job, rules, programs);

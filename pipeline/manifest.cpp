@@ -93,8 +93,9 @@ bool output_intact(const json& output, const fs::path& folder) {
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(file, error);
     if (error || bytes != output.at("bytes").get<std::uintmax_t>()) return false;
-    return output.contains("identity") ? is_whole_slice(file.string(), output.at("identity").get<std::string>())
-                                       : hash_file(file) == output.at("xxh3_128").get<std::string>();
+    return output.contains("identity")
+               ? is_whole_slice(file.string(), output.at("identity").get<std::string>())
+               : hash_file(file) == output.at("xxh3_128").get<std::string>();
 }
 
 /// Paths are for people; what must be equal is the contents.
@@ -158,7 +159,8 @@ json Stamp::inputs_json() const {
             hashed_.push_back({{"path", input.path.string()}, {"absent", true}});
         else if (!input.identity.empty() || is_slice_file(input.path.string()))
             hashed_.push_back(identity_json(
-                input.path, input.path, input.identity.empty() ? slice_identity(input.path.string()) : input.identity));
+                input.path, input.path,
+                input.identity.empty() ? slice_identity(input.path.string()) : input.identity));
         else
             hashed_.push_back(file_json(input.path, input.path, hash_of_input(input.path)));
     }
@@ -229,7 +231,8 @@ json Stamp::commit(json result, Outlasts outlasts, const std::vector<fs::path>& 
                      {"threads", context_.threads},
                      {"host", host_name()},
                      {"finished", utc_now()}};
-    for (const fs::path& output : outputs_) manifest["outputs"].push_back(output_json(output, true));
+    for (const fs::path& output : outputs_)
+        manifest["outputs"].push_back(output_json(output, true));
     for (const fs::path& file : found)
         if (std::find(outputs_.begin(), outputs_.end(), file) == outputs_.end())
             manifest["outputs"].push_back(output_json(file, false));

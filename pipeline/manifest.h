@@ -20,8 +20,9 @@ std::filesystem::path manifest_path(const std::filesystem::path& output);
 std::filesystem::path manifest_path(const std::filesystem::path& folder, const std::string& stage);
 
 /// The record of one finished piece of work, written last, so that its existence says "done":
-/// program version, stage, config and its hash, sizes and XXH3-128 hashes of inputs and outputs (of slices their identity,
-/// slice_identity(), in place of a hash), the result, seconds, peak memory since the Stamp was made, threads, host. Use:
+/// program version, stage, config and its hash, sizes and XXH3-128 hashes of inputs and outputs (of
+/// slices their identity, slice_identity(), in place of a hash), the result, seconds, peak memory
+/// since the Stamp was made, threads, host. Use:
 ///
 ///     Stamp stamp(context, manifest_path(config.output));
 ///     stamp.input(config.cloud);
@@ -37,29 +38,32 @@ public:
     Stamp(const StageContext& context, std::filesystem::path manifest);
     Stamp(StageContext&& context, std::filesystem::path manifest) = delete;
 
-    /// Adds a file the outputs depend on (hashed when up_to_date or commit is called, a slice known by its table of
-    /// checksums without a look at its points; IoError if it cannot be read, FormatError if it is a slice with a
-    /// damaged table). Optional files that do not exist are recorded as absent.
+    /// Adds a file the outputs depend on (hashed when up_to_date or commit is called, a slice known
+    /// by its table of checksums without a look at its points; IoError if it cannot be read,
+    /// FormatError if it is a slice with a damaged table). Optional files that do not exist are
+    /// recorded as absent.
     void input(const std::filesystem::path& file);
     /// The same for a file that says itself what distinguishes it, so that it need not be read.
     void input(const std::filesystem::path& file, const std::string& identity);
     void optional_input(const std::filesystem::path& file);
     /// Adds anything else the outputs depend on ("slice=3", a value from another stage's result).
     void depends(const std::string& text);
-    /// Adds files that this command is asked to write. Stated once: up_to_date() asks the manifest for
-    /// them and commit() records them, so that no name that an option gives is forgotten by either.
+    /// Adds files that this command is asked to write. Stated once: up_to_date() asks the manifest
+    /// for them and commit() records them, so that no name that an option gives is forgotten by
+    /// either.
     void outputs(const std::vector<std::filesystem::path>& files);
 
     /// The recorded result, with "up_to_date": true and the seconds and peak memory of that run
     /// under "recorded", if the manifest fits program, stage, config and inputs, names every one of
-    /// outputs(), and these and what else the work has written are there with their recorded bytes: all of
-    /// them read, of slices too (is_whole_slice). Files that another command asked for besides are of
-    /// no concern. Empty with --force. Without any outputs() it is a SLIM_CHECK failure.
+    /// outputs(), and these and what else the work has written are there with their recorded bytes:
+    /// all of them read, of slices too (is_whole_slice). Files that another command asked for
+    /// besides are of no concern. Empty with --force. Without any outputs() it is a SLIM_CHECK
+    /// failure.
     std::optional<nlohmann::json> up_to_date() const;
 
-    /// Hashes the outputs, slices apart, and files that only the work could know of (`found`), and writes the
-    /// manifest (temporary name, then rename). Returns `result`. What stands in a work folder need not
-    /// outlast a power cut: the hashes show what was lost.
+    /// Hashes the outputs, slices apart, and files that only the work could know of (`found`), and
+    /// writes the manifest (temporary name, then rename). Returns `result`. What stands in a work
+    /// folder need not outlast a power cut: the hashes show what was lost.
     nlohmann::json commit(nlohmann::json result, Outlasts outlasts = Outlasts::power_cut,
                           const std::vector<std::filesystem::path>& found = {});
 

@@ -29,18 +29,21 @@ std::vector<Vec3d> places_of(const std::vector<SurfaceSample>& samples) {
 
 std::vector<double> to_points(const std::vector<SurfaceSample>& samples, const std::string& cloud,
                               const Vec3d& origin, StageContext& context) {
-    return sq_to_points(places_of(samples), cloud, origin, [&](std::uint64_t done, std::uint64_t total) {
-        context.reporter.progress("model to cloud", done, total);
-        context.check_stop();
-    });
+    return sq_to_points(places_of(samples), cloud, origin,
+                        [&](std::uint64_t done, std::uint64_t total) {
+                            context.reporter.progress("model to cloud", done, total);
+                            context.check_stop();
+                        });
 }
 
 std::vector<double> to_faces(const std::vector<SurfaceSample>& samples, const std::string& path,
                              const Vec3d& origin) {
     const MeshDistance mesh(read_mesh(path, origin));
     if (mesh.n_triangles() == 0)
-        throw DataError(path + ": two_way: no face of three or more finite corners to measure to; expected faces, or a "
-                               "PLY without the element face, whose points are then measured to");
+        throw DataError(path +
+                        ": two_way: no face of three or more finite corners to measure to; "
+                        "expected faces, or a PLY without the element face, whose points are then "
+                        "measured to");
     std::vector<double> sq(samples.size());
     parallel_blocks(sq.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) sq[i] = mesh.sq_distance(samples[i].point);
@@ -60,8 +63,9 @@ json measure_back(const ModelFile& model, const BallIndex& index, const std::str
     const std::vector<double> sq =
         faces ? to_faces(samples, cloud, origin) : to_points(samples, cloud, origin, context);
     if (std::any_of(sq.begin(), sq.end(), [](double d) { return !std::isfinite(d); }))
-        throw DataError(cloud + ": two_way: its nearest face or point is farther from the model than the squares of numbers go "
-                                "(1e154); expected coordinates in the model's frame");
+        throw DataError(cloud +
+                        ": two_way: its nearest face or point is farther from the model than the "
+                        "squares of numbers go (1e154); expected coordinates in the model's frame");
     double area = 0, sum = 0, within = 0;
     std::size_t farthest = 0;
     LogHistogram distances;

@@ -147,8 +147,9 @@ json summary(const Sums& s, const Distances& d, const MeasuredSurface& surface, 
                                     std::uint64_t n_points) {
     if (!surface.file.path.empty()) refuse_apart(cloud, surface.file, n_points);
     throw NumericalError(fmt::format(
-        "{}: no nearest point of the shape was found within ten of its diagonals for {}: is the cloud in the shape's frame and unit? "
-        "Nothing is written", cloud.path,
+        "{}: no nearest point of the shape was found within ten of its diagonals for {}: is the "
+        "cloud in the shape's frame and unit? Nothing is written",
+        cloud.path,
         n_points == 1 ? "its one point" : fmt::format("any of its {} points", n_points)));
 }
 

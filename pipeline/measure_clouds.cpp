@@ -89,9 +89,11 @@ public:
           second_(open_cloud(clouds.second)),
           normals_(first_->info().has_normals && second_->info().has_normals) {
         if (clouds.per_point.empty()) return;
-        file_.emplace(clouds.per_point, second_->info(),
-                      PointsFileKind{false, nullptr, "distance of each point from its place in the first cloud, model units; "
-                                                     "angle between the normals, degrees; nan: not known"});
+        file_.emplace(
+            clouds.per_point, second_->info(),
+            PointsFileKind{false, nullptr,
+                           "distance of each point from its place in the first cloud, model units; "
+                           "angle between the normals, degrees; nan: not known"});
     }
     /// throws DataError if there is no point that is finite in both, unless `may_be_none`
     json run(bool may_be_none, StageContext& context) {
@@ -102,9 +104,10 @@ public:
             context.check_stop();
         }
         if (figures_.n() == 0 && !may_be_none)
-            throw DataError(fmt::format(
-                "{} and {}: no point to measure: no n-th point is finite in both; --two-way compares them in any order",
-                names_.first, names_.second));
+            throw DataError(
+                fmt::format("{} and {}: no point to measure: no n-th point is finite in both; "
+                            "--two-way compares them in any order",
+                            names_.first, names_.second));
         if (file_) file_->commit();
         json out = figures_.to_json(diagonal_);
         const double n = static_cast<double>(n_angles_);
@@ -124,12 +127,14 @@ private:
             }
             per_point_[i].distance = length(b.position[i] - a.position[i]);
             figures_.add(per_point_[i].distance, a.position[i]);
-            if (normals_) per_point_[i].angle = add_angle(to_double(a.normal[i]), to_double(b.normal[i]));
+            if (normals_)
+                per_point_[i].angle = add_angle(to_double(a.normal[i]), to_double(b.normal[i]));
         }
         if (file_) file_->write(b, per_point_);
     }
     double add_angle(const Vec3d& a, const Vec3d& b) {
-        if (!is_finite(a) || !is_finite(b) || !(sq_length(a) > 0) || !(sq_length(b) > 0)) return PointFigures::kNone;
+        if (!is_finite(a) || !is_finite(b) || !(sq_length(a) > 0) || !(sq_length(b) > 0))
+            return PointFigures::kNone;
         const double angle = std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
         sum_angle_ += angle, sq_angle_ += angle * angle, ++n_angles_;
         return angle;
@@ -147,8 +152,8 @@ private:
 };
 
 /// Distances of one cloud's points, n of them, to the nearest of another.
-json to_nearest(const std::string& from, std::uint64_t n, const std::string& to, double diagonal, double tolerance,
-                StageContext& context) {
+json to_nearest(const std::string& from, std::uint64_t n, const std::string& to, double diagonal,
+                double tolerance, StageContext& context) {
     std::vector<Vec3d> places;
     places.reserve(n);
     DistanceFigures figures(tolerance * diagonal);
@@ -157,39 +162,49 @@ json to_nearest(const std::string& from, std::uint64_t n, const std::string& to,
         for (const Vec3d& p : chunk.position)
             if (is_finite(p)) places.push_back(p);
             else figures.skip();
-    const std::vector<double> sq = sq_to_points(places, to, {}, [&](std::uint64_t done, std::uint64_t total) {
-        context.reporter.progress("nearest points", done, total);
-        context.check_stop();
-    });
+    const std::vector<double> sq =
+        sq_to_points(places, to, {}, [&](std::uint64_t done, std::uint64_t total) {
+            context.reporter.progress("nearest points", done, total);
+            context.check_stop();
+        });
     for (std::size_t i = 0; i < sq.size(); ++i) {
         figures.add(std::sqrt(sq[i]), places[i]);
     }
     return figures.to_json(diagonal);
 }
 
-[[noreturn]] void refuse_counts(const ComparedClouds& clouds, std::uint64_t first, std::uint64_t second) {
-    throw DataError(fmt::format(
-        "{} has {} points and {} has {}: clouds are compared point by point, in the order of their files; expected as many{}. To "
-        "measure against a surface, build a model: slim build {} -o model.slim",
-        clouds.first, first, clouds.second, second,
-        clouds.two_way ? " for --per-point" : ", or --two-way for the distances to the nearest points", clouds.first));
+[[noreturn]] void refuse_counts(const ComparedClouds& clouds, std::uint64_t first,
+                                std::uint64_t second) {
+    throw DataError(
+        fmt::format("{} has {} points and {} has {}: clouds are compared point by point, in the "
+                    "order of their files; expected as many{}. To measure against a surface, build "
+                    "a model: slim build {} -o model.slim",
+                    clouds.first, first, clouds.second, second,
+                    clouds.two_way ? " for --per-point"
+                                   : ", or --two-way for the distances to the nearest points",
+                    clouds.first));
 }
 
 }  // namespace
 
 json compare_clouds(const ComparedClouds& clouds, StageContext& context) {
-    const CloudExtent first = extent_of(clouds.first, context), second = extent_of(clouds.second, context);
+    const CloudExtent first = extent_of(clouds.first, context),
+                      second = extent_of(clouds.second, context);
     const bool as_many = first.n == second.n;
-    if (!as_many && (!clouds.two_way || !clouds.per_point.empty())) refuse_counts(clouds, first.n, second.n);
+    if (!as_many && (!clouds.two_way || !clouds.per_point.empty()))
+        refuse_counts(clouds, first.n, second.n);
     const double diagonal = first.box.diagonal();
     Bbox both = first.box;
     both.extend(second.box);
     require_squares({clouds.first, clouds.second}, both, std::max(first.n, second.n));
-    json out = as_many ? PointByPoint(clouds, diagonal).run(clouds.two_way, context) : json::object();
+    json out =
+        as_many ? PointByPoint(clouds, diagonal).run(clouds.two_way, context) : json::object();
     out["diagonal"] = diagonal;
     if (!clouds.two_way) return out;
-    out["first_to_second"] = to_nearest(clouds.first, first.n, clouds.second, diagonal, clouds.tolerance, context);
-    out["second_to_first"] = to_nearest(clouds.second, second.n, clouds.first, diagonal, clouds.tolerance, context);
+    out["first_to_second"] =
+        to_nearest(clouds.first, first.n, clouds.second, diagonal, clouds.tolerance, context);
+    out["second_to_first"] =
+        to_nearest(clouds.second, second.n, clouds.first, diagonal, clouds.tolerance, context);
     return out;
 }
 

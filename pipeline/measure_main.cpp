@@ -6,9 +6,11 @@ int main(int argc, char** argv) {
          "Distance, normals and curvature of a cloud against a model; l2 and max are the RMS and "
          "the largest distance of the points, along their normals, to the leaves as they blend "
          "(build's fit error is of each leaf alone), as shares of the model's diagonal L; "
-         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ. Of a mesh and the "
-         "same with its vertices moved: how far each went, and how the faces' normals turned. Of two clouds of as many "
-         "points: how far each went (l2: the RMS displacement); with --two-way, of any two (of a mesh and a cloud the mesh's vertices count): to the nearest points.",
+         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ. "
+         "Of a mesh and the same with its vertices moved: how far each went, and how the faces' "
+         "normals turned. Of two clouds of as many points: how far each went (l2: the RMS "
+         "displacement); with --two-way, of any two (of a mesh and a cloud the mesh's vertices "
+         "count): to the nearest points.",
          {"slim measure scan.slim scan.ply --two-way --per-point distances.ply",
           "slim measure torus.slim torus.ply --truth torus.truth --json",
           "slim measure shape:torus smoothed.ply",

@@ -52,10 +52,11 @@ MeshPair read_pair(const std::string& original, const std::string& moved) {
     const std::size_t n = out.mesh.position.size();
     if (n != out.moved.size())
         throw DataError(fmt::format(
-            "{} has {} vertices and {} has {}: {} has faces, and a mesh is compared vertex by vertex; {}to "
-            "measure against a model, build one: slim build {} -o model.slim",
+            "{} has {} vertices and {} has {}: {} has faces, and a mesh is compared vertex by "
+            "vertex; {}to measure against a model, build one: slim build {} -o model.slim",
             original, n, moved, out.moved.size(), original,
-            is_mesh(moved) ? "" : "for the distances to the nearest points add --two-way; ", original));
+            is_mesh(moved) ? "" : "for the distances to the nearest points add --two-way; ",
+            original));
     if (n == 0) throw DataError(original + ": no vertices");
     require_finite(original, out.mesh.position), require_finite(moved, out.moved);
     Bbox box;
@@ -76,9 +77,11 @@ std::vector<FaceTurn> turns_of(const MeshPair& pair) {
     std::vector<FaceTurn> out(pair.mesh.n_faces());
     for (std::size_t f = 0; f < out.size(); ++f) {
         const Vec3d before = area_vector(pair.mesh.position, pair.mesh.face(f));
-        const Vec3d a = normalized(before), b = normalized(area_vector(pair.moved, pair.mesh.face(f)));
+        const Vec3d a = normalized(before),
+                    b = normalized(area_vector(pair.moved, pair.mesh.face(f)));
         if (!(sq_length(a) > 0) || !(sq_length(b) > 0)) continue;
-        out[f] = {length(before) / 2, std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi};
+        out[f] = {length(before) / 2,
+                  std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi};
     }
     return out;
 }
@@ -104,7 +107,8 @@ std::vector<PointFigures> figures_of(const MeshPair& pair, const std::vector<Fac
         out[v].distance = off[v];
         double sum = 0, area = 0;
         for (const std::uint32_t f : around.of(v))
-            if (!std::isnan(turns[f].degrees)) sum += turns[f].area * turns[f].degrees, area += turns[f].area;
+            if (!std::isnan(turns[f].degrees))
+                sum += turns[f].area * turns[f].degrees, area += turns[f].area;
         if (area > 0) out[v].angle = sum / area;
     }
     return out;
@@ -113,9 +117,11 @@ std::vector<PointFigures> figures_of(const MeshPair& pair, const std::vector<Fac
 void write_figures(const std::string& path, const std::string& moved, const Mesh& faces,
                    const std::vector<PointFigures>& figures) {
     const auto source = open_cloud(moved);
-    PointsFile file(path, source->info(),
-                    {false, &faces, "distance of each vertex from where it was, model units; angle by which the faces "
-                                    "about it turned, degrees; nan: no face"});
+    PointsFile file(
+        path, source->info(),
+        {false, &faces,
+         "distance of each vertex from where it was, model units; angle by which the faces about "
+         "it turned, degrees; nan: no face"});
     std::size_t done = 0;
     for (PointChunk chunk; source->read(chunk, kChunk); done += chunk.size())
         file.write(chunk, std::span(figures).subspan(done, chunk.size()));
@@ -125,7 +131,8 @@ void write_figures(const std::string& path, const std::string& moved, const Mesh
 json distances_of(const MeshPair& pair, std::vector<double> off) {
     double sq = 0;
     for (const double d : off) sq += d * d;
-    const auto farthest = static_cast<std::size_t>(std::max_element(off.begin(), off.end()) - off.begin());
+    const auto farthest =
+        static_cast<std::size_t>(std::max_element(off.begin(), off.end()) - off.begin());
     const Vec3d& at = pair.mesh.position[farthest];
     std::sort(off.begin(), off.end());
     const double diagonal = pair.diagonal, n = static_cast<double>(off.size());
@@ -146,12 +153,15 @@ json distances_of(const MeshPair& pair, std::vector<double> off) {
 
 }  // namespace
 
-json compare_meshes(const std::string& original, const std::string& moved, const std::string& per_point) {
+json compare_meshes(const std::string& original, const std::string& moved,
+                    const std::string& per_point) {
     const MeshPair pair = read_pair(original, moved);
     std::vector<double> off(pair.moved.size());
-    for (std::size_t i = 0; i < off.size(); ++i) off[i] = length(pair.moved[i] - pair.mesh.position[i]);
+    for (std::size_t i = 0; i < off.size(); ++i)
+        off[i] = length(pair.moved[i] - pair.mesh.position[i]);
     const std::vector<FaceTurn> turns = turns_of(pair);
-    if (!per_point.empty()) write_figures(per_point, moved, pair.mesh, figures_of(pair, turns, off));
+    if (!per_point.empty())
+        write_figures(per_point, moved, pair.mesh, figures_of(pair, turns, off));
     json out = normals_turned(turns);
     out.update(distances_of(pair, std::move(off)));
     return out;

@@ -88,10 +88,12 @@ Comparison compared(PicturePair& pair, double threshold) {
 
 std::string description_of(const Comparison& c) {
     if (c.equal()) return "no difference between two pictures: black";
-    return fmt::format("difference of two pictures; white: {}, grey: square root of the share", c.all.max);
+    return fmt::format("difference of two pictures; white: {}, grey: square root of the share",
+                       c.all.max);
 }
 
-/// Grey by the square root of the share of the greatest: small differences show. Reads both once more.
+/// Grey by the square root of the share of the greatest:
+/// small differences show. Reads both once more.
 void draw(const std::string& path, PicturePair& pair, const Comparison& known) {
     PngWriter file(path, pair.first().width(), pair.first().height(), true,
                    {{"Description", description_of(known)}});
@@ -108,7 +110,8 @@ void draw(const std::string& path, PicturePair& pair, const Comparison& known) {
             const double share = white > 0 && std::isfinite(d) ? std::sqrt(d / white) : 0;
             const auto grey = static_cast<std::uint8_t>(std::lround(255 * share));
             const bool lone = std::isinf(d);
-            for (const std::uint8_t c : {lone ? std::uint8_t{255} : grey, grey, grey, std::uint8_t{255}})
+            for (const std::uint8_t c :
+                 {lone ? std::uint8_t{255} : grey, grey, grey, std::uint8_t{255}})
                 rgba.push_back(c);
         }
         file.add_rows(rgba);
@@ -134,8 +137,10 @@ bool is_picture(const std::string& path) {
 json compare_pictures(const std::string& first, const std::string& second,
                       const std::string& difference, double threshold) {
     if (lower_extension(first) != lower_extension(second))
-        throw ConfigError(fmt::format("{} and {}: expected two PNG or two EXR: their numbers do not "
-                                      "mean the same", first, second));
+        throw ConfigError(
+            fmt::format("{} and {}: expected two PNG or two EXR: their numbers do not mean the "
+                        "same",
+                        first, second));
     if (!difference.empty() && lower_extension(difference) != ".png")
         throw ConfigError(difference + ": the difference is a PNG; expected a name ending in .png");
     PicturePair pair(first, second);
@@ -143,7 +148,8 @@ json compare_pictures(const std::string& first, const std::string& second,
     const auto width = static_cast<std::size_t>(pair.first().width());
     const std::size_t pixels = width * static_cast<std::size_t>(pair.first().height());
     json channels = json::object();
-    for (const auto& [name, d] : c.channels) channels[name] = d.to_json(static_cast<double>(pixels));
+    for (const auto& [name, d] : c.channels)
+        channels[name] = d.to_json(static_cast<double>(pixels));
     json out = c.all.to_json(static_cast<double>(pixels));
     const json only_a = names_missing(pair.first(), pair.second()),
                only_b = names_missing(pair.second(), pair.first());

@@ -41,7 +41,8 @@ void PointsFile::write(const PointChunk& chunk, std::span<const PointFigures> fi
 
 void PointsFile::commit() {
     if (kind_.faces)
-        for (std::size_t f = 0; f < kind_.faces->n_faces(); ++f) writer_.write_face(kind_.faces->face(f));
+        for (std::size_t f = 0; f < kind_.faces->n_faces(); ++f)
+            writer_.write_face(kind_.faces->face(f));
     writer_.commit();
 }
 

@@ -28,7 +28,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kShape = "shape:";
-constexpr double kFarOff = 10; // of a shape's diagonal: a point so far from its bounds is of another frame
+// of a shape's diagonal: a point so far from its bounds is of another frame
+constexpr double kFarOff = 10;
 
 /// The model as what a cloud is measured against; `index` must outlive it.
 MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& header,
@@ -43,7 +44,8 @@ MeasuredSurface surface_of(const MeasureConfig& config, const ModelHeader& heade
             config.two_way && is_mesh(config.cloud), placed(config.model, header)};
 }
 
-/// A point put on an analytic shape: at its foot, the nearest point, if that is known and no farther than kFarOff.
+/// A point put on an analytic shape: at its foot, the nearest point, if that is known and no
+/// farther than kFarOff.
 ProjectedPoint put_on(const Shape& shape, const Vec3d& p, const Vec3d& own_normal) {
     ProjectedPoint out;
     out.has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
@@ -114,7 +116,8 @@ void check_order(const MeasureConfig& config) {
 
 /// The work's result; where a file of it is asked for, from its record if it is up to date.
 template <class Work>
-json recorded(const MeasureConfig& config, const std::string& truth, StageContext& context, Work&& work) {
+json recorded(const MeasureConfig& config, const std::string& truth, StageContext& context,
+              Work&& work) {
     if (config.output.empty()) return work();
     Stamp stamp(context, manifest_path(config.output));
     config.model.starts_with(kShape) ? stamp.depends(config.model) : stamp.input(config.model);
@@ -137,7 +140,8 @@ json measure_points(const MeasureConfig& config, StageContext& context) {
     CloudFiles files{config.cloud, config.truth, config.per_point};
     if (files.truth.empty() && std::filesystem::exists(truth_path(config.cloud)))
         files.truth = truth_path(config.cloud);
-    for (const std::string& output : {config.output, config.per_point}) refuse_to_overwrite(output, {files.truth});
+    for (const std::string& output : {config.output, config.per_point})
+        refuse_to_overwrite(output, {files.truth});
     return recorded(config, files.truth, context, [&] { return measured(config, files, context); });
 }
 
@@ -152,7 +156,8 @@ constexpr const char* kOfClouds = "a cloud against a model, or of two clouds";
 /// Options that are of another kind of measure and were given all the same.
 void refuse_without_effect(const MeasureConfig& config, Kind kind) {
     const MeasureConfig as_before;
-    const bool model = kind == Kind::points, clouds = model || kind == Kind::clouds, pictures = kind == Kind::pictures;
+    const bool model = kind == Kind::points, clouds = model || kind == Kind::clouds,
+               pictures = kind == Kind::pictures;
     struct Given {
         bool without_effect;
         const char *key, *of;
@@ -166,10 +171,11 @@ void refuse_without_effect(const MeasureConfig& config, Kind kind) {
         {!pictures && config.threshold != as_before.threshold, "threshold", "two pictures"}};
     for (const Given& g : given)
         if (g.without_effect)
-            throw ConfigError(fmt::format("{}: is of {}; found {} and {}{}", g.key, g.of, config.model, config.cloud,
-                                          kind == Kind::meshes ? ": the first has faces, so that the second counts as the "
-                                                                 "same mesh with its vertices moved"
-                                                               : ""));
+            throw ConfigError(fmt::format(
+                "{}: is of {}; found {} and {}{}", g.key, g.of, config.model, config.cloud,
+                kind == Kind::meshes ? ": the first has faces, so that the second counts as the "
+                                       "same mesh with its vertices moved"
+                                     : ""));
 }
 
 /// Names that could not be written, before any work.
@@ -180,19 +186,25 @@ void check_outputs(const MeasureConfig& config, Kind kind) {
     const std::string ending = lower_extension(config.output);
     const bool pictures = kind == Kind::pictures;
     if (!config.output.empty() && ending != ".json" && !(pictures && ending == ".png"))
-        throw ConfigError(fmt::format("{}: the result is written as JSON{}; expected a name ending in .json{}", config.output,
-                                      pictures ? ", the difference as PNG" : is_picture(config.output) ? ", a picture only of two pictures" : "",
-                                      pictures ? " or .png" : ""));
+        throw ConfigError(fmt::format(
+            "{}: the result is written as JSON{}; expected a name ending in .json{}", config.output,
+            pictures                    ? ", the difference as PNG"
+            : is_picture(config.output) ? ", a picture only of two pictures"
+                                        : "",
+            pictures ? " or .png" : ""));
     if (!config.per_point.empty() && lower_extension(config.per_point) != ".ply")
-        throw ConfigError(config.per_point + ": the figures of points are a PLY; expected a name ending in .ply");
+        throw ConfigError(config.per_point +
+                          ": the figures of points are a PLY; expected a name ending in .ply");
 }
 
 json measure_meshes(const MeasureConfig& config, StageContext& context) {
-    return recorded(config, "", context, [&] { return compare_meshes(config.model, config.cloud, config.per_point); });
+    return recorded(config, "", context,
+                    [&] { return compare_meshes(config.model, config.cloud, config.per_point); });
 }
 
 json measure_clouds(const MeasureConfig& config, StageContext& context) {
-    const ComparedClouds clouds{config.model, config.cloud, config.per_point, config.tolerance, config.two_way};
+    const ComparedClouds clouds{config.model, config.cloud, config.per_point, config.tolerance,
+                                config.two_way};
     return recorded(config, "", context, [&] { return compare_clouds(clouds, context); });
 }
 
@@ -212,11 +224,15 @@ json measure_pictures(const MeasureConfig& config, StageContext& context) {
     const std::string difference = is_picture(config.output) ? config.output : "";
     return said_if_equal(config,
                          recorded(config, "", context,
-                                  [&] { return compare_pictures(config.model, config.cloud, difference, config.threshold); }),
+                                  [&] {
+                                      return compare_pictures(config.model, config.cloud,
+                                                              difference, config.threshold);
+                                  }),
                          context);
 }
 
-/// What two files are, in place of model and cloud. A cloud beside itself is a mistake, and told so.
+/// What two files are, in place of model and cloud. A cloud beside itself is a mistake,
+/// and told so.
 Kind kind_of(const MeasureConfig& config) {
     const bool a = is_picture(config.model), b = is_picture(config.cloud);
     if (a != b)
@@ -224,11 +240,14 @@ Kind kind_of(const MeasureConfig& config) {
                                       a ? config.model : config.cloud,
                                       a ? config.cloud : config.model));
     if (a) return Kind::pictures;
-    if (input_kind(config.model) != InputKind::cloud || input_kind(config.cloud) != InputKind::cloud) return Kind::points;
+    if (input_kind(config.model) != InputKind::cloud ||
+        input_kind(config.cloud) != InputKind::cloud)
+        return Kind::points;
     std::error_code none;
     const bool to_points = config.two_way && !is_mesh(config.cloud);  // to which faces say nothing
     if (is_mesh(config.model) && !to_points) return Kind::meshes;
-    return std::filesystem::equivalent(config.model, config.cloud, none) ? Kind::points : Kind::clouds;
+    return std::filesystem::equivalent(config.model, config.cloud, none) ? Kind::points
+                                                                         : Kind::clouds;
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ std::string memory_size_text(std::uint64_t bytes) {
     auto value = static_cast<double>(bytes);
     std::size_t unit = 0;
     for (; value >= 1024 && unit < 4; ++unit) value /= 1024;
-    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{} {}", plain_number(value, 3), units[unit]);
+    return unit == 0 ? fmt::format("{} B", bytes)
+                     : fmt::format("{} {}", plain_number(value, 3), units[unit]);
 }
 
 }  // namespace slim

@@ -9,7 +9,8 @@ namespace slim {
 /// Whether the input is a PLY whose faces name their corners.
 bool is_mesh(const std::string& path);
 
-/// Vertices (minus the origin) and faces of such a PLY. DataError for more vertices than are numbered.
+/// Vertices (minus the origin) and faces of such a PLY. DataError for more vertices than are
+/// numbered.
 Mesh read_mesh(const std::string& path, const Vec3d& origin);
 
 }  // namespace slim

@@ -3,8 +3,8 @@
 namespace slim {
 namespace {
 
-/// Models up to this size are checked whole, checksums and all: for 2.7 MB that is below the noise of
-/// a run of 0.24 s.
+/// Models up to this size are checked whole, checksums and all: for 2.7 MB that is below the noise
+/// of a run of 0.24 s.
 constexpr std::uint64_t kCheckedWhole = std::uint64_t{16} << 20;
 
 }  // namespace
@@ -16,7 +16,8 @@ ModelReads::ModelReads(const ModelFile& model, bool taken_whole, bool with_color
         color_bytes_ = model.colors_size();
     }
     const SurfelTree tree = model.tree();
-    if (taken_whole || model.surface_size() <= kCheckedWhole || !tree.sharp().empty()) check_whole();
+    if (taken_whole || model.surface_size() <= kCheckedWhole || !tree.sharp().empty())
+        check_whole();
     else
         met_.resize(tree.n_nodes());
 }

@@ -9,9 +9,10 @@
 
 namespace slim {
 
-/// What a run reads of a model, and checks before it is drawn, once each: all of its surface, or node by node
-/// what its views meet; colours only if they are shown. Nodes and records that are checked by themselves are so without the
-/// checksum of the chunks that they are part of: that is one of the whole chunk.
+/// What a run reads of a model, and checks before it is drawn, once each: all of its surface, or
+/// node by node what its views meet; colours only if they are shown. Nodes and records that are
+/// checked by themselves are so without the checksum of the chunks that they are part of: that is
+/// one of the whole chunk.
 class ModelReads {
 public:
     /// Checks a model at once that is taken whole, is small (16 MiB), or has sharp surfels.
@@ -26,7 +27,9 @@ public:
     /// Whether all of the surface is checked and there is nothing to be met.
     bool whole() const { return whole_; }
     /// Of the file's pages that were read; of chunks that were taken whole their own.
-    std::uint64_t bytes() const { return (whole_ ? model_.surface_size() : pages_.bytes()) + color_bytes_; }
+    std::uint64_t bytes() const {
+        return (whole_ ? model_.surface_size() : pages_.bytes()) + color_bytes_;
+    }
     /// Nodes that were checked by themselves.
     std::uint64_t n_checked() const { return n_checked_; }
 

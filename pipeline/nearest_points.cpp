@@ -31,11 +31,13 @@ public:
         for (std::size_t i = 0; i < places_.size();) {
             near_.clear(), queries_.clear();
             for (; i < places_.size() && near_.size() < kQueries; ++i)
-                if (box.sq_distance(places_[i]) < sq_[i]) near_.push_back(i), queries_.push_back(places_[i]);
+                if (box.sq_distance(places_[i]) < sq_[i])
+                    near_.push_back(i), queries_.push_back(places_[i]);
             if (near_.empty()) break;
             if (!index) index.emplace(points);
             index->search(queries_, 1, indices_, found_);
-            for (std::size_t k = 0; k < near_.size(); ++k) sq_[near_[k]] = std::min(sq_[near_[k]], found_[k]);
+            for (std::size_t k = 0; k < near_.size(); ++k)
+                sq_[near_[k]] = std::min(sq_[near_[k]], found_[k]);
         }
     }
     std::vector<double> take() { return std::move(sq_); }
@@ -51,8 +53,9 @@ private:
 
 }  // namespace
 
-std::vector<double> sq_to_points(const std::vector<Vec3d>& places, const std::string& cloud, const Vec3d& origin,
-                                 const std::function<void(std::uint64_t done, std::uint64_t total)>& each_chunk) {
+std::vector<double> sq_to_points(
+    const std::vector<Vec3d>& places, const std::string& cloud, const Vec3d& origin,
+    const std::function<void(std::uint64_t done, std::uint64_t total)>& each_chunk) {
     NearestPoints nearest(places);
     const auto source = open_cloud(cloud);
     std::vector<Vec3d> points;

@@ -16,7 +16,8 @@ std::string without_marks(const FieldList& fields, const std::string& what) {
         const std::size_t close = std::min(what.find(kMark, mark + 1), what.size());
         const std::string key = what.substr(mark + 1, close - mark - 1);
         const Field* field = fields.find(key);
-        out += what.substr(at, mark - at) + (field && !field->is_word() ? field->option() : "`" + key + "`");
+        out += what.substr(at, mark - at) +
+               (field && !field->is_word() ? field->option() : "`" + key + "`");
         at = std::min(close + 1, what.size());
     }
     return out + what.substr(at);
@@ -26,7 +27,8 @@ bool begins_with_a_path(const FieldList& fields, const std::string& what) {
     for (const Field& field : fields.fields())
         if (field.is_path())
             for (const std::string& item : field.items())
-                if (!item.empty() && (what.starts_with(item + ":") || what.starts_with(item + " "))) return true;
+                if (!item.empty() && (what.starts_with(item + ":") || what.starts_with(item + " ")))
+                    return true;
     return false;
 }
 

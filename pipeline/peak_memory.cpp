@@ -28,7 +28,8 @@ std::uint64_t status_entry(const std::string& key) {
     return 0;
 }
 
-/// Memory held now, in bytes, by /proc/self/statm, which costs a tenth of /proc/self/status; 0 if there is none.
+/// Memory held now, in bytes, by /proc/self/statm, which costs a tenth of /proc/self/status;
+/// 0 if there is none.
 std::uint64_t resident() {
     std::uint64_t all = 0, here = 0;
     std::ifstream("/proc/self/statm") >> all >> here;

@@ -42,8 +42,9 @@ private:
 /// 170 to 190 MiB).
 void keep_freed_memory(bool keep);
 
-/// The same for a job in slices that hold so many bytes at a time: blocks of up to a 64th of them, the lists of balls, are
-/// kept, up to a 16th at the end of each thread's heap. A fit of 3.6 million points took 1.6 GB of new pages, half of them for such lists.
+/// The same for a job in slices that hold so many bytes at a time: blocks of up to a 64th of them,
+/// the lists of balls, are kept, up to a 16th at the end of each thread's heap. A fit of 3.6
+/// million points took 1.6 GB of new pages, half of them for such lists.
 void keep_freed_memory_of_balls(std::uint64_t bytes_in_use);
 
 /// The same for slices of which the largest leaves room in --memory for what lies between blocks: nothing goes back, whatever its

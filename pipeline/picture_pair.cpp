@@ -39,13 +39,16 @@ void PictureRows::plane(const std::string& name, std::vector<double>& out) const
         out.assign(channel.floats.begin(), channel.floats.end());
 }
 
-PicturePair::PicturePair(const std::string& first, const std::string& second) : a_(first), b_(second) {
+PicturePair::PicturePair(const std::string& first, const std::string& second)
+    : a_(first), b_(second) {
     if (a_.width() != b_.width() || a_.height() != b_.height())
-        throw DataError(fmt::format("{} has {}x{} pixels, {} {}x{}: expected two pictures of one size", first,
-                                    a_.width(), a_.height(), second, b_.width(), b_.height()));
+        throw DataError(
+            fmt::format("{} has {}x{} pixels, {} {}x{}: expected two pictures of one size", first,
+                        a_.width(), a_.height(), second, b_.width(), b_.height()));
     for (const std::string& name : a_.names())
         if (b_.has(name)) common_.push_back(name);
-    if (common_.empty()) throw DataError(fmt::format("{} and {} have no channel in common", first, second));
+    if (common_.empty())
+        throw DataError(fmt::format("{} and {} have no channel in common", first, second));
 }
 
 }  // namespace slim

@@ -12,7 +12,8 @@
 
 namespace slim {
 
-/// A picture, read from its top, as planes of numbers by name: PNG as R G B A over 255, EXR as stored.
+/// A picture, read from its top, as planes of numbers by name: PNG as R G B A over 255,
+/// EXR as stored.
 class PictureRows {
 public:
     /// throws as PngReader and ExrReader
@@ -21,7 +22,9 @@ public:
     int height() const { return height_; }
     /// Channels in the order of their names.
     const std::vector<std::string>& names() const { return names_; }
-    bool has(const std::string& name) const { return std::binary_search(names_.begin(), names_.end(), name); }
+    bool has(const std::string& name) const {
+        return std::binary_search(names_.begin(), names_.end(), name);
+    }
 
     void read(int n_rows);
     /// The channel in the rows read last.
@@ -45,8 +48,8 @@ public:
     const PictureRows& second() const { return b_; }
     const std::vector<std::string>& common() const { return common_; }
 
-    /// Once: calls take(name, plane of the first, of the second) for each common channel of a band of whole
-    /// rows, then band_done(first pixel, pixels), and so on to the last band.
+    /// Once: calls take(name, plane of the first, of the second) for each common channel of a band
+    /// of whole rows, then band_done(first pixel, pixels), and so on to the last band.
     template <class Take, class Done>
     void for_each_band(const Take& take, const Done& band_done) {
         const auto width = static_cast<std::size_t>(a_.width());

@@ -13,8 +13,9 @@ namespace {
 std::string division_text(const JobStep& step) {
     if (step.division.empty()) return "";
     return fmt::format("    in plans {}: {}\n",
-                       step.shares.empty() ? "one task"
-                                           : fmt::format("{} tasks and one that joins", step.shares.size()),
+                       step.shares.empty()
+                           ? "one task"
+                           : fmt::format("{} tasks and one that joins", step.shares.size()),
                        step.division);
 }
 
@@ -23,8 +24,9 @@ std::string division_text(const JobStep& step) {
 std::string explanation_of(const Job& job) {
     std::string text = "`slim run` does, in this order:\n";
     for (const JobStep& step : job.steps)
-        text += fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments)) +
-                division_text(step);
+        text +=
+            fmt::format("  {}: slim {} {}\n", step.name, step.verb, shell_line(step.arguments)) +
+            division_text(step);
     if (job.html)
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";

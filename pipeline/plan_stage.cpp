@@ -20,8 +20,8 @@ namespace {
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 /// Of a job's memory: less holds no points (build's --memory is at least that).
 constexpr std::uint64_t kLeastMemory = 64 * kMiB;
-/// A view holds up to 384 MiB of a picture's bands and what is made of them, whatever [fit] memory is:
-/// 608 MiB for 4096x4096 of 100,000 points; with lines 640 MiB, for 16384x16384 780 MiB.
+/// A view holds up to 384 MiB of a picture's bands and what is made of them, whatever [fit] memory
+/// is: 608 MiB for 4096x4096 of 100,000 points; with lines 640 MiB, for 16384x16384 780 MiB.
 constexpr std::uint64_t kMemoryOfViews = 1024 * kMiB;
 /// The script must not depend on the machine that prints it.
 constexpr int kThreads = 4;
@@ -48,13 +48,17 @@ void check_memory(const PlanConfig& config) {
 /// Options that were given and play no part.
 void refuse_without_effect(const PlanConfig& config, int threads_given) {
     if (config.explain && config.format != PlanConfig{}.format)
-        throw ConfigError(fmt::format("format: --explain prints none; leave out --format {}", config.format));
+        throw ConfigError(
+            fmt::format("format: --explain prints none; leave out --format {}", config.format));
     if (threads_given == 0) return;
-    if (config.explain) throw ConfigError("--threads: --explain asks for none; expected --format slurm or snakemake with it");
+    if (config.explain)
+        throw ConfigError(
+            "--threads: --explain asks for none; expected --format slurm or snakemake with it");
     if (config.format == "make" || config.format == "slices")
-        throw ConfigError(fmt::format(
-            "--threads: make asks for none; expected --format slurm or snakemake with it, or SLIM_THREADS={} make",
-            threads_given));
+        throw ConfigError(
+            fmt::format("--threads: make asks for none; expected --format slurm or snakemake with "
+                        "it, or SLIM_THREADS={} make",
+                        threads_given));
 }
 
 std::string text_of(const PlanConfig& config, int threads_given) {

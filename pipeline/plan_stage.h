@@ -30,7 +30,8 @@ struct PlanConfig {
               "of slurm and snakemake: what each job asks for, at least 64MiB, besides --threads "
               "(4 without it, on any machine); without it [fit] memory, a quarter and 256MiB more, "
               "at least 1GiB");
-        field("explain", explain, "instead, say what is done, what is left out and why, and what will be missing");
+        field("explain", explain,
+              "instead, say what is done, what is left out and why, and what will be missing");
     }
 };
 

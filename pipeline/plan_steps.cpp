@@ -33,7 +33,8 @@ Words joining_build(const JobStep& step, const Job& job, const fs::path& program
 }
 
 PlanTask whole_task(const JobStep& step, const Job& job, const fs::path& programs) {
-    PlanTask task{verb_command(programs, step.verb, step.arguments), {}, step.target, step.products};
+    PlanTask task{
+        verb_command(programs, step.verb, step.arguments), {}, step.target, step.products};
     for (const fs::path& input : step.inputs) task.needs.push_back(made_by(input, job));
     return task;
 }

@@ -177,7 +177,8 @@ Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLo
         const PixelDiagonals diagonals = frame.diagonals.empty()
                                              ? PixelDiagonals(bounds.diagonal())
                                              : PixelDiagonals(frame.diagonals, frame.traced.model);
-        return painted([&](const RowRange& r) { return paint_directions(b, diagonals, aov == "dir2", r); });
+        return painted(
+            [&](const RowRange& r) { return paint_directions(b, diagonals, aov == "dir2", r); });
     }
     if (aov == "normal") return painted([&](const RowRange& r) { return paint_normals(b, r); });
     if (aov == "position")

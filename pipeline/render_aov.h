@@ -24,7 +24,8 @@ struct RenderedFrame {
     GBuffer buffer;
     std::vector<float> truth_distance;  ///< empty unless asked for; model units, 0 without a hit
     TracedPlanes traced;                ///< of a frame drawn by rays
-    std::vector<double> diagonals;      ///< L of each model, of a frame that several are drawn in; else empty
+    std::vector<double> diagonals;      ///< L of each model, of a frame that
+                                        ///< several are drawn in; else empty
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
     std::vector<float> ground_open;     ///< the same of the ground, where it is seen
     TraceCounts light_counts;           ///< rays for light
@@ -33,8 +34,8 @@ struct RenderedFrame {
 
 /// Signed distance of every hit to the shape of config.truth_shape (its origin at config.offset in
 /// the world), positive outside. Parallel over pixels. Throws ConfigError for an unknown shape or a
-/// bad offset. 0 where no nearest point is known (nearest_point), counted in `n_unknown`. Cost: about six evaluations of
-/// the shape per hit.
+/// bad offset. 0 where no nearest point is known (nearest_point), counted in `n_unknown`. Cost:
+/// about six evaluations of the shape per hit.
 std::vector<float> truth_distances(const RenderConfig& config, const Vec3d& model_origin,
                                    const GBuffer& buffer, std::uint64_t* n_unknown = nullptr);
 

@@ -70,25 +70,29 @@ bool is_third_order(const std::string& aov) {
     return channel_table().at(aov) == kThirdOrderChannel;
 }
 
-std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree, bool has_colors) {
+std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree,
+                                       bool has_colors) {
     std::vector<std::string> aovs = written_out(asked);
     if (!has_colors) std::erase(aovs, "color");
     if (degree < 3) std::erase_if(aovs, is_third_order);
     return aovs;
 }
 
-std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree, bool has_colors) {
+std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree,
+                                     bool has_colors) {
     std::vector<LeftOut> out;
     if (!contains(asked, "all")) return out;
     const auto add = [&](std::initializer_list<const char*> aovs, std::string reason) {
         std::vector<std::string> names;
         for (const char* aov : aovs)
             if (!contains(asked, aov)) names.push_back(aov);
-        if (!names.empty()) out.push_back({fmt::format("{}", fmt::join(names, ", ")), std::move(reason)});
+        if (!names.empty())
+            out.push_back({fmt::format("{}", fmt::join(names, ", ")), std::move(reason)});
     };
     if (degree < 3)
         add({"e1", "e2", "dk1_dt2", "dk2_dt1"},
-            fmt::format("a model of degree {} has no third derivatives (build it with degree 3)", degree));
+            fmt::format("a model of degree {} has no third derivatives (build it with degree 3)",
+                        degree));
     if (!has_colors) add({"color"}, "one model with colours has it (build it with color)");
     add({"ao"}, "takes rays (mode raytrace) and is to be asked for by name");
     add({"truth_distance"}, "needs a shape (truth_shape) and is to be asked for by name");
@@ -107,9 +111,10 @@ std::vector<std::string> wanted_aovs(const RenderConfig& config) {
 void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
                         std::vector<std::string>& aovs) {
     if (!has_colors && std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
-        throw ConfigError(config.model +
-                          ": aov color: the model has no colours: build it with --color, from a PLY "
-                          "with red, green and blue");
+        throw ConfigError(
+            config.model +
+            ": aov color: the model has no colours: build it with --color, from a PLY "
+            "with red, green and blue");
     // Those of a model are by its own surfels, which further models do not have.
     if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
     if (degree >= 3) return;

@@ -17,16 +17,20 @@ bool is_third_order(const std::string& aov);
 /// ConfigError for truth_distance without a --truth-shape.
 std::vector<std::string> wanted_aovs(const RenderConfig& config);
 
-/// AOVs with "all" written out and without what a model of that degree, with or without colours, cannot give.
-std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree, bool has_colors);
+/// AOVs with "all" written out and without what a model of that degree, with or without colours,
+/// cannot give.
+std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree,
+                                       bool has_colors);
 
 /// Some AOVs that "all" passes over, and why.
 struct LeftOut {
     std::string aovs;  ///< "e1, e2"
     std::string reason;
 };
-/// What "all", if it is among those asked for, passes over of the AOVs that are not asked for by name.
-std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree, bool has_colors);
+/// What "all", if it is among those asked for, passes over of the AOVs that are not asked for by
+/// name.
+std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree,
+                                     bool has_colors);
 
 /// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour
 /// unless it has any. ConfigError, naming the remedy, if one was asked for by name.

@@ -59,6 +59,19 @@ struct RenderConfig {
 
     template <class Visitor>
     void visit(Visitor&& field) {
+        visit_camera(field);
+        visit_drawn(field);
+        visit_light(field);
+        visit_frame(field);
+        visit_maps(field);
+        visit_looks(field);
+        visit_parts(field);
+    }
+
+private:
+    // The model, the files, the size and the camera.
+    template <class Visitor>
+    void visit_camera(Visitor& field) {
         field.input("model", model, "model to draw (model.slim)");
         field.output(
             "output", output,
@@ -79,76 +92,109 @@ struct RenderConfig {
         field.choice("up", up, "axis that named cameras hold upright",
                      {"y", "z", "x", "-y", "-z", "-x"});
         field("zoom", zoom,
-              "enlarges about the picture's middle, of named cameras that of what they frame: 2 shows half of what the camera shows", 0.001,
-              1000);
+              "enlarges about the picture's middle, of named cameras that of what they frame: 2 "
+              "shows half of what the camera shows",
+              0.001, 1000);
+    }
+
+    // What is drawn, and how it is found.
+    template <class Visitor>
+    void visit_drawn(Visitor& field) {
         field.choice("aov", aov, "what to draw; several make several pictures",
                      {"shaded",   "color", "environment", "matcap",  "reflection", "hillshade",
                       "mean",     "gauss", "k1",          "k2",      "dir1",       "dir2",
                       "e1",       "e2",    "dk1_dt2",     "dk2_dt1", "normal",     "depth",
                       "position", "id",    "error",       "level",   "coverage",   "ao",
                       "truth_distance",    "lines",       "all"});
-        field.choice(
-            "lines", lines,
-            "feature lines, drawn over the pictures (alone on white: --aov lines) and beside them as "
-            "x.lines.svg; crest needs a model of --degree 3, crease one of --sharp on",
-            {"contour", "suggestive", "crest", "crease", "parabolic", "reflection"});
+        field.choice("lines", lines,
+                     "feature lines, drawn over the pictures (alone on white: --aov lines) and "
+                     "beside them as x.lines.svg; crest needs a model of --degree 3, crease one of "
+                     "--sharp on",
+                     {"contour", "suggestive", "crest", "crease", "parabolic", "reflection"});
         field.path("lines_ply", lines_ply, "the lines in space as PLY (vertex and edge elements)");
         field.path("lines_obj", lines_obj, "the lines in space as OBJ");
-        field.choice("mode", mode,
-                     "forward: fast; raytrace: shadows, mirrors, ambient occlusion; brute: the slow "
-                     "reference in doubles",
-                     {"forward", "raytrace", "brute"});
-        field(
-            "light", light,
-            "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or from=x,y,z), "
-            "point at=x,y,z, spot at= to= cone= blur=, rect at= to= size=W,H, disc at= to= size=; all take power= "
-            "color=#rrggbb shadows=on|off; angle= (sun, key, fill) and size= (rect, disc) make soft shadows of "
-            "samples= rays; blur= is the share of a spot's cone over which its edge fades (0: hard, 1: from the middle)");
+        field.choice(
+            "mode", mode,
+            "forward: fast; raytrace: shadows, mirrors, ambient occlusion; brute: the slow "
+            "reference in doubles",
+            {"forward", "raytrace", "brute"});
+    }
+
+    // Light, materials and what rays add.
+    template <class Visitor>
+    void visit_light(Visitor& field) {
+        field("light", light,
+              "lights, 'KIND key=value ...; KIND ...': key, fill, sun azimuth= elevation= (or "
+              "from=x,y,z), point at=x,y,z, spot at= to= cone= blur=, rect at= to= size=W,H, disc "
+              "at= to= size=; all take power= color=#rrggbb shadows=on|off; angle= (sun, key, "
+              "fill) and size= (rect, disc) make soft shadows of samples= rays; blur= is the share "
+              "of a spot's cone over which its edge fades (0: hard, 1: from the middle)");
         field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
-        field("material", material,
-              "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");
+        field(
+            "material", material,
+            "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");
         field("shadows", shadows, "raytrace: lights throw shadows");
         field("bounces", bounces, "raytrace: mirror images within mirror images", 0, 16);
         field("ao", ao, "raytrace: ambient occlusion dims the ambient light (alone: --aov ao)");
         field("ao_distance", ao_distance,
-              "how near a surface shuts out ambient light, model units (0: a quarter of the diagonal)", 0,
-              1e30);
+              "how near a surface shuts out ambient light, model units (0: a quarter of the "
+              "diagonal)",
+              0, 1e30);
         field("ao_samples", ao_samples, "rays per pixel for it, rounded up to a square", 1, 4096);
-        field("ground", ground, "raytrace: a plane under the model, across --up, that takes shadows");
-        field("ground_height", ground_height, "where it cuts the up axis, world (auto: under what is drawn)");
+        field("ground", ground,
+              "raytrace: a plane under the model, across --up, that takes shadows");
+        field("ground_height", ground_height,
+              "where it cuts the up axis, world (auto: under what is drawn)");
         field("ground_color", ground_color,
               "#rrggbb, or shadow: only its shadows are seen, over the background");
-        field.path("add", add, "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
+        field.path("add", add,
+                   "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
+    }
+
+    // How finely.
+    template <class Visitor>
+    void visit_frame(Visitor& field) {
         field("lod", lod,
-              "draw a ball's stand-in when smaller than this in pixels, or what it shows is (0: never; "
-              "forward only)",
+              "draw a ball's stand-in when smaller than this in pixels, or what it shows is (0: "
+              "never; forward only)",
               0, 1e6);
         field("loose", loose,
               "draw loose surfels too: small pieces that agree with no surface about them");
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
+    }
+
+    // Ranges and legends of the maps.
+    template <class Visitor>
+    void visit_maps(Visitor& field) {
         field("range", range,
-              "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI (signed maps keep 0 neutral: "
-              "each side goes to its own end)");
+              "fixed ranges of maps: A for [-A, A] (unsigned: [0, A]), AOV=A or AOV=LO:HI (signed "
+              "maps keep 0 neutral: each side goes to its own end)");
         field("same_range", same_range,
               "named cameras whose automatic ranges, the largest of each map, are the range of its "
               "maps: "
               "pictures from several sides then compare");
         field("percentile", percentile,
-              "share of |values| that an automatic range holds (of curvatures where most pixels are flat, with radii above "
-              "10 diagonals: of the others)",
+              "share of |values| that an automatic range holds (of curvatures where most pixels "
+              "are flat, with radii above 10 diagonals: of the others)",
               1, 100);
         field("legend", legend,
-              "legend bar in the maps and beside them as SVG; where a picture of the run has one, named cameras "
-              "leave its room free in all of them, so that they overlay (--no-legend: the model fills them)");
+              "legend bar in the maps and beside them as SVG; where a picture of the run has one, "
+              "named cameras leave its room free in all of them, so that they overlay "
+              "(--no-legend: the model fills them)");
         field("legend_room", legend_room,
-              "named cameras leave that room also where no picture of the run has a legend, so that those of several "
-              "runs overlay");
+              "named cameras leave that room also where no picture of the run has a legend, so "
+              "that those of several runs overlay");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
+    }
+
+    // Backgrounds, files and the looks of single maps.
+    template <class Visitor>
+    void visit_looks(Visitor& field) {
         field("background", background,
-              "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom; lines alone are light on dark ones, in the "
-              "SVG too");
+              "auto, white, black, gradient, transparent, #rrggbb or #top,#bottom; lines alone are "
+              "light on dark ones, in the SVG too");
         field.choice("format", format, "auto: by the output's extension, PNG in a folder",
                      {"auto", "png", "exr"});
         field("unit", unit, "name of the model's length unit, for legends (mm, m, ...)");
@@ -173,10 +219,15 @@ struct RenderConfig {
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
         field("same_scale", same_scale,
               "orthographic named cameras: one scale for all six sides, at which each fits");
+    }
+
+    // Parts of a picture, and films.
+    template <class Visitor>
+    void visit_parts(Visitor& field) {
         field("crop", crop,
               "draws only x,y,w,h of the picture (pixels, from the top left): the bytes that the "
-              "whole has there (with lines each part, of --tile and --share too, first finds those of the whole "
-              "picture: 16 parts took four times the whole)");
+              "whole has there (with lines each part, of --tile and --share too, first finds those "
+              "of the whole picture: 16 parts took four times the whole)");
         field("turntable", turntable,
               "pictures of a full turn about the up axis, numbered x_0001.png, ...", 0, 9999);
         field("path", path,
@@ -189,12 +240,13 @@ struct RenderConfig {
         field(
             "tile", tile,
             "i/n: draws only part i (1 to n) of n bands of rows, for array jobs");
-        field.part("share", share,
-                   "i/n: draws share i of a film (pictures in a row) or picture (rows) that n tasks draw; "
-                   "then --join n");
+        field.part(
+            "share", share,
+            "i/n: draws share i of a film (pictures in a row) or picture (rows) that n tasks draw; "
+            "then --join n");
         field.part("join", join,
-                   "checks that all of so many shares are there and makes the whole of them: the bytes of one "
-                   "run",
+                   "checks that all of so many shares are there and makes the whole of them: the "
+                   "bytes of one run",
                    0, 9999);
     }
 };

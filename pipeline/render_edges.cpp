@@ -6,7 +6,8 @@
 
 namespace slim {
 
-std::vector<ScenePart> scene_parts(const SurfelTree& tree, const std::optional<TracedModels>& traced) {
+std::vector<ScenePart> scene_parts(const SurfelTree& tree,
+                                   const std::optional<TracedModels>& traced) {
     if (!traced) return {{&tree, {}}};
     return {traced->parts().begin(), traced->parts().end()};
 }
@@ -16,8 +17,11 @@ bool has_sharp(const std::vector<ScenePart>& parts) {
                        [](const ScenePart& part) { return !part.tree->sharp().empty(); });
 }
 
-std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose, Reporter& reporter) {
-    const auto tell = [&](std::size_t done, std::size_t total) { reporter.progress("edges", done, total); };
+std::vector<std::vector<SharpEdge>> edges_of(const std::vector<ScenePart>& parts, bool loose,
+                                             Reporter& reporter) {
+    const auto tell = [&](std::size_t done, std::size_t total) {
+        reporter.progress("edges", done, total);
+    };
     std::vector<std::vector<SharpEdge>> out;
     for (const ScenePart& part : parts) {
         out.push_back(trace_sharp_edges(*part.tree, loose, tell));

@@ -91,7 +91,8 @@ void add_second_direction(const GBuffer& buffer, std::vector<std::vector<float>>
 }
 
 /// Strength planes of the kinds asked for; lines.crest is ridges and valleys together.
-void add_lines(const DrawnLines& drawn, std::vector<std::vector<float>>& planes, std::vector<ExrChannel>& out) {
+void add_lines(const DrawnLines& drawn, std::vector<std::vector<float>>& planes,
+               std::vector<ExrChannel>& out) {
     const auto add = [&](const char* name, std::vector<LineKind> of) {
         planes.push_back(
             strength_plane(drawn.lines, of, drawn.size.width, drawn.size.height, drawn.window));
@@ -200,7 +201,8 @@ void make_folder(const OutputPlan& plan) {
 
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      const RenderedFrame& frame, std::span<const ColorPlane> colors,
-                                     const DrawnLines& lines, std::vector<std::vector<float>>& planes) {
+                                     const DrawnLines& lines,
+                                     std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
     // The channels look at the planes' values, which moving a vector keeps.
     planes.reserve(4 * colors.size() + 3 + lines.kinds.size() + 1);
@@ -234,7 +236,8 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:directions",
          "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
-    // No renderTimeSeconds (CONVENTIONS 1.2): a clock would make every run's bytes its own. The time is in the manifest.
+    // No renderTimeSeconds (CONVENTIONS 1.2): a clock would make every run's bytes its own. The
+    // time is in the manifest.
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;
     return metadata;
 }
@@ -268,7 +271,9 @@ ImageMatrices make_matrices(const Camera& camera, const PictureSize& size) {
         const double screen[4] = {2 * ndc[0] - ndc[3], ndc[3] - 2 * ndc[1], ndc[2], ndc[3]};
         std::copy(std::begin(screen), std::end(screen), to_screen[row]);
     }
-    return {{"worldToCamera", rows(to_camera)}, {"worldToNDC", rows(to_ndc)}, {"worldToScreen", rows(to_screen)}};
+    return {{"worldToCamera", rows(to_camera)},
+            {"worldToNDC", rows(to_ndc)},
+            {"worldToScreen", rows(to_screen)}};
 }
 
 }  // namespace slim

@@ -21,7 +21,8 @@ namespace slim {
 ///     -o x.exr              x.exr with all channels, and x.png, a preview of the first AOV
 ///     -o x.PNG, x.EXR       the same, their extension as given
 ///     several frames        each of these numbered: x_0001.png, x.<aov>_0001.png
-///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and .png
+///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and
+///                           .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
@@ -52,13 +53,14 @@ struct ColorPlane {
     Picture picture;  ///< over transparent
 };
 
-/// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS 1.1: at most
-/// four a layer, so that the kinds it does not name are in a layer of their own, `marks`. The first
-/// picture of light is R G B A without a layer. `planes` keeps what had to be rearranged and must
-/// outlive the result.
+/// The EXR's channels for these AOVs and kinds of lines (their strength), names as in CONVENTIONS
+/// 1.1: at most four a layer, so that the kinds it does not name are in a layer of their own,
+/// `marks`. The first picture of light is R G B A without a layer. `planes` keeps what had to be
+/// rearranged and must outlive the result.
 std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      const RenderedFrame& frame, std::span<const ColorPlane> colors,
-                                     const DrawnLines& lines, std::vector<std::vector<float>>& planes);
+                                     const DrawnLines& lines,
+                                     std::vector<std::vector<float>>& planes);
 
 /// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths
 /// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
@@ -67,8 +69,8 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
                             const Camera& camera);
 
 /// worldToCamera (right-handed, looking along -Z), worldToNDC ([0, 1]^2, origin top left, depth
-/// unscaled) and worldToScreen (the same in [-1, 1]^2, y upwards) in row-vector form, for the local frame
-/// that P lies in.
+/// unscaled) and worldToScreen (the same in [-1, 1]^2, y upwards) in row-vector form, for the local
+/// frame that P lies in.
 ImageMatrices make_matrices(const Camera& camera, const PictureSize& size);
 
 }  // namespace slim

@@ -27,9 +27,11 @@ struct RenderOutcome {
     std::vector<std::filesystem::path> files;
 };
 
-/// Draws and writes all pictures of the run; legends are those of the whole film. All files of a picture, lines and
-/// legends among them, appear together once it is whole; those of a film stay if a later picture fails. `free_right`: the share of a picture
-/// that named cameras leave free. Throws NumericalError where a whole picture shows nothing.
-RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity, StageContext& context);
+/// Draws and writes all pictures of the run; legends are those of the whole film. All files of a
+/// picture, lines and legends among them, appear together once it is whole; those of a film stay if
+/// a later picture fails. `free_right`: the share of a picture that named cameras leave free.
+/// Throws NumericalError where a whole picture shows nothing.
+RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
+                        StageContext& context);
 
 }  // namespace slim

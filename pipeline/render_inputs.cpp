@@ -28,7 +28,8 @@ void check_folder_above(const fs::path& output) {
         above = above.parent_path();
     // Below a file nothing is found; the file itself is.
     if (above.empty() || fs::is_directory(above, none)) return;
-    throw IoError(fmt::format("{}: {} is no folder; expected one, or a name that is free", output.string(), above.string()),
+    throw IoError(fmt::format("{}: {} is no folder; expected one, or a name that is free",
+                              output.string(), above.string()),
                   ExitCode::usage);
 }
 
@@ -61,8 +62,8 @@ void add_inputs(const RenderConfig& config, const ModelFile& model, Stamp& stamp
     if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) stamp.depends(epoch);
 }
 
-void add_outputs(const RenderConfig& config, const std::vector<std::string>& aovs, const RenderShare& share,
-                 Stamp& stamp) {
+void add_outputs(const RenderConfig& config, const std::vector<std::string>& aovs,
+                 const RenderShare& share, Stamp& stamp) {
     const OutputPlan plan = plan_outputs(config, aovs);
     const FrameRange range = wanted_frames(config, share);
     const bool film = n_frames(config) > 1;
@@ -81,7 +82,8 @@ bool writes_lines(const RenderShare& share, bool film) { return film || share.nu
 void check_outputs(const RenderConfig& config, const OutputPlan& plan) {
     std::vector<fs::path> outputs = plan.pngs;
     for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
-    for (const fs::path& output : {plan.exr, plan.lines_svg(), fs::path(config.lines_ply), fs::path(config.lines_obj)})
+    for (const fs::path& output :
+         {plan.exr, plan.lines_svg(), fs::path(config.lines_ply), fs::path(config.lines_obj)})
         if (!output.empty()) outputs.push_back(output);
     for (const fs::path& output : outputs) {
         check_replaceable(output.string());

@@ -69,8 +69,9 @@ struct RenderJob {
     bool finds_lines() const { return !lines.empty() && !found_lines; }
     /// The lines found, to be shown in a part of the picture.
     DrawnLines drawn_lines(const PixelWindow& part) const {
-        return {found_lines ? std::span<const FeatureLine>(*found_lines) : std::span<const FeatureLine>(), lines,
-                size, part};
+        return {found_lines ? std::span<const FeatureLine>(*found_lines)
+                            : std::span<const FeatureLine>(),
+                lines, size, part};
     }
     bool wants(const char* aov) const {
         return contains(aovs, aov);

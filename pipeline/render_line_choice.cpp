@@ -34,7 +34,8 @@ std::string line_word(LineKind kind) {
     return crest ? "crest" : std::string(line_name(kind));
 }
 
-LineChoice line_choice(const RenderConfig& config, const std::vector<std::string>& aovs, int degree, bool sharp) {
+LineChoice line_choice(const RenderConfig& config, const std::vector<std::string>& aovs, int degree,
+                       bool sharp) {
     const std::vector<std::string> asked = asked_lines(config, aovs, degree, sharp);
     LineChoice choice;
     choice.n_words = asked.size();

@@ -23,9 +23,10 @@ namespace {
 /// Why lines of that kind cannot be drawn from the model.
 std::string what_lacks(LineKind kind, const std::string& name, int degree) {
     if (is_crease(kind))
-        return fmt::format("{}: crease lines are the edges between the sheets of sharp surfels, of which the "
-                           "model has none: build it with --sharp on (if it was, no edge was found)",
-                           name);
+        return fmt::format(
+            "{}: crease lines are the edges between the sheets of sharp surfels, of which the "
+            "model has none: build it with --sharp on (if it was, no edge was found)",
+            name);
     return fmt::format("{}: {} lines need derivatives that a model of degree {} does not have: "
                        "build it with --degree {}",
                        name, line_word(kind), degree, line_degree(kind));
@@ -80,7 +81,8 @@ class OneModel {
 public:
     OneModel(std::size_t number, RenderedFrame& frame) : frame_(frame), all_(frame.buffer.hit) {
         std::vector<std::uint8_t>& hit = frame.buffer.hit;
-        for (std::size_t i = 0; i < hit.size(); ++i) hit[i] = hit[i] && frame.traced.model[i] == number ? 1 : 0;
+        for (std::size_t i = 0; i < hit.size(); ++i)
+            hit[i] = hit[i] && frame.traced.model[i] == number ? 1 : 0;
     }
     ~OneModel() { std::swap(frame_.buffer.hit, all_); }
 
@@ -95,7 +97,8 @@ PictureLines::PictureLines(std::span<const LineModel> models, std::span<const Li
     : kinds_(kinds.begin(), kinds.end()) {
     const ModelHeader& first = *models[0].header;
     if (models.size() == 1) {
-        searches_.push_back({kAllModels, first.diagonal, first.degree, models[0].edges, LineSearch(kinds)});
+        searches_.push_back(
+            {kAllModels, first.diagonal, first.degree, models[0].edges, LineSearch(kinds)});
         return;
     }
     std::vector<LineKind> whole, creases;
@@ -109,10 +112,12 @@ PictureLines::PictureLines(std::span<const LineModel> models, std::span<const Li
         const ModelHeader& model = *models[m].header;
         const int degree = std::min(first.degree, model.degree);
         std::vector<LineKind> own;
-        std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own),
-                     [&](LineKind kind) { return line_degree(kind) > 1 && line_degree(kind) <= degree; });
+        std::copy_if(kinds.begin(), kinds.end(), std::back_inserter(own), [&](LineKind kind) {
+            return line_degree(kind) > 1 && line_degree(kind) <= degree;
+        });
         // The model's own crest lines give way to its creases, which are known before them.
-        searches_.push_back({kAllModels, model.diagonal, degree, models[m].edges, LineSearch(creases)});
+        searches_.push_back(
+            {kAllModels, model.diagonal, degree, models[m].edges, LineSearch(creases)});
         searches_.push_back({m, model.diagonal, degree, {}, LineSearch(own)});
     }
 }
@@ -122,28 +127,35 @@ void PictureLines::add(int begin, int end, RenderedFrame& frame) {
     for (Search& search : searches_) {
         std::optional<OneModel> alone;
         if (search.model != kAllModels) alone.emplace(search.model, frame);
-        search.lines.add({frame.buffer, frame.pixels, search.diagonal, search.degree, search.edges, rows});
+        search.lines.add(
+            {frame.buffer, frame.pixels, search.diagonal, search.degree, search.edges, rows});
     }
 }
 
 std::vector<FeatureLine> PictureLines::finish() {
     std::vector<FeatureLine> lines, more;
     for (Search& search : searches_) {
-        more = search.lines.finish(search.model == kAllModels ? std::vector<FeatureLine>{} : std::move(more));
+        more = search.lines.finish(search.model == kAllModels ? std::vector<FeatureLine>{}
+                                                              : std::move(more));
         lines.insert(lines.end(), more.begin(), more.end());
     }
-    const auto rank = [&](const FeatureLine& line) { return std::find(kinds_.begin(), kinds_.end(), line.kind); };
+    const auto rank = [&](const FeatureLine& line) {
+        return std::find(kinds_.begin(), kinds_.end(), line.kind);
+    };
     std::stable_sort(lines.begin(), lines.end(),
                      [&](const FeatureLine& a, const FeatureLine& b) { return rank(a) < rank(b); });
     return lines;
 }
 
-std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg, const Vec3d& origin,
-                                  const DrawnLines& drawn) {
-    std::vector<NamedText> files{{svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window,
-                                                 parse_background(config.background, true))}};
-    if (!config.lines_ply.empty()) files.push_back({config.lines_ply, lines_ply(drawn.lines, origin)});
-    if (!config.lines_obj.empty()) files.push_back({config.lines_obj, lines_obj(drawn.lines, origin)});
+std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg,
+                                  const Vec3d& origin, const DrawnLines& drawn) {
+    std::vector<NamedText> files{
+        {svg, lines_svg(drawn.lines, drawn.kinds, drawn.size.width, drawn.size.height, drawn.window,
+                        parse_background(config.background, true))}};
+    if (!config.lines_ply.empty())
+        files.push_back({config.lines_ply, lines_ply(drawn.lines, origin)});
+    if (!config.lines_obj.empty())
+        files.push_back({config.lines_obj, lines_obj(drawn.lines, origin)});
     return files;
 }
 
@@ -157,7 +169,8 @@ nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const Li
             ++polylines;
             length += static_cast<double>(line.length);
             length_px += static_cast<double>(line.length_px);
-            strength += static_cast<double>(is_crease(kind) ? line.strength * line.length_px : line.strength);
+            strength += static_cast<double>(is_crease(kind) ? line.strength * line.length_px
+                                                            : line.strength);
         }
         if (is_crease(kind) && length_px > 0) strength /= length_px;
         out[std::string(line_name(kind))] = {{"polylines", polylines},

@@ -18,13 +18,14 @@
 
 namespace slim {
 
-/// Throws ConfigError for files of lines that nobody asks for, or whose names are not .ply and .obj.
+/// Throws ConfigError for files of lines that nobody asks for,
+/// or whose names are not .ply and .obj.
 void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 /// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines"
-/// alone: contours, suggestive contours, crest lines if the model is cubic, and creases if it is sharp (some
-/// model of the scene has sharp surfels). Kinds whose derivatives or sheets the model does not have are left
-/// out with a warning; ConfigError if none is left.
+/// alone: contours, suggestive contours, crest lines if the model is cubic, and creases if it is
+/// sharp (some model of the scene has sharp surfels). Kinds whose derivatives or sheets the model
+/// does not have are left out with a warning; ConfigError if none is left.
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,
                                    const ModelHeader& model, bool sharp, Reporter& reporter);
 
@@ -34,9 +35,10 @@ struct LineModel {
     std::span<const SharpEdge> edges = {};
 };
 
-/// The search for the lines of a picture in frames of its own size, whole or band by band from the top (LineSearch).
-/// Of several models contours and reflections are those of the picture; creases are each model's, hidden by all; all else is found in each model by itself
-/// and measured by its own diagonal and degree, so that what is drawn of it does not depend on what stands beside it.
+/// The search for the lines of a picture in frames of its own size, whole or band by band from the
+/// top (LineSearch). Of several models contours and reflections are those of the picture; creases
+/// are each model's, hidden by all; all else is found in each model by itself and measured by its
+/// own diagonal and degree, so that what is drawn of it does not depend on what stands beside it.
 class PictureLines {
 public:
     PictureLines(std::span<const LineModel> models, std::span<const LineKind> kinds);
@@ -75,11 +77,11 @@ struct NamedText {
 };
 
 /// The lines as SVG, and as PLY and OBJ if the configuration names such files.
-std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg, const Vec3d& origin,
-                                  const DrawnLines& drawn);
+std::vector<NamedText> line_files(const RenderConfig& config, const std::filesystem::path& svg,
+                                  const Vec3d& origin, const DrawnLines& drawn);
 
-/// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name. Strength is the sum of
-/// the lines', of creases the mean over their length.
+/// {kind: {polylines, length (model units), length_px, strength}}, kinds by line_name. Strength is
+/// the sum of the lines', of creases the mean over their length.
 nlohmann::json lines_json(std::span<const FeatureLine> lines, std::span<const LineKind> kinds);
 
 }  // namespace slim

@@ -73,7 +73,8 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
         ValueRange range = map_range(config, aov, values.span(), b.hit, diagonal);
-        if (wider) range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
+        if (wider)
+            range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
         look.legend = make_legend(config, aov, range, values.span(), b.hit);
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
@@ -95,7 +96,8 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
            (aov == "hillshade" && config.contours != "none");
 }
 
-double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn, const PictureSize& size) {
+double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+                   const PictureSize& size) {
     double share = 0;
     if (!config.legend_room && !has_legend(config, drawn)) return share;
     RenderConfig any;

@@ -37,9 +37,11 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
-/// Share of the picture's width that the widest legend or key of all AOVs would take at the right; 0 where none of
-/// those drawn has one (unless --legend-room wants it) or the picture is too small for one. The same whatever else is
-/// asked for, so that pictures of one camera overlay. The numbers are not known yet: assumed to be of a usual length.
-double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn, const PictureSize& size);
+/// Share of the picture's width that the widest legend or key of all AOVs would take at the right;
+/// 0 where none of those drawn has one (unless --legend-room wants it) or the picture is too small
+/// for one. The same whatever else is asked for, so that pictures of one camera overlay. The
+/// numbers are not known yet: assumed to be of a usual length.
+double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+                   const PictureSize& size);
 
 }  // namespace slim

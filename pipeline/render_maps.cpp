@@ -51,8 +51,8 @@ double least_range(int length_power, double diagonal) {
     return length_power < 0 ? std::pow(0.01 / l, -length_power) : 1e-7 * l;
 }
 
-/// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and more. (Of scans
-/// a few in 100 pixels, of parts most: symmetric_range.)
+/// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and
+/// more. (Of scans a few in 100 pixels, of parts most: symmetric_range.)
 double flat_until(int length_power, double diagonal) {
     return length_power < 0 && diagonal > 0 ? std::pow(0.1 / diagonal, -length_power) : 0;
 }

@@ -19,13 +19,14 @@ struct MapSpec {
     const char* low_note;
 };
 
-/// The map of an AOV that is painted as one (mean, gauss, k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth, error, coverage,
-/// truth_distance), else null.
+/// The map of an AOV that is painted as one (mean, gauss, k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth,
+/// error, coverage, truth_distance), else null.
 const MapSpec* map_spec(const std::string& aov);
 
-/// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range; of curvatures and their
-/// derivatives, where most are flat, from the others: radii below 10 diagonals). Of signed quantities it is about zero.
-/// `diagonal` scales the smallest range that is worth showing. Throws ConfigError on a bad --range.
+/// Range of an AOV: what --range fixes for it, else from the covered values (see symmetric_range;
+/// of curvatures and their derivatives, where most are flat, from the others: radii below 10
+/// diagonals). Of signed quantities it is about zero. `diagonal` scales the smallest range that is
+/// worth showing. Throws ConfigError on a bad --range.
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
                      std::span<const float> values, std::span<const std::uint8_t> hit,
                      double diagonal);

@@ -16,7 +16,8 @@
 
 namespace slim {
 
-/// The files of a picture while they are written, images band by band from the top: all of them appear, whole, or none.
+/// The files of a picture while they are written, images band by band from the top: all of them
+/// appear, whole, or none.
 class PictureFiles {
 public:
     /// window: what of the whole is written. at_once: as one band.
@@ -41,7 +42,8 @@ public:
     /// A file of its own beside the pictures, in a folder that is made if need be.
     void add_text(const NamedText& file);
 
-    /// Nothing is added any more: everything is written, under temporary names still, which go with this object.
+    /// Nothing is added any more: everything is written, under temporary names still,
+    /// which go with this object.
     void seal();
     /// Makes all of them visible; returns their names, those of images first.
     std::vector<std::filesystem::path> commit();

@@ -30,8 +30,8 @@ int shading_margin(const PictureSize& size);
 /// What is drawn for a window: itself and a margin, in whole tiles, inside the picture.
 PixelWindow drawn_window(const PixelWindow& wanted, const PictureSize& size, int margin);
 
-/// Cuts the window into bands that take at most about 384 MiB without their margins, by the bytes of a pixel. Where it
-/// is cut changes no byte of the picture.
+/// Cuts the window into bands that take at most about 384 MiB without their margins, by the bytes
+/// of a pixel. Where it is cut changes no byte of the picture.
 std::vector<PicturePart> picture_parts(const PictureSize& size, const PixelWindow& window,
                                        std::uint64_t pixel_bytes, int margin);
 

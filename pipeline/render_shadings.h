@@ -31,8 +31,8 @@ struct ShadingInputs {
     Relief relief;
 };
 
-/// throws IoError, FormatError for the file of an environment or matcap. The spacing of "auto" contours is
-/// not known yet: 0 until choose_contours.
+/// throws IoError, FormatError for the file of an environment or matcap.
+/// The spacing of "auto" contours is not known yet: 0 until choose_contours.
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
                             const ModelHeader& model);
 

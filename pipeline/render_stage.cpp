@@ -103,23 +103,27 @@ void warn_of_flat_surfels(const RenderJob& job, Reporter& reporter) {
                             job.config.model));
 }
 
-/// A named camera frames all models: what is a thousandth of another is less than a pixel or two, mostly for another unit.
+/// A named camera frames all models: what is a thousandth of another is less than a pixel or two,
+/// mostly for another unit.
 void warn_of_sizes(const RenderJob& job, Reporter& reporter) {
     constexpr double kUnseen = 1000;
     const RenderConfig& c = job.config;
     if (c.add.empty() || !c.path.empty() || !is_camera_name(c.camera)) return;
     const auto models = job.models();
     const auto [small, large] = std::minmax_element(
-        models.begin(), models.end(), [](auto* a, auto* b) { return a->bounds.diagonal() < b->bounds.diagonal(); });
+        models.begin(), models.end(),
+        [](auto* a, auto* b) { return a->bounds.diagonal() < b->bounds.diagonal(); });
     const double least = (*small)->bounds.diagonal(), factor = (*large)->bounds.diagonal() / least;
     if (!(least > 0 && factor > kUnseen)) return;  // a single surfel's box is a point, of no unit
     const auto name = [&](auto model) {
         const auto i = static_cast<std::size_t>(model - models.begin());
         return i == 0 ? c.model : c.add[i - 1];
     };
-    reporter.warn(fmt::format("{}: {} is {:.4g} times as large, so that the picture shows next to nothing of the smaller: are "
-                              "both in the same unit? (--camera with numbers looks at it from nearby)",
-                              name(small), name(large), factor));
+    reporter.warn(
+        fmt::format("{}: {} is {:.4g} times as large, so that the picture shows next to nothing of "
+                    "the smaller: are both in the same unit? (--camera with numbers looks at it "
+                    "from nearby)",
+                    name(small), name(large), factor));
 }
 
 /// Panels have letters of their own; the SVG legends beside them take the reader's.
@@ -130,8 +134,45 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
             config.unit, unknown));
 }
 
+/// What can be told before anything is drawn.
+void check_job(const RenderJob& job, Reporter& reporter) {
+    require_scale(job);
+    warn_of_flat_surfels(job, reporter);
+    warn_of_letters(job.config, reporter);
+    warn_of_sizes(job, reporter);
+}
+
+/// How pictures become a film, and what is not as it should be in what was drawn.
+void say_of_outcome(const RenderJob& job, const RenderOutcome& outcome, Reporter& reporter) {
+    if (job.n_frames > 1)
+        for (const std::string& command : film_commands(job.plan))
+            reporter.info("as a film: " + command);
+    if (outcome.truth_unknown > 0)
+        reporter.warn(
+            fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
+                        "(truth_unknown_pixels): is the model of that shape?",
+                        outcome.truth_unknown, job.config.truth_shape));
+    if (outcome.clamped > 0)
+        reporter.warn(fmt::format(
+            "{}: {} values of its colours are brighter than the {} that its numbers hold and are "
+            "written as that (clamped_values): dim the lights",
+            job.plan.exr.string(), outcome.clamped, kLargestHalf));
+}
+
+/// What of `--aov all` the model does not have, and how much of it was read.
+void add_model_figures(const RenderConfig& config, const ModelFile& model, const ModelReads& reads,
+                       Json& result) {
+    const bool shows_colors = !model.colors().empty() && config.add.empty();
+    for (const LeftOut& left : left_out_of_all(config.aov, model.header().degree, shows_colors))
+        result["left_out"].push_back(left.aovs + ": " + left.reason);
+    result["model_bytes"] = model.file_size();
+    result["model_bytes_read"] = reads.bytes();
+    result["model_nodes_checked"] = reads.n_checked();
+}
+
 /// Draws what a configuration asks for, or a share of its film; `manifest` is written last.
-Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& manifest, StageContext& context) {
+Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& manifest,
+          StageContext& context) {
     std::vector<std::string> aovs = wanted_aovs(config);
     const PictureSize size = parse_size(config.size);
     const int frames = check_request(config, aovs);
@@ -152,53 +193,26 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
     const std::vector<ScenePart> parts = scene_parts(tree, traced);
-    const auto lines = wanted_lines(config, aovs, tree.header(), has_sharp(parts), context.reporter);
+    const auto lines =
+        wanted_lines(config, aovs, tree.header(), has_sharp(parts), context.reporter);
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
-    RenderJob job{config,
-                  tree,
-                  aovs,
-                  plan,
-                  size,
-                  frame_camera(config, header, size, room, 0),
-                  lines,
-                  wanted_window(config, size),
-                  load_shadings(config, aovs, tree.header()),
-                  frames,
-                  header,
-                  traced ? &*traced : nullptr,
-                  &reads,
-                  share};
+    RenderJob job{config, tree, aovs, plan, size, frame_camera(config, header, size, room, 0),
+                  lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
+                  frames, header, traced ? &*traced : nullptr, &reads, share};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
-    require_scale(job);
-    warn_of_flat_surfels(job, context.reporter);
-    warn_of_letters(config, context.reporter);
-    warn_of_sizes(job, context.reporter);
+    check_job(job, context.reporter);
     make_folder(job.plan);
     choose_looks(job);
-    if (std::any_of(lines.begin(), lines.end(), is_crease)) job.edges = edges_of(parts, config.loose, context.reporter);
+    if (std::any_of(lines.begin(), lines.end(), is_crease))
+        job.edges = edges_of(parts, config.loose, context.reporter);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
     const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
-    if (frames > 1)
-        for (const std::string& command : film_commands(job.plan))
-            context.reporter.info("as a film: " + command);
-    if (outcome.truth_unknown > 0)
-        context.reporter.warn(fmt::format("truth_distance: {} pixels are 0 for want of a nearest point of {} "
-                                          "(truth_unknown_pixels): is the model of that shape?",
-                                          outcome.truth_unknown, config.truth_shape));
-    if (outcome.clamped > 0)
-        context.reporter.warn(fmt::format("{}: {} values of its colours are brighter than the {} that its numbers hold "
-                                          "and are written as that (clamped_values): dim the lights",
-                                          job.plan.exr.string(), outcome.clamped, kLargestHalf));
+    say_of_outcome(job, outcome, context.reporter);
     Json result = make_result(job, outcome);
-    const bool shows_colors = !model.colors().empty() && config.add.empty();
-    for (const LeftOut& left : left_out_of_all(config.aov, tree.header().degree, shows_colors))
-        result["left_out"].push_back(left.aovs + ": " + left.reason);
-    result["model_bytes"] = model.file_size();
-    result["model_bytes_read"] = reads.bytes();
-    result["model_nodes_checked"] = reads.n_checked();
+    add_model_figures(config, model, reads, result);
     return stamp.commit(std::move(result), Outlasts::power_cut, outcome.files);
 }
 

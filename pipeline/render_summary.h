@@ -8,8 +8,8 @@
 
 namespace slim {
 
-/// What a person wants to know of a render's result: files, size, scale, ranges of maps, time. Counts of tests and
-/// nodes are for --json and -v.
+/// What a person wants to know of a render's result: files, size, scale, ranges of maps, time.
+/// Counts of tests and nodes are for --json and -v.
 std::string render_summary(const RenderConfig& config, const nlohmann::json& result);
 
 }  // namespace slim

@@ -83,9 +83,10 @@ void shade_traced(const FrameLight& light, int factor, RenderedFrame& frame) {
     const TraceLook look = look_of(light, frame.view);
     OpenPlanes open;
     if (light.config.ao) open = {frame.open, frame.ground_open};
-    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
-        return light_rows(surface, look, open, rows, frame.light_counts);
-    });
+    frame.shaded =
+        paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
+            return light_rows(surface, look, open, rows, frame.light_counts);
+        });
 }
 
 /// Forward projection with lights or a material of one's own.
@@ -95,9 +96,10 @@ void shade_lit(const FrameLight& light, int factor, RenderedFrame& frame) {
                            std::max(0.5 * light.header.bounds.diagonal(), 1e-300)};
     const LightRig rig = rig_of(light.config, light.header, frame.view);
     const Material material = parse_materials(light.config.material)[0];
-    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
-        return shade_lit_rows(planes.planes, scene, rig, material, rows);
-    });
+    frame.shaded =
+        paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
+            return shade_lit_rows(planes.planes, scene, rig, material, rows);
+        });
 }
 
 /// The look that shade_rows has built in.
@@ -108,11 +110,12 @@ void shade_plain(int factor, RenderedFrame& frame) {
         shade_rows(b.width, b.height, frame.view, normals, b.hit, rows, {}, out);
     };
     if (factor == 1) return rows_into({0, b.height}, frame.shaded);
-    frame.shaded = paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
-        Picture band;
-        rows_into(rows, band);
-        return band;
-    });
+    frame.shaded =
+        paint_in_bands(buffer_size(frame), buffer_size(frame, factor), [&](const RowRange& rows) {
+            Picture band;
+            rows_into(rows, band);
+            return band;
+        });
 }
 
 std::vector<Vec3d> corners_of(const Bbox& box) {

@@ -64,8 +64,8 @@ struct FrameLight {
 /// Fills frame.open, the ambient openness of every hit, and if a picture shows it frame.ground_open.
 void find_openness(const FrameLight& light, RenderedFrame& frame);
 
-/// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps its
-/// memory if it can.
+/// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps
+/// its memory if it can.
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame);
 
 }  // namespace slim

@@ -35,14 +35,17 @@ bool has_ground(const RenderConfig& config, const Aovs&) { return config.ground;
 bool takes_ground(const RenderConfig&, const Aovs& aovs) {
     return shows(aovs, "shaded") || shows(aovs, "ao");
 }
-bool has_openness(const RenderConfig& config, const Aovs& aovs) { return config.ao || shows(aovs, "ao"); }
+bool has_openness(const RenderConfig& config, const Aovs& aovs) {
+    return config.ao || shows(aovs, "ao");
+}
 
 bool is_orthographic(const RenderConfig& config, const Aovs&) {
     return config.ortho || config.ortho_width > 0;
 }
 bool has_named_camera(const RenderConfig& config) {
     const std::vector<std::string> cameras = cameras_of(config);
-    return std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) { return is_camera_name(camera); });
+    return std::any_of(cameras.begin(), cameras.end(),
+                       [](const auto& camera) { return is_camera_name(camera); });
 }
 bool takes_same_scale(const RenderConfig& config, const Aovs& aovs) {
     return is_orthographic(config, aovs) && config.ortho_width <= 0 && has_named_camera(config);
@@ -50,18 +53,20 @@ bool takes_same_scale(const RenderConfig& config, const Aovs& aovs) {
 /// All but cameras of nine numbers, and what stands upright in the scene.
 bool takes_up(const RenderConfig& config, const Aovs& aovs) {
     const std::vector<std::string> cameras = cameras_of(config);
-    const bool turns_cameras = std::any_of(cameras.begin(), cameras.end(), [](const std::string& camera) {
-        return std::count(camera.begin(), camera.end(), ',') != 8;
-    });
+    const bool turns_cameras =
+        std::any_of(cameras.begin(), cameras.end(), [](const std::string& camera) {
+            return std::count(camera.begin(), camera.end(), ',') != 8;
+        });
     const bool lights = shows(aovs, kShaded) && config.light != RenderConfig{}.light;
-    return turns_cameras || config.turntable > 0 || !config.same_range.empty() || config.ground || lights ||
-           shows(aovs, kHillshade) || shows(aovs, kEnvironment);
+    return turns_cameras || config.turntable > 0 || !config.same_range.empty() || config.ground ||
+           lights || shows(aovs, kHillshade) || shows(aovs, kEnvironment);
 }
 bool takes_camera(const RenderConfig& config, const Aovs&) { return config.path.empty(); }
 bool takes_zoom(const RenderConfig& config, const Aovs&) {
     const std::vector<std::string> keys = keyframes_of(config);  // one, and empty, without a path
-    return std::any_of(keys.begin(), keys.end(),
-                       [](const std::string& key) { return key.find("zoom") == std::string::npos; });
+    return std::any_of(keys.begin(), keys.end(), [](const std::string& key) {
+        return key.find("zoom") == std::string::npos;
+    });
 }
 bool takes_name(const RenderConfig& config, const Aovs&) { return is_folder_output(config.output); }
 bool takes_background(const RenderConfig& config, const Aovs& aovs) {
@@ -91,11 +96,13 @@ bool shows_curvature(const Aovs& aovs) {
 }
 bool has_map(const RenderConfig&, const Aovs& aovs) {
     return shows_curvature(aovs) || shows(aovs, "depth") ||
-           std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps), [&](auto aov) { return shows(aovs, aov); });
+           std::any_of(std::begin(kOtherMaps), std::end(kOtherMaps),
+                       [&](auto aov) { return shows(aovs, aov); });
 }
 /// A map that is shown and of which --range does not say the range.
 bool has_free_range(const RenderConfig& config, const Aovs& aovs, const char* aov) {
-    return shows(aovs, aov) && std::none_of(config.range.begin(), config.range.end(), [&](const std::string& entry) {
+    return shows(aovs, aov) &&
+           std::none_of(config.range.begin(), config.range.end(), [&](const std::string& entry) {
                const std::size_t equals = entry.find('=');
                return equals == std::string::npos || entry.substr(0, equals) == aov;
            });
@@ -133,19 +140,24 @@ constexpr OptionUse kUses[] = {
     {"matcap", "the aov matcap", "", takes<kMatcap>},
     {"sun", "the aov hillshade", "", takes<kHillshade>},
     {"contours", "the aov hillshade", "", takes<kHillshade>},
-    {"camera", "a view that stands or turns", ", but --path is, which says its cameras", takes_camera},
-    {"zoom", "a camera that says no zoom of its own", ", but --path says one with each", takes_zoom},
+    {"camera", "a view that stands or turns", ", but --path is, which says its cameras",
+     takes_camera},
+    {"zoom", "a camera that says no zoom of its own", ", but --path says one with each",
+     takes_zoom},
     {"up", "a camera without an up axis of its own, or what stands upright,", "", takes_up},
     {"name", "a folder as output", ": -o FOLDER", takes_name},
     {"background", "a picture without --environment-behind", "", takes_background},
-    {"same_scale", "an orthographic named camera that frames the model", ": --ortho", takes_same_scale},
+    {"same_scale", "an orthographic named camera that frames the model", ": --ortho",
+     takes_same_scale},
     {"fov", "a perspective camera", ", but parallel projection is", takes_angle},
     {"bounces", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
     {"range", "a map that it names", ": such as --aov mean", takes_range},
-    {"percentile", "a map with a range of its own", ": such as --aov mean without --range", takes_percentile},
-    {"same_range", "a map with a range of its own", ": such as --aov mean without --range", takes_same_range},
+    {"percentile", "a map with a range of its own", ": such as --aov mean without --range",
+     takes_percentile},
+    {"same_range", "a map with a range of its own", ": such as --aov mean without --range",
+     takes_same_range},
     {"legend_room", "a named camera that frames the whole model", "", leaves_room},
     {"light_maps", "a curvature map or the aov color", "", takes_light_maps},
     {"light", "the aov shaded", "", takes<kShaded>},
@@ -163,9 +175,9 @@ constexpr OptionUse kUses[] = {
 
 const std::vector<std::string>& aovs_of_all() {
     static const std::vector<std::string> kAll = {
-        "shaded",  "color",   "environment", "matcap", "reflection", "hillshade", "mean",  "gauss",
-        "k1",      "k2",      "dir1",        "dir2",   "e1",         "e2",        "dk1_dt2", "dk2_dt1",
-        "normal",  "depth",   "position",    "id",     "error",      "level",     "coverage"};
+        "shaded", "color", "environment", "matcap", "reflection", "hillshade", "mean",    "gauss",
+        "k1",     "k2",    "dir1",        "dir2",   "e1",         "e2",        "dk1_dt2", "dk2_dt1",
+        "normal", "depth", "position",    "id",     "error",      "level",     "coverage"};
     return kAll;
 }
 
@@ -189,7 +201,8 @@ void refuse_unused(const RenderConfig& config, const std::vector<std::string>& a
     RenderConfig given = config, usual;
     const FieldList fields = fields_of(given), defaults = fields_of(usual);
     for (const OptionUse& use : kUses)
-        if (fields.find(use.key)->items() != defaults.find(use.key)->items() && !use.used(config, aovs))
+        if (fields.find(use.key)->items() != defaults.find(use.key)->items() &&
+            !use.used(config, aovs))
             throw ConfigError(unused_text(use));
 }
 

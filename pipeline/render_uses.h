@@ -14,7 +14,8 @@ const std::vector<std::string>& aovs_of_all();
 /// Whether the picture of some of these AOVs ("all" for all of them) has a legend or a key.
 bool has_legend(const RenderConfig& config, const std::vector<std::string>& aovs);
 
-/// Whether some camera of the run frames the model by itself, so that it can leave room for a legend.
+/// Whether some camera of the run frames the model by itself,
+/// so that it can leave room for a legend.
 bool frames_by_name(const RenderConfig& config);
 
 /// An option of slim render that only some pictures take.
@@ -26,8 +27,8 @@ struct OptionUse {
 };
 std::span<const OptionUse> option_uses();
 
-/// ConfigError for an option that is given (is not as by default) and that none of the pictures takes: none
-/// is ignored without a word.
+/// ConfigError for an option that is given (is not as by default) and that none of the pictures
+/// takes: none is ignored without a word.
 void refuse_unused(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 /// "ao_samples is for ambient occlusion, which is not asked for: --ao or --aov ao".

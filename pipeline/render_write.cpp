@@ -33,10 +33,12 @@ struct Missing {
 
 /// Legend, key and scale bar.
 void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas, Missing& missing) {
-    if (look.legend && job.config.legend) missing.legend |= !burn_legend(*look.legend, canvas, look.place);
+    if (look.legend && job.config.legend)
+        missing.legend |= !burn_legend(*look.legend, canvas, look.place);
     if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
     if (job.config.scale_bar)
-        missing.scale_bar |= !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+        missing.scale_bar |=
+            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
 }
 
 /// The band of a drawn AOV as it is shown.
@@ -48,7 +50,8 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
                            part.inside());
     put_background(job, aov, part.wanted, picture);
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
-    const Ink ink = aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
+    const Ink ink =
+        aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
     if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
     burn_words(job, look, canvas, missing);
     return picture;
@@ -78,18 +81,21 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
     const RenderedFrame data = without_margin(frames.plain, part.inside());
     std::vector<std::vector<float>> planes;
     const DrawnLines lines = job.drawn_lines(part.wanted);
-    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, lines, planes), metadata);
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, lines, planes),
+                  metadata);
 }
 
 void add_range(const RenderJob& job, const std::string& aov, ImageMetadata& metadata) {
     if (const auto& legend = job.looks.at(aov).legend)
-        metadata["slim:range." + aov] = fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+        metadata["slim:range." + aov] =
+            fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
 }
 
 }  // namespace
 
 bool has_background(const RenderConfig& config, const std::string& aov) {
-    return (aov == "environment" && config.environment_behind) || parse_background(config.background, false).alpha >= 1;
+    return (aov == "environment" && config.environment_behind) ||
+           parse_background(config.background, false).alpha >= 1;
 }
 
 std::string write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
@@ -114,7 +120,8 @@ std::vector<NamedText> legend_files(const RenderJob& job) {
     for (const std::string& aov : job.plan.drawn) {
         const AovLook& look = job.looks.at(aov);
         if (!job.config.legend || !look.on_white()) continue;
-        files.push_back({job.plan.legend(aov), look.legend ? legend_svg(*look.legend) : key_svg(*look.key)});
+        files.push_back(
+            {job.plan.legend(aov), look.legend ? legend_svg(*look.legend) : key_svg(*look.key)});
     }
     return files;
 }

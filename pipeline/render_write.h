@@ -10,7 +10,8 @@
 namespace slim {
 
 /// Finishes a band of every drawn AOV (background, lines, legend, scale bar) and adds it to its
-/// file, and the band's data to the data file. Returns what of legend and scale bar had no room, in words, or nothing.
+/// file, and the band's data to the data file. Returns what of legend and scale bar had no room, in
+/// words, or nothing.
 std::string write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
                        const ImageMetadata& metadata, PictureFiles& files);
 

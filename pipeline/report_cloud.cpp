@@ -77,7 +77,8 @@ public:
     }
     void add(const PointValues& v) {
         positions_.push_back({v[0], v[1], v[2]});
-        normals_.push_back({static_cast<float>(v[3]), static_cast<float>(v[4]), static_cast<float>(v[5])});
+        normals_.push_back(
+            {static_cast<float>(v[3]), static_cast<float>(v[4]), static_cast<float>(v[5])});
         truths_.push_back({{v[3], v[4], v[5]}, v[6], v[7]});
         box_.extend(positions_.back());
         if (positions_.size() >= kChunk) flush();
@@ -98,7 +99,8 @@ private:
         if (text_)
             for (std::size_t i = 0; i < positions_.size(); ++i)
                 text_->write(fmt::format("{} {} {} {} {} {}\n", positions_[i].x, positions_[i].y,
-                                         positions_[i].z, normals_[i].x, normals_[i].y, normals_[i].z));
+                                         positions_[i].z, normals_[i].x, normals_[i].y,
+                                         normals_[i].z));
         positions_.clear(), normals_.clear(), truths_.clear();
     }
 
@@ -164,12 +166,14 @@ nlohmann::json make_cloud(const std::vector<std::string>& from, std::uint64_t n_
         if (target == "keep")
             keep.emplace(formula, row);
         else
-            sets.emplace_back(static_cast<std::size_t>(place - kNames.begin()), PointFormula(formula, row));
+            sets.emplace_back(static_cast<std::size_t>(place - kNames.begin()),
+                              PointFormula(formula, row));
     }
     bool normals = names_any(formulas, "nx", "nz"), truth = names_any(formulas, "k1", "k2");
-    const bool all_truth = !from.empty() && std::all_of(from.begin(), from.end(), [](const std::string& f) {
-        return std::filesystem::exists(truth_path(f));
-    });
+    const bool all_truth =
+        !from.empty() && std::all_of(from.begin(), from.end(), [](const std::string& f) {
+            return std::filesystem::exists(truth_path(f));
+        });
     truth = truth || all_truth;
     double n = static_cast<double>(n_points);
     for (const std::string& file : from) {

@@ -24,15 +24,17 @@ struct MissingFigure {
     std::string name;
 };
 
-/// A formula of a report file: numbers, 'texts', names (a-z, digits, _ and dots inside: m.l2), + - * / ^, comparisons
-/// < <= > >= == !=, and && ||, not !, parentheses, and the functions abs sqrt exp log log10 sin cos floor round
-/// (one argument), min max (two), if(condition, then, else). Parsed once, evaluated often.
+/// A formula of a report file: numbers, 'texts', names (a-z, digits, _ and dots inside: m.l2),
+/// + - * / ^, comparisons < <= > >= == !=, and && ||, not !, parentheses, and the functions
+/// abs sqrt exp log log10 sin cos floor round finite (one argument), min max (two),
+/// if(condition, then, else). Parsed once, evaluated often.
 class Expression {
 public:
     using Lookup = std::function<FigureValue(const std::string& name)>;
 
     Expression() = default;
-    /// `where` ("quick.toml:12: y") begins the message of the ConfigError for text that is no formula.
+    /// `where` ("quick.toml:12: y") begins the message of the ConfigError for text that is no
+    /// formula.
     Expression(const std::string& text, const std::string& where);
 
     bool empty() const { return code_.empty(); }
@@ -40,8 +42,9 @@ public:
     /// The names in it, in order of appearance, each once.
     const std::vector<std::string>& names() const { return names_; }
 
-    /// throws MissingFigure, from the lookup, unless the value does not matter: in the branch of an if that is not
-    /// taken, beside a false in && or a true in ||; ConfigError where a text stands for a number
+    /// throws MissingFigure, from the lookup, unless the value does not matter: in the branch of an
+    ///        if that is not taken, beside a false in && or a true in ||; ConfigError where a text
+    ///        stands for a number
     FigureValue evaluate(const Lookup& lookup) const;
     double number(const Lookup& lookup) const;
     bool holds(const Lookup& lookup) const { return number(lookup) != 0; }
@@ -51,8 +54,9 @@ public:
 private:
     friend class ExpressionParser;
     enum class Op : unsigned char {
-        constant, text, name, add, subtract, multiply, divide, power, negate, less, less_equal, greater,
-        greater_equal, equal, unequal, both, either, opposite, choose, least, greatest, function
+        constant, text, name, add, subtract, multiply, divide, power, negate, less, less_equal,
+        greater, greater_equal, equal, unequal, both, either, opposite, choose, least, greatest,
+        function
     };
     struct Step {
         Op op;

@@ -35,21 +35,22 @@ std::vector<std::pair<std::string, Expression>> formulas_of(const TomlTable& tab
 }
 
 void check_point_formulas(const ReportStep& step) {
-    static const std::set<std::string> kKnown = {"x", "y", "z", "nx", "ny", "nz", "k1", "k2", "keep"};
+    static const std::set<std::string> kKnown = {"x",  "y",  "z",  "nx",  "ny",
+                                                 "nz", "k1", "k2", "keep"};
     for (const auto& [key, formula] : step.point)
         if (!kKnown.contains(key))
-            throw ConfigError(fmt::format("{}: a point has no '{}'; expected x y z nx ny nz k1 k2 keep",
-                                          step.where, key));
+            throw ConfigError(fmt::format(
+                "{}: a point has no '{}'; expected x y z nx ny nz k1 k2 keep", step.where, key));
 }
 
 /// What a step must have, by what it runs.
 void check_step(ReportStep& step) {
-    static const std::vector<std::string> kRuns = {"scan",    "build",  "slice",   "normals", "fit",
-                                                   "tree",    "render", "measure", "smooth",  "info",
-                                                   "cloud",   "text",   "command"};
+    static const std::vector<std::string> kRuns = {"scan",  "build",  "slice",   "normals", "fit",
+                                                   "tree",  "render", "measure", "smooth",  "info",
+                                                   "cloud", "text",   "command"};
     static const std::map<std::string, std::string> kEndings = {
-        {"scan", ".ply"}, {"build", ".slim"}, {"render", ".png"}, {"smooth", ".ply"}, {"cloud", ".ply"},
-        {"text", ".xyz"}};
+        {"scan", ".ply"},   {"build", ".slim"}, {"render", ".png"},
+        {"smooth", ".ply"}, {"cloud", ".ply"},  {"text", ".xyz"}};
     if (std::find(kRuns.begin(), kRuns.end(), step.run) == kRuns.end())
         throw ConfigError(fmt::format("{}: run: unknown '{}'{}", step.where, step.run,
                                       suggestion(step.run, kRuns)));
@@ -117,8 +118,8 @@ ReportPlot plot_of(const TomlTable& table, const fs::path& file) {
     plot.log_y = scale == "loglog" || scale == "logy";
     if (plot.x_label.empty()) plot.x_label = plot.x.text();
     if (plot.y_label.empty()) plot.y_label = plot.y.text();
-    plot.slopes =
-        plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() || !plot.most_slope.empty();
+    plot.slopes = plot.slopes || !plot.theory.empty() || !plot.least_slope.empty() ||
+                  !plot.most_slope.empty();
     return plot;
 }
 
@@ -164,7 +165,8 @@ void check_names(const Experiment& e) {
         if (!seen.insert(step.name).second)
             throw ConfigError(fmt::format("{}: the name '{}' is taken", step.where, step.name));
     for (const ReportPictures& p : e.pictures)
-        if (std::none_of(e.steps.begin(), e.steps.end(), [&](const ReportStep& s) { return s.name == p.of; }))
+        if (std::none_of(e.steps.begin(), e.steps.end(),
+                         [&](const ReportStep& s) { return s.name == p.of; }))
             throw ConfigError(fmt::format("{}: of: no step '{}'", p.where, p.of));
 }
 
@@ -172,9 +174,14 @@ Experiment experiment_of(const TomlTable& table, const fs::path& file) {
     Experiment e;
     TableReader reader(table, file);
     e.where = reader.place();
-    for (const auto& [key, member] :
-         {std::pair{"name", &e.name}, {"title", &e.title}, {"text", &e.text}, {"row", &e.row},
-          {"expected", &e.expected}, {"found", &e.found}, {"health", &e.health}, {"known", &e.known}})
+    for (const auto& [key, member] : {std::pair{"name", &e.name},
+                                      {"title", &e.title},
+                                      {"text", &e.text},
+                                      {"row", &e.row},
+                                      {"expected", &e.expected},
+                                      {"found", &e.found},
+                                      {"health", &e.health},
+                                      {"known", &e.known}})
         reader.text(key, *member);
     reader.formula("pass", e.pass);
     reader.formula("when", e.when);
@@ -183,7 +190,8 @@ Experiment experiment_of(const TomlTable& table, const fs::path& file) {
     reader.tables("columns", [&](const TomlTable& t) { e.columns = formulas_of(t, reader); });
     reader.tables("step", [&](const TomlTable& t) { e.steps.push_back(step_of(t, file)); });
     reader.tables("plot", [&](const TomlTable& t) { e.plots.push_back(plot_of(t, file)); });
-    reader.tables("picture", [&](const TomlTable& t) { e.pictures.push_back(pictures_of(t, file)); });
+    reader.tables("picture",
+                  [&](const TomlTable& t) { e.pictures.push_back(pictures_of(t, file)); });
     reader.tables("check", [&](const TomlTable& t) { e.checks.push_back(check_of(t, file)); });
     reader.read();
     if (e.name.empty()) throw ConfigError(e.where + ": an experiment needs a name");
@@ -210,8 +218,8 @@ std::string key_of_setting(const std::string& setting, const std::vector<TomlTab
     constexpr std::string_view kTable = "values.";
     const std::size_t equals = setting.find('=');
     if (!setting.starts_with(kTable) || equals == std::string::npos)
-        throw ConfigError(
-            fmt::format("--set {}: expected values.KEY=VALUE, such as values.points=1000", setting));
+        throw ConfigError(fmt::format(
+            "--set {}: expected values.KEY=VALUE, such as values.points=1000", setting));
     const std::string key = setting.substr(kTable.size(), equals - kTable.size());
     std::vector<std::string> known;
     for (const TomlTable& root : roots) {
@@ -221,17 +229,17 @@ std::string key_of_setting(const std::string& setting, const std::vector<TomlTab
     }
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
-    throw ConfigError(fmt::format("--set {}: no report file has '{}' in its [values]{}; {}", setting, key,
-                                  suggestion(key, known),
-                                  known.empty() ? "they have none"
-                                                : fmt::format("they have {}", fmt::join(known, ", "))));
+    throw ConfigError(fmt::format(
+        "--set {}: no report file has '{}' in its [values]{}; {}", setting, key,
+        suggestion(key, known),
+        known.empty() ? "they have none" : fmt::format("they have {}", fmt::join(known, ", "))));
 }
 
 void read_values(const TomlTable& table, const TableReader& reader, ReportFile& out) {
     for (const TomlValue& v : table.values) {
         if (v.is_list || v.items.size() != 1)
-            throw ConfigError(fmt::format("{}: {}: expected one value, found '{}'", reader.place(v.line),
-                                          v.key, fmt::join(v.items, ", ")));
+            throw ConfigError(fmt::format("{}: {}: expected one value, found '{}'",
+                                          reader.place(v.line), v.key, fmt::join(v.items, ", ")));
         out.values.emplace_back(v.key, value_of(v, v.items[0]));
     }
     if (!table.tables.empty())
@@ -240,13 +248,15 @@ void read_values(const TomlTable& table, const TableReader& reader, ReportFile& 
 }
 
 /// `settings`: those of this file.
-ReportFile report_of(const fs::path& file, TomlTable root, const std::vector<std::string>& settings) {
+ReportFile report_of(const fs::path& file, TomlTable root,
+                     const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) set_value(root, setting);
     ReportFile out;
     out.file = file;
     out.name = out.title = file.stem().string();
     out.hash = hash_file(file);
-    if (!settings.empty()) out.hash = hash_text(fmt::format("{} {}", out.hash, fmt::join(settings, " ")));
+    if (!settings.empty())
+        out.hash = hash_text(fmt::format("{} {}", out.hash, fmt::join(settings, " ")));
     TableReader reader(root, file);
     reader.text("title", out.title);
     reader.text("text", out.text);

@@ -79,10 +79,10 @@ struct ReportFile {
     std::string hash;               ///< of the file and the settings
 };
 
-/// Reads report files, changed by settings ("values.points=1000"), each of which changes the files that have
-/// its key in [values]. ConfigError with file:line for an unknown table or key (and the nearest name), a
-/// wrong type, a formula that is none, a name used twice, or nothing to do; and for a setting whose key none
-/// of the files has.
+/// Reads report files, changed by settings ("values.points=1000"), each of which changes the files
+/// that have its key in [values]. ConfigError with file:line for an unknown table or key (and the
+/// nearest name), a wrong type, a formula that is none, a name used twice, or nothing to do; and
+/// for a setting whose key none of the files has.
 std::vector<ReportFile> read_report_files(const std::vector<std::string>& files,
                                           const std::vector<std::string>& settings = {});
 

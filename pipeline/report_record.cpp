@@ -46,8 +46,12 @@ void write_record(const fs::path& folder, const StepRecord& record) {
         files.push_back({{"name", file.filename().string()},
                          {"bytes", fs::file_size(file)},
                          {"hash", hash_file(file)}});
-    const json text = {{"step", record.step},     {"run", record.run},         {"done", record.done},
-                       {"reason", record.reason}, {"figures", record.figures}, {"files", files},
+    const json text = {{"step", record.step},
+                       {"run", record.run},
+                       {"done", record.done},
+                       {"reason", record.reason},
+                       {"figures", record.figures},
+                       {"files", files},
                        {"run_started", record.run_started}};
     write_file_atomically(record_path(folder, record.name).string(),
                           text_of(text, 1) + "\n",

@@ -23,7 +23,8 @@ std::string shown(double value) { return number_text(value, 4); }
 
 std::string band_text(std::optional<double> least, std::optional<double> most) {
     if (least && most) return fmt::format("{} to {}", shown(*least), shown(*most));
-    return least ? fmt::format("at least {}", shown(*least)) : fmt::format("at most {}", shown(*most));
+    return least ? fmt::format("at least {}", shown(*least))
+                 : fmt::format("at most {}", shown(*most));
 }
 
 std::string failure(const ReportRow& row) {
@@ -42,8 +43,8 @@ std::string failure(const ReportRow& row, const Experiment& e) {
     return "";
 }
 
-/// Why a row lacks figures, if that is nobody's failure: a program that is not there. Not what follows a step that
-/// failed.
+/// Why a row lacks figures, if that is nobody's failure: a program that is not there. Not what
+/// follows a step that failed.
 std::string absence(const ReportRow& row) {
     if (!failure(row).empty()) return "";
     for (const StepRecord& step : row.steps)
@@ -77,7 +78,8 @@ std::optional<double> bound(const Expression& formula, const ReportRow& row) {
 CheckResult checked(const Experiment& e, const ReportCheck& check, const ReportRow& row) {
     CheckResult out{e.name, check.name, row.label(e), "", "", Verdict::passed, ""};
     try {
-        compare(check.value.number(row.lookup()), bound(check.least, row), bound(check.most, row), check.known, out);
+        compare(check.value.number(row.lookup()), bound(check.least, row), bound(check.most, row),
+                check.known, out);
     } catch (const MissingFigure& figure) {
         return missing(row, figure.name, std::move(out));
     }
@@ -90,8 +92,9 @@ void check_steps(ExperimentResult& result) {
         for (const ReportStep& step : result.experiment->steps) {
             const StepRecord* record = row.step(step.name);
             if (!record || record->done || record->absent || step.may_fail) continue;
-            result.checks.push_back({result.experiment->name, "step " + step.name, row.label(*result.experiment),
-                                     "", "", Verdict::failed, record->reason});
+            result.checks.push_back({result.experiment->name, "step " + step.name,
+                                     row.label(*result.experiment), "", "", Verdict::failed,
+                                     record->reason});
         }
 }
 
@@ -117,7 +120,8 @@ PlotResult plotted(const ExperimentResult& result, const ReportPlot& plot) {
         if (!plot.theory.empty() && !curve.theory) curve.theory = row.number(plot.theory);
         if (!(x && y) && curve.lacks.empty() && absence(row).empty())
             curve.lacks = missing(row, (x ? plot.y : plot.x).text(), {}).reason;
-        if (x && y && std::isfinite(*x) && std::isfinite(*y)) curve.points.push_back({*x, *y, breaks});
+        if (x && y && std::isfinite(*x) && std::isfinite(*y))
+            curve.points.push_back({*x, *y, breaks});
     }
     for (Curve& curve : out.curves) {
         if (plot.slopes) curve.slope = log_slope(curve.points);
@@ -130,10 +134,12 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
     const ReportPlot& plot = *drawn.plot;
     if (plot.least_slope.empty() && plot.most_slope.empty()) return;
     for (const Curve& curve : drawn.curves) {
-        const auto row = std::find_if(result.rows.begin(), result.rows.end(), [&](const ReportRow& r) {
-            return is_meant(r, plot.when) && r.text(plot.series, 6, plot.where) == curve.name;
-        });
-        CheckResult out{result.experiment->name, "slope of " + plot.title, curve.name, "", "", Verdict::passed, ""};
+        const auto row =
+            std::find_if(result.rows.begin(), result.rows.end(), [&](const ReportRow& r) {
+                return is_meant(r, plot.when) && r.text(plot.series, 6, plot.where) == curve.name;
+            });
+        CheckResult out{result.experiment->name, "slope of " + plot.title, curve.name,
+                        "", "", Verdict::passed, ""};
         if (!curve.slope) {
             out.verdict = curve.lacks.empty() ? Verdict::not_run : Verdict::failed;
             out.reason = curve.lacks.empty() ? "too few points for a slope" : curve.lacks;
@@ -141,7 +147,8 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
             continue;
         }
         try {
-            compare(*curve.slope, bound(plot.least_slope, *row), bound(plot.most_slope, *row), plot.known, out);
+            compare(*curve.slope, bound(plot.least_slope, *row), bound(plot.most_slope, *row),
+                    plot.known, out);
         } catch (const MissingFigure& figure) {
             out = missing(*row, figure.name, std::move(out));
         }
@@ -152,12 +159,13 @@ void check_slopes(const PlotResult& drawn, ExperimentResult& result) {
 /// Counters that are not zero, of one step or a part of it: what the user would be told.
 std::string health_of(const ReportRow& row, const std::string& of) {
     static const char* const kCounters[] = {
-        "dropped", "dropped_isolated", "dropped_beside", "dropped_unexplained", "contrary", "normals_disagree",
-        "forced", "saturated", "noise_variance_floored", "few_points", "rank", "steep", "plane", "estimated",
-        "turned", "degenerate", "unsupported", "missed", "opposed", "astray", "loose", "warnings"};
+        "dropped", "dropped_isolated", "dropped_beside", "dropped_unexplained", "contrary",
+        "normals_disagree", "forced", "saturated", "noise_variance_floored", "few_points", "rank",
+        "steep", "plane", "estimated", "turned", "degenerate", "unsupported", "missed", "opposed",
+        "astray", "loose", "warnings"};
     std::string out;
-    for (const std::string& prefix : {of + ".", of + ".stages.slice.", of + ".stages.normals.", of + ".stages.fit.",
-                                      of + ".stages.fit.fallbacks."})
+    for (const std::string& prefix : {of + ".", of + ".stages.slice.", of + ".stages.normals.",
+                                      of + ".stages.fit.", of + ".stages.fit.fallbacks."})
         for (const char* counter : kCounters) {
             const auto value = row.number(Expression(prefix + counter, ""));
             if (value && *value != 0)
@@ -210,7 +218,8 @@ const char* verdict_text(Verdict verdict) {
 }
 
 std::string CheckResult::sentence() const {
-    std::string out = fmt::format("{}, {}{}", experiment, name, place.empty() ? "" : " (" + place + ")");
+    std::string out =
+        fmt::format("{}, {}{}", experiment, name, place.empty() ? "" : " (" + place + ")");
     if (!value.empty()) out += fmt::format(": found {}, expected {}", value, band);
     if (!reason.empty()) out += ": " + reason;
     return out;
@@ -232,7 +241,8 @@ void judge(ExperimentResult& result) {
     const Experiment& e = *result.experiment;
     if (!result.left_out.empty()) {
         if (e.is_case())
-            result.verdict = CheckResult{e.name, "case " + e.row, "", "", e.expected, Verdict::not_run, result.left_out};
+            result.verdict = CheckResult{e.name,           "case " + e.row, "", "", e.expected,
+                                         Verdict::not_run, result.left_out};
         return;
     }
     if (!e.is_case()) check_steps(result);
@@ -242,7 +252,8 @@ void judge(ExperimentResult& result) {
     for (const ReportPlot& plot : e.plots) {
         result.plots.push_back(plotted(result, plot));
         check_slopes(result.plots.back(), result);
-        std::erase_if(result.plots.back().curves, [](const Curve& c) { return c.points.empty() && !c.breaks; });
+        std::erase_if(result.plots.back().curves,
+                      [](const Curve& c) { return c.points.empty() && !c.breaks; });
     }
     if (e.is_case()) judge_case(result);
 }

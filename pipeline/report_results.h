@@ -57,7 +57,8 @@ std::optional<double> log_slope(const std::vector<Curve::Point>& points);
 /// Whether a check, plot or picture is of this row; one that lacks a figure of `when` is not.
 bool is_meant(const ReportRow& row, const Expression& when);
 
-/// Judges the rows of an experiment: its curves with their slopes and breaking points, its checks and its verdict.
+/// Judges the rows of an experiment: its curves with their slopes and breaking points, its checks
+/// and its verdict.
 void judge(ExperimentResult& result);
 
 }  // namespace slim

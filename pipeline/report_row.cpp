@@ -20,7 +20,8 @@ const json* member_of(const json& in, std::string_view path) {
         if (at->is_object() && at->contains(key)) {
             at = &at->at(key);
         } else if (at->is_array() && !key.empty() &&
-                   std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; }) &&
+                   std::all_of(key.begin(), key.end(),
+                               [](char c) { return c >= '0' && c <= '9'; }) &&
                    std::stoul(key) < at->size()) {
             at = &at->at(std::stoul(key));
         } else {

@@ -23,9 +23,9 @@ struct StepRecord {
     std::string name;          ///< "fit-3f2a..." of its files in the folder of steps
 };
 
-/// One row of an experiment's grid: its parameters and what its steps found. What formulas look names up in:
-/// a parameter, a value of the file, `seed`, a step (its output's path), step.figure (numbers; members of
-/// members by further dots).
+/// One row of an experiment's grid: its parameters and what its steps found. What formulas look
+/// names up in: a parameter, a value of the file, `seed`, a step (its output's path), step.figure
+/// (numbers; members of members by further dots).
 struct ReportRow {
     std::vector<std::pair<std::string, FigureValue>> parameters;
     std::vector<StepRecord> steps;
@@ -46,8 +46,8 @@ struct ReportRow {
     std::string text(const std::string& with_formulas, int digits, const std::string& where) const;
 };
 
-/// The rows of a grid, the last parameter running fastest, that the experiment's `when` holds for. Values of
-/// the parameter `points` above the cap are left out (0: none).
+/// The rows of a grid, the last parameter running fastest, that the experiment's `when` holds for.
+/// Values of the parameter `points` above the cap are left out (0: none).
 std::vector<ReportRow> rows_of(const Experiment& experiment,
                                const std::vector<std::pair<std::string, FigureValue>>& values,
                                double cap);

@@ -31,8 +31,8 @@ std::string missing_file(const Experiment& e, const ReportRow& row) {
     return "";
 }
 
-ExperimentResult run_experiment(const Experiment& e, const ReportFile& file, const ReportConfig& config,
-                                StepRunner& runner) {
+ExperimentResult run_experiment(const Experiment& e, const ReportFile& file,
+                                const ReportConfig& config, StepRunner& runner) {
     ExperimentResult result;
     result.experiment = &e;
     auto values = file.values;
@@ -83,9 +83,10 @@ void fail_if_left(const Report& report, const std::string& page) {
     if (left.empty()) return;
     const std::size_t n = left.size();
     left.resize(std::min(n, kMostNamed));
-    throw NumericalError(fmt::format(
-        "{} of {} figures left their bands: {}{}; all are in {}", n, report.checks().size(),
-        fmt::join(left, "; "), n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
+    throw NumericalError(
+        fmt::format("{} of {} figures left their bands: {}{}; all are in {}", n,
+                    report.checks().size(), fmt::join(left, "; "),
+                    n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
 }
 
 void check_files(const std::vector<ReportFile>& files) {

@@ -22,7 +22,8 @@ struct ReportConfig {
     template <class V>
     void visit(V&& field) {
         field.input("files", files, "report files (TOML): experiments, as in configs/report/");
-        field.output("output", output, "folder for index.html, CSV, report.json and the steps' files");
+        field.output("output", output,
+                     "folder for index.html, CSV, report.json and the steps' files");
         field("seed", seed, "of all random numbers that experiments name");
         field("cap", cap, "leave out rows of more points than this (0: none)");
         field.path("programs", programs, "folders to look for commands in, before PATH (peers)");
@@ -30,14 +31,14 @@ struct ReportConfig {
     }
 };
 
-/// Runs the experiments of report files (docs/report.md) as child processes beside this one, each step once
-/// whatever asks for it and not again if it is done, and writes DIR/index.html, DIR/report.json and
-/// DIR/<file>.<experiment>.csv. A step that fails leaves its row without figures and is named; the rest goes
-/// on.
+/// Runs the experiments of report files (docs/report.md) as child processes beside this one, each
+/// step once whatever asks for it and not again if it is done, and writes DIR/index.html,
+/// DIR/report.json and DIR/<file>.<experiment>.csv. A step that fails leaves its row without
+/// figures and is named; the rest goes on.
 ///
 /// returns  index, steps_run, steps_reused, passed, failed, known_failures, not_run
-/// throws   NumericalError (5) naming the figures that left their bands and the steps that failed, after all
-///          is written; ConfigError as read_report_files
+/// throws   NumericalError (5) naming the figures that left their bands and the steps that failed,
+///          after all is written; ConfigError as read_report_files
 nlohmann::json run_report(const ReportConfig& config, StageContext& context);
 
 }  // namespace slim

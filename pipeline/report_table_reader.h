@@ -20,7 +20,8 @@ namespace slim {
 /// Gives a table's values to their members; anything else in it is an error with the nearest name.
 class TableReader {
 public:
-    TableReader(const TomlTable& table, const std::filesystem::path& file) : table_(table), file_(file) {}
+    TableReader(const TomlTable& table, const std::filesystem::path& file)
+        : table_(table), file_(file) {}
 
     std::string place(int line) const {
         return line > 0 ? fmt::format("{}:{}", file_.string(), line) : file_.string() + ", --set";
@@ -83,13 +84,14 @@ private:
         on(key, std::move(reader));
     }
     [[noreturn]] void wrong(const TomlValue& value, const char* expected) const {
-        throw ConfigError(fmt::format("{}: {}: expected {}, found '{}'", place(value.line), value.key,
-                                      expected, fmt::join(value.items, ", ")));
+        throw ConfigError(fmt::format("{}: {}: expected {}, found '{}'", place(value.line),
+                                      value.key, expected, fmt::join(value.items, ", ")));
     }
     int integer(const TomlValue& value, const std::string& item) const {
         int number = 0;
         const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), number);
-        if (error != std::errc{} || *end != '\0' || number < 0) wrong(value, "a whole number, 0 or more");
+        if (error != std::errc{} || *end != '\0' || number < 0)
+            wrong(value, "a whole number, 0 or more");
         return number;
     }
     [[noreturn]] void unknown(const char* what, const std::string& name, int line,

@@ -56,7 +56,8 @@ json plot_json(const PlotResult& plot) {
                     {"points", points},
                     {"slope", optional_json(curve.slope)},
                     {"theory", optional_json(curve.theory)}};
-        if (!plot.plot->broken.empty()) out["breaks_at"] = curve.breaks ? json(curve.breaks->x) : json();
+        if (!plot.plot->broken.empty())
+            out["breaks_at"] = curve.breaks ? json(curve.breaks->x) : json();
         curves.push_back(std::move(out));
     }
     return {{"title", plot.plot->title},
@@ -66,13 +67,20 @@ json plot_json(const PlotResult& plot) {
 }
 
 json check_json(const CheckResult& check) {
-    return {{"name", check.name}, {"place", check.place},   {"value", check.value},
-            {"band", check.band}, {"verdict", verdict_text(check.verdict)}, {"reason", check.reason}};
+    return {{"name", check.name},
+            {"place", check.place},
+            {"value", check.value},
+            {"band", check.band},
+            {"verdict", verdict_text(check.verdict)},
+            {"reason", check.reason}};
 }
 
 json experiment_json(const ExperimentResult& result) {
     const Experiment& e = *result.experiment;
-    json out = {{"name", e.name}, {"title", e.title}, {"rows", json::array()}, {"plots", json::array()},
+    json out = {{"name", e.name},
+                {"title", e.title},
+                {"rows", json::array()},
+                {"plots", json::array()},
                 {"checks", json::array()}};
     if (!result.left_out.empty()) out["left_out"] = result.left_out;
     for (const ReportRow& row : result.rows) out["rows"].push_back(row_json(e, row));
@@ -80,8 +88,10 @@ json experiment_json(const ExperimentResult& result) {
     for (const CheckResult& check : result.checks) out["checks"].push_back(check_json(check));
     if (result.verdict) {
         out["case"] = check_json(*result.verdict);
-        out["case"].update(
-            {{"row", e.row}, {"expected", e.expected}, {"found", result.found}, {"health", result.health}});
+        out["case"].update({{"row", e.row},
+                            {"expected", e.expected},
+                            {"found", result.found},
+                            {"health", result.health}});
     }
     return out;
 }
@@ -91,8 +101,9 @@ std::string first_of(const char* file, const std::string& key) {
     for (std::string line; std::getline(in, line);)
         if (line.starts_with(key)) {
             const std::size_t begin = line.find_first_not_of(" \t:=\"", key.size());
-            return begin == std::string::npos ? ""
-                                              : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
+            return begin == std::string::npos
+                       ? ""
+                       : line.substr(begin, line.find_last_not_of("\"") + 1 - begin);
         }
     return "";
 }
@@ -111,7 +122,9 @@ json machine_json() {
 std::string rows_csv(const ExperimentResult& result) {
     const Experiment& e = *result.experiment;
     std::string out;
-    const auto add = [&](const std::string& cell, bool first) { out += (first ? "" : ",") + csv_cell(cell); };
+    const auto add = [&](const std::string& cell, bool first) {
+        out += (first ? "" : ",") + csv_cell(cell);
+    };
     bool first = true;
     for (const auto& [name, values] : e.grid) add(name, first), first = false;
     for (const auto& [heading, formula] : e.columns) add(heading, first), first = false;
@@ -120,7 +133,8 @@ std::string rows_csv(const ExperimentResult& result) {
     for (const ReportRow& row : result.rows) {
         first = true;
         for (const auto& [name, values] : e.grid) add(exact(row.at(name)), first), first = false;
-        for (const auto& [heading, formula] : e.columns) add(exact(row.value(formula)), first), first = false;
+        for (const auto& [heading, formula] : e.columns)
+            add(exact(row.value(formula)), first), first = false;
         if (has_times(e)) add(fmt::format("{}", fmt::join(runs_timed(e, row), " ")), first);
         out += "\n";
     }
@@ -128,8 +142,11 @@ std::string rows_csv(const ExperimentResult& result) {
 }
 
 json report_json(const Report& report) {
-    json out = {{"provenance", report.provenance}, {"runs", steps_by_run(report)}, {"files", json::array()}};
-    for (const Verdict v : {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
+    json out = {{"provenance", report.provenance},
+                {"runs", steps_by_run(report)},
+                {"files", json::array()}};
+    for (const Verdict v :
+         {Verdict::passed, Verdict::failed, Verdict::known_failure, Verdict::not_run})
         out["checks"][verdict_text(v)] = report.count(v);
     for (std::size_t i = 0; i < report.files.size(); ++i) {
         json experiments = json::array();

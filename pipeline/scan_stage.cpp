@@ -43,7 +43,8 @@ void check_output(const std::string& output) {
         throw ConfigError(output + ": the scanner writes PLY; expected a name ending in .ply");
 }
 
-/// Options that were given and play no part. (A noise model without noise does: series over the noise begin at 0.)
+/// Options that were given and play no part. (A noise model without noise does: series over the
+/// noise begin at 0.)
 void refuse_without_effect(const ScanConfig& config) {
     const ScanConfig usual;
     const bool uniform = config.pattern == "uniform";

@@ -60,8 +60,8 @@ std::string scans_path(const std::string& cloud_path);
 /// coordinates, sensors included, are absolute and double.
 ///
 /// returns  points, outliers, rays, sigma, spacing (model units), diagonal, stations
-/// throws   ConfigError: an output not named .ply, an offset that is not three finite numbers, an option
-///          that plays no part in this pattern;
+/// throws   ConfigError: an output not named .ply, an offset that is not three finite numbers, an
+///          option that plays no part in this pattern;
 ///          IoError as AtomicFile
 /// cost     memory for about a million rays, whatever the number of points
 nlohmann::json run_scan(const ScanConfig& config, StageContext& context);

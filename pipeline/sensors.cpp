@@ -22,7 +22,8 @@ constexpr double kFar = 1e4;  // diagonals: where a direction's scanner stands
 constexpr std::int64_t kMostScans = 65536;
 
 /// The number of a scan in the job, from its entry.
-std::size_t scan_of(const nlohmann::json& entry, std::uint32_t first_scan, const std::string& path) {
+std::size_t scan_of(const nlohmann::json& entry, std::uint32_t first_scan,
+                    const std::string& path) {
     const nlohmann::json& id = entry.at("id");
     // Larger ones would wrap around to another scan's.
     const bool fits = id.is_number_integer() && id >= 0 && id < kMostScans;
@@ -38,8 +39,9 @@ Vec3d sensor_of(const nlohmann::json& entry, const SlicePlan& plan, const std::s
     const bool far = entry.contains("direction");
     const char* key = far ? "direction" : "position";
     const auto fail = [&](const char* expected) {
-        throw FormatError(fmt::format("{}: scan {}: {} {}: expected {}", path, text_of(entry.at("id")), key,
-                                      text_of(entry.at(key)), expected));
+        throw FormatError(fmt::format("{}: scan {}: {} {}: expected {}", path,
+                                      text_of(entry.at("id")), key, text_of(entry.at(key)),
+                                      expected));
     };
     const auto p = entry.at(key).get<std::vector<double>>();
     if (p.size() != 3) fail("3 numbers");
@@ -65,9 +67,10 @@ void add_sensors(const std::string& path, std::uint32_t first_scan, const SliceP
             out[id] = sensor_of(scan, plan, path);
         }
     } catch (const nlohmann::json::exception& e) {
-        throw FormatError(fmt::format(
-            "{}: expected {{\"scans\": [{{\"id\": 0, \"position\": [x, y, z]}}, ...]}} or a \"direction\": {}", path,
-            e.what()));
+        throw FormatError(
+            fmt::format("{}: expected {{\"scans\": [{{\"id\": 0, \"position\": [x, y, z]}}, ...]}} "
+                        "or a \"direction\": {}",
+                        path, e.what()));
     }
 }
 

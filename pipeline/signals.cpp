@@ -13,7 +13,8 @@ namespace slim {
 namespace {
 
 constexpr int kGraceSeconds = 3;
-constexpr int kMoreForAChild = 2;  // whose own grace must end first: it removes what it has not finished
+// whose own grace must end first: it removes what it has not finished
+constexpr int kMoreForAChild = 2;
 
 std::atomic<int> stop_signal{0};
 std::atomic<pid_t> child{0};
@@ -45,8 +46,10 @@ void wait_for_signals() {
     }
     if (const pid_t pid = child.load()) kill(pid, SIGKILL);
     remove_live_temporaries();
-    constexpr std::string_view kSaid = "interrupted before its work was done: nothing unfinished is left\n";
-    if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0) _exit(static_cast<int>(ExitCode::internal));
+    constexpr std::string_view kSaid =
+        "interrupted before its work was done: nothing unfinished is left\n";
+    if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0)
+        _exit(static_cast<int>(ExitCode::internal));
     _exit(static_cast<int>(exit_code_of(signal)));
 }
 

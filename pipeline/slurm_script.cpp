@@ -80,8 +80,8 @@ std::string array_submission(const std::string& name, const std::string& options
     return submission(name, fmt::format("--array=0-{} {}", commands.size() - 1, options), script);
 }
 
-/// An array job over slices: each takes its number from the array. One slice a task: there are at most 500, within
-/// Slurm's usual MaxArraySize of 1001.
+/// An array job over slices: each takes its number from the array. One slice a task: there are at
+/// most 500, within Slurm's usual MaxArraySize of 1001.
 std::string slices_submission(const std::string& name, const std::string& options,
                               const Words& command, std::size_t n) {
     return submission(name,
@@ -94,7 +94,8 @@ std::vector<Words> commands_of(const Job& job, const std::string& verb, const fs
     std::vector<Words> commands;
     for (const JobStep& step : job.steps) {
         if (step.verb != verb) continue;
-        for (const PlanTask& share : share_tasks(step, job, programs)) commands.push_back(share.command);
+        for (const PlanTask& share : share_tasks(step, job, programs))
+            commands.push_back(share.command);
         if (step.shares.empty()) commands.push_back(whole_task(step, job, programs).command);
     }
     return commands;
@@ -165,7 +166,8 @@ std::string slurm_slices_of(const Job& job, const SlicePlan& plan, const fs::pat
     for (const char* verb : {"measure", "render"})
         if (const auto commands = commands_of(job, verb, programs); !commands.empty())
             text += array_submission(verb, after("$build"), commands) + "all=$all:$id\n";
-    if (const auto commands = joining_commands(job, programs); !commands.empty())  // of the views, submitted last
+    // of the views, submitted last
+    if (const auto commands = joining_commands(job, programs); !commands.empty())
         text += array_submission("join", after("$id"), commands) + "all=$all:$id\n";
     if (job.html)
         text += submission("page", after("$all"),

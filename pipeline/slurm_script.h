@@ -23,8 +23,8 @@ std::string slurm_script_of(const Job& job, const std::filesystem::path& program
                             const ClusterResources& resources);
 
 /// The script's second part, for the slices of a job that was sliced: normals and fits as array
-/// jobs, the build, measures, views and what joins the shares of divided ones as array jobs, and the
-/// page.
+/// jobs, the build, measures, views and what joins the shares of divided ones as array jobs, and
+/// the page.
 std::string slurm_slices_of(const Job& job, const SlicePlan& plan,
                             const std::filesystem::path& programs,
                             const ClusterResources& resources);

@@ -139,7 +139,8 @@ SmoothRefit refit_cloud(const SmoothInput& input, StageContext& context) {
 void say_what_is_known(const nlohmann::json& result, double diagonal, const std::string& model,
                        const std::string& cloud, Reporter& reporter) {
     const auto count = [&result](const char* key) { return result.value(key, std::size_t{0}); };
-    const std::size_t leaves = count("leaves_kept") + count("leaves_refitted") + count("leaves_stray");
+    const std::size_t leaves =
+        count("leaves_kept") + count("leaves_refitted") + count("leaves_stray");
     const bool known = result.at("noise").is_number();
     if (const std::size_t unknown = count("leaves_noise_unknown"); unknown > 0)
         reporter.warn(
@@ -151,12 +152,14 @@ void say_what_is_known(const nlohmann::json& result, double diagonal, const std:
     // Where memory left leaves as they were, it is that; the warning of it has said so.
     if (!known || 2 * held <= moved || count("leaves_kept_for_memory") > 0) return;
     const double noise = result.at("noise").get<double>();
-    reporter.info(fmt::format(
-        "{} of {} points went only part of the way (points_held_back): {} is farther from them than their noise explains, "
-        "{:.2g} of L ({:.2g} in the cloud's unit) in the median leaf, as of a clean cloud, beside edges, or where neighbours "
-        "share their noise, which stays. Single points may go farther than that (max_displacement): --most limits it, a "
-        "model with a smaller --t-mdl lies nearer",
-        held, moved, model, noise, noise * diagonal));
+    reporter.info(
+        fmt::format("{} of {} points went only part of the way (points_held_back): {} is farther "
+                    "from them than their noise explains, {:.2g} of L ({:.2g} in the cloud's unit) "
+                    "in the median leaf, as of a clean cloud, beside edges, or where neighbours "
+                    "share their noise, which stays. Single points may go farther than that "
+                    "(max_displacement): --most limits it, a model with a smaller --t-mdl lies "
+                    "nearer",
+                    held, moved, model, noise, noise * diagonal));
 }
 
 }  // namespace slim

@@ -168,16 +168,17 @@ json smooth_cloud(const Smoother& smoother) {
     return result;
 }
 
-/// The share of the mesh at feature edges that the model rounds off, and the advice where there are any; null: a model with
-/// sharp leaves, which follows them.
+/// The share of the mesh at feature edges that the model rounds off, and the advice where there are
+/// any; null: a model with sharp leaves, which follows them.
 json edges_rounded_off(const Smoother& smoother, const Mesh& mesh) {
     if (smoother.sharp) return nullptr;
     const EdgesSeen seen = feature_edges(mesh, smoother.rules);
     smoother.context.check_stop();
     if (seen.are_features())
-        smoother.context.reporter.info(fmt::format(
-            "about {:.0f} % of {} lies at edges, which {} rounds off: a model built with --sharp on keeps them crisp",
-            100 * seen.share(), smoother.config.cloud, smoother.config.model));
+        smoother.context.reporter.info(
+            fmt::format("about {:.0f} % of {} lies at edges, which {} rounds off: a model built "
+                        "with --sharp on keeps them crisp",
+                        100 * seen.share(), smoother.config.cloud, smoother.config.model));
     return seen.share();
 }
 
@@ -234,7 +235,8 @@ void check_paths(const SmoothConfig& config) {
 /// What the model's record says that it was fitted with; empty where it does not say.
 json rules_of(const ModelFile& model) {
     const json provenance = json_or_discarded(model.provenance_json());
-    const json rules = provenance.is_object() ? provenance.value("rules", json::object()) : json::object();
+    const json rules =
+        provenance.is_object() ? provenance.value("rules", json::object()) : json::object();
     return rules.is_object() ? rules : json::object();
 }
 

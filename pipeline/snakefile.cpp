@@ -71,8 +71,8 @@ std::string files_list(const std::vector<fs::path>& files) {
     return out;
 }
 
-/// One rule; `input`, `output` and `command` are Python. `about` is what else it depends on: its hash
-/// is one of the params.
+/// One rule; `input`, `output` and `command` are Python. `about` is what else it depends on: its
+/// hash is one of the params.
 struct Rule {
     std::string kind = "rule";
     std::string name, input, output, command, about = {};
@@ -146,13 +146,14 @@ std::vector<fs::path> outputs_of(const PlanTask& task) {
 }
 
 void add_task(const PlanTask& task, const std::string& name, Rules& rules) {
-    rules.add({"rule", name, files_list(task.needs), files_list(outputs_of(task)), python_list(task.command)});
+    rules.add({"rule", name, files_list(task.needs), files_list(outputs_of(task)),
+               python_list(task.command)});
 }
 
-/// A step that is one task, or the tasks that share it and the one that joins them. A file is the output of one rule:
-/// pictures of a film are those of their share. Returns all outputs.
-std::vector<fs::path> add_step(const JobStep& step, const Job& job, const fs::path& programs, const std::string& name,
-                               Rules& rules) {
+/// A step that is one task, or the tasks that share it and the one that joins them. A file is the
+/// output of one rule: pictures of a film are those of their share. Returns all outputs.
+std::vector<fs::path> add_step(const JobStep& step, const Job& job, const fs::path& programs,
+                               const std::string& name, Rules& rules) {
     const PlanTask whole = whole_task(step, job, programs);
     if (step.shares.empty()) {
         add_task(whole, name, rules);
@@ -184,7 +185,8 @@ void add_build(const JobStep& step, const Job& job, const fs::path& programs, Ru
     add_slices(job, programs, rules);
     rules.add({"rule", "build",
                fmt::format("lambda w: [{} for i in slices()]", formatted(fit_path(stages.work, 0))),
-               files_list(outputs_of(whole_task(step, job, programs))), python_list(joining_build(step, job, programs))});
+               files_list(outputs_of(whole_task(step, job, programs))),
+               python_list(joining_build(step, job, programs))});
 }
 
 }  // namespace
@@ -199,10 +201,12 @@ std::string snakefile_of(const Job& job, const fs::path& programs,
         about += fmt::format("\n{}", fmt::join(step.arguments, "\n"));
         if (step.verb == "build") {
             add_build(step, job, programs, rules);
-            for (const fs::path& file : outputs_of(whole_task(step, job, programs))) goals.push_back(file);
+            for (const fs::path& file : outputs_of(whole_task(step, job, programs)))
+                goals.push_back(file);
             continue;
         }
-        for (const fs::path& file : add_step(step, job, programs, fmt::format("{}_{}", step.verb, ++number), rules))
+        for (const fs::path& file :
+             add_step(step, job, programs, fmt::format("{}_{}", step.verb, ++number), rules))
             goals.push_back(file);
     }
     if (job.html) {

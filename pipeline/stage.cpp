@@ -44,7 +44,8 @@ void write_stdout(const std::string& text) {
 
 /// A coordinate: six digits say where in a room, not where on a map.
 std::string coordinate_text(double v) {
-    return std::abs(v) >= 1e4 && std::abs(v) < 1e12 ? fmt::format("{:.3f}", v) : fmt::format("{:.6g}", v);
+    return std::abs(v) >= 1e4 && std::abs(v) < 1e12 ? fmt::format("{:.3f}", v)
+                                                    : fmt::format("{:.6g}", v);
 }
 
 std::string value_text(const std::string& key, const json& value) {
@@ -58,8 +59,9 @@ std::string value_text(const std::string& key, const json& value) {
         return text_of(value);
     std::string text;
     for (const json& item : value)
-        text += (text.empty() ? "" : ", ") +
-                (item.is_number_float() ? coordinate_text(item.get<double>()) : value_text(key, item));
+        text +=
+            (text.empty() ? "" : ", ") +
+            (item.is_number_float() ? coordinate_text(item.get<double>()) : value_text(key, item));
     return value.empty() ? "none" : text;
 }
 
@@ -120,9 +122,9 @@ void print_result(const ErasedStage& stage, const CommonOptions& common,
         std::string text = context.text;
         const bool all_asked = common.verbose && !stage.description.answers;
         if (text.empty() || all_asked)
-            append_summary(result, "",
-                           context.headlines.empty() ? stage.description.headlines : context.headlines,
-                           text);
+            append_summary(
+                result, "",
+                context.headlines.empty() ? stage.description.headlines : context.headlines, text);
         write_stdout(text);
     }
 }
@@ -213,7 +215,8 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         return 0;
     } catch (const Error& error) {
         const bool usage = error.code() == ExitCode::usage;
-        return fail(error.code(), usage ? with_option_names(stage.fields, error.what()) : error.what());
+        return fail(error.code(),
+                    usage ? with_option_names(stage.fields, error.what()) : error.what());
     } catch (const std::bad_alloc&) {
         return fail(ExitCode::resource, "out of memory");
     } catch (const std::filesystem::filesystem_error& error) {

@@ -16,8 +16,8 @@
 namespace slim {
 
 /// The points of a job's one slice, handed from a stage of a build to the next, which need not read
-/// what was just written; nor need they be written where nobody keeps the work folder: a build of one
-/// slice that was stopped begins again.
+/// what was just written; nor need they be written where nobody keeps the work folder: a build of
+/// one slice that was stopped begins again.
 class HandedPoints {
 public:
     explicit HandedPoints(bool instead_of_files = false) : instead_of_files_(instead_of_files) {}
@@ -64,7 +64,8 @@ struct StageContext {
     /// for its hash again.
     std::map<std::string, std::string>* written = nullptr;
     HandedPoints* handed = nullptr;  ///< within a build
-    int threads_given = 0;           ///< by --threads; 0: `threads` are this machine's or the environment's
+    int threads_given = 0;           ///< by --threads; 0: `threads` are this
+                                     ///< machine's or the environment's
     std::vector<Headline> headlines = {};  ///< if set: of this result, instead of the verb's
 
     bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }

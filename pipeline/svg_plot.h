@@ -12,7 +12,8 @@ struct SvgCurve {
         bool broken = false;  ///< drawn as a cross
     };
     std::string name;
-    std::vector<Point> points;  ///< joined in this order; those that a logarithm has no place for are left out
+    std::vector<Point> points;  ///< joined in this order; those that a
+                                ///< logarithm has no place for are left out
     /// A dashed line of this slope (of the logarithms) through the curve's middle; NaN: none.
     double guide_slope = 0;
     bool has_guide = false;
@@ -24,8 +25,9 @@ struct SvgPlot {
     std::vector<SvgCurve> curves;
 };
 
-/// The plot as an SVG element of 640 by 400, to stand in an HTML page: axes with ticks at round numbers, curves with
-/// marks, a legend; text as text. Eight colours that colour-blind readers tell apart (Okabe and Ito 2008), marks differ too.
+/// The plot as an SVG element of 640 by 400, to stand in an HTML page: axes with ticks at round
+/// numbers, curves with marks, a legend; text as text. Eight colours that colour-blind readers tell
+/// apart (Okabe and Ito 2008), marks differ too.
 std::string svg_of(const SvgPlot& plot);
 
 }  // namespace slim

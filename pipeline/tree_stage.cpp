@@ -83,7 +83,8 @@ Fits open_fits(const std::vector<std::filesystem::path>& paths) {
         if (out.rules.is_null()) out.rules = header.at("rules");
         if (header.at("rules") != out.rules)
             throw IncompleteError(fmt::format(
-                "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` again",
+                "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` "
+                "again",
                 path.string(), paths[0].string(), text_of(out.rules), text_of(header.at("rules"))));
         out.counts.push_back(header.at("counts"));
     }
@@ -100,20 +101,23 @@ void require_leaves(const SlicePlan& plan, const Fits& fits) {
     if (sum("leaves") > 0) return;
     std::vector<std::string> names;
     for (const PlanInput& in : plan.inputs) names.push_back(in.path);
-    const std::uint64_t isolated = sum("dropped_isolated"), unexplained = sum("dropped_unexplained"),
-                        beside = sum("dropped_beside");
+    const std::uint64_t isolated = sum("dropped_isolated"),
+                        unexplained = sum("dropped_unexplained"), beside = sum("dropped_beside");
     const std::string dropped =
         isolated + unexplained + beside == 0
             ? "none was dropped, but no ball of them holds a surface"
-            : fmt::format("dropped were {} with too few neighbours, {} that no surfel explains and {} beside a rim",
+            : fmt::format("dropped were {} with too few neighbours, {} that no surfel explains and "
+                          "{} beside a rim",
                           isolated, unexplained, beside);
-    const char* remedy = unexplained > isolated
-                             ? "normals that agree with the points: try --normals estimate, or a larger --t-mdl"
-                             : "a dozen points and more near each other that neither coincide nor lie on one line: give "
-                               "more points, or take out strays, within whose extent the others are small";
-    throw DataError(fmt::format(
-        "{}: the fit left no surfel of {} points, so there is nothing to build a model of: {}. A surface needs {}",
-        fmt::join(names, ", "), plan.n_points, dropped, remedy));
+    const char* remedy =
+        unexplained > isolated
+            ? "normals that agree with the points: try --normals estimate, or a larger --t-mdl"
+            : "a dozen points and more near each other that neither coincide nor lie on one line: "
+              "give more points, or take out strays, within whose extent the others are small";
+    throw DataError(
+        fmt::format("{}: the fit left no surfel of {} points, so there is nothing to build a model "
+                    "of: {}. A surface needs {}",
+                    fmt::join(names, ", "), plan.n_points, dropped, remedy));
 }
 
 /// The tree is of all slices at once, so its memory grows with the model, not with a slice.

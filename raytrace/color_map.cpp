@@ -15,8 +15,8 @@ namespace {
 
 /// 0xRRGGBB as sRGB components.
 constexpr Vec3f from_hex(std::uint32_t rgb) {
-    return {static_cast<float>(rgb >> 16 & 255) / 255.0f, static_cast<float>(rgb >> 8 & 255) / 255.0f,
-            static_cast<float>(rgb & 255) / 255.0f};
+    return {static_cast<float>(rgb >> 16 & 255) / 255.0f,
+            static_cast<float>(rgb >> 8 & 255) / 255.0f, static_cast<float>(rgb & 255) / 255.0f};
 }
 
 template <std::size_t n>
@@ -37,7 +37,8 @@ double smallest_nice_step(double mantissa) {
 ColorMap::ColorMap(std::string name, std::span<const Vec3f> knots) : name_(std::move(name)) {
     SLIM_CHECK(knots.size(), >=, 2u);
     for (std::size_t i = 0; i < kKnots; ++i) {
-        const float at = static_cast<float>(i * (knots.size() - 1)) / static_cast<float>(kKnots - 1);
+        const float at =
+            static_cast<float>(i * (knots.size() - 1)) / static_cast<float>(kKnots - 1);
         const std::size_t k = std::min(static_cast<std::size_t>(at), knots.size() - 2);
         const float t = at - static_cast<float>(k);
         const Vec3f c = knots[k] * (1 - t) + knots[k + 1] * t;
@@ -54,16 +55,18 @@ Vec3f ColorMap::interpolate(const Table& table, float t) {
 }
 
 const ColorMap& viridis() {
-    static const ColorMap map = from_hex_knots(
-        "viridis", {0x440154, 0x481a6c, 0x472f7d, 0x414487, 0x39568c, 0x31688e, 0x2a788e, 0x23888e,
-                    0x1f988b, 0x22a884, 0x35b779, 0x54c568, 0x7ad151, 0xa5db36, 0xd2e21b, 0xfde725});
+    static const ColorMap map =
+        from_hex_knots("viridis", {0x440154, 0x481a6c, 0x472f7d, 0x414487, 0x39568c, 0x31688e,
+                                   0x2a788e, 0x23888e, 0x1f988b, 0x22a884, 0x35b779, 0x54c568,
+                                   0x7ad151, 0xa5db36, 0xd2e21b, 0xfde725});
     return map;
 }
 
 const ColorMap& cividis() {
-    static const ColorMap map = from_hex_knots(
-        "cividis", {0x00224e, 0x002e6c, 0x1e3a6f, 0x35456c, 0x47516c, 0x575d6d, 0x666970, 0x757575,
-                    0x848279, 0x948e77, 0xa59c74, 0xb7a96e, 0xc8b866, 0xdbc75a, 0xeed649, 0xfee838});
+    static const ColorMap map =
+        from_hex_knots("cividis", {0x00224e, 0x002e6c, 0x1e3a6f, 0x35456c, 0x47516c, 0x575d6d,
+                                   0x666970, 0x757575, 0x848279, 0x948e77, 0xa59c74, 0xb7a96e,
+                                   0xc8b866, 0xdbc75a, 0xeed649, 0xfee838});
     return map;
 }
 
@@ -90,17 +93,20 @@ double percentile_of_abs(std::span<const float> values, std::span<const std::uin
     const auto curved = std::partition(covered.begin(), covered.end(),
                                        [&](float v) { return static_cast<double>(v) <= flat; });
     const std::ptrdiff_t n_curved = covered.end() - curved, n = std::ssize(covered);
-    if (flat > 0 && 2 * n_curved <= n && kFewest * n_curved >= n) covered.erase(covered.begin(), curved);
+    if (flat > 0 && 2 * n_curved <= n && kFewest * n_curved >= n)
+        covered.erase(covered.begin(), curved);
     const double rank = std::ceil(percentile / 100 * static_cast<double>(covered.size()));
     const std::size_t k = std::min(covered.size() - 1,
                                    static_cast<std::size_t>(std::max(rank, 1.0)) - 1);
-    std::nth_element(covered.begin(), covered.begin() + static_cast<std::ptrdiff_t>(k), covered.end());
+    std::nth_element(covered.begin(), covered.begin() + static_cast<std::ptrdiff_t>(k),
+                     covered.end());
     return covered[k];
 }
 
 ValueRange symmetric_range(std::span<const float> values, std::span<const std::uint8_t> hit,
                            double percentile, double least, double flat) {
-    const double a = nice_ceiling(std::max(percentile_of_abs(values, hit, percentile, flat), least));
+    const double a =
+        nice_ceiling(std::max(percentile_of_abs(values, hit, percentile, flat), least));
     return {-a, a};
 }
 

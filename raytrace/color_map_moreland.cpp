@@ -1,6 +1,6 @@
-// Moreland, "Diverging Color Maps for Scientific Visualization" (ISVC 2009; the expanded version gives
-// the algorithm as listings): interpolation in Msh, the polar form of CIELAB, through an unsaturated
-// middle.
+// Moreland, "Diverging Color Maps for Scientific Visualization" (ISVC 2009; the expanded version
+// gives the algorithm as listings): interpolation in Msh, the polar form of CIELAB, through an
+// unsaturated middle.
 
 #include "raytrace/color_map.h"
 

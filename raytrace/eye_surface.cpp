@@ -13,7 +13,8 @@ namespace {
 
 constexpr float kTurnedRound = 0.5f;  ///< from -n . e on no silhouette
 constexpr float kSameSurface = 0.5f;  ///< cosine between normals of one surface that turns away
-/// Shares of a neighbourhood that face the eye: up to the first a pixel is of a sheet's back, from the second on an overshoot.
+/// Shares of a neighbourhood that face the eye: up to the first a pixel is of a sheet's back, from
+/// the second on an overshoot.
 constexpr float kBack = 0.1f, kOvershoot = 0.3f;
 constexpr std::size_t kPlaces = 32;
 
@@ -22,7 +23,8 @@ std::array<std::array<float, 2>, kPlaces> places_in_disc() {
     constexpr double kGoldenAngle = 2.399963229728653;
     std::array<std::array<float, 2>, kPlaces> out{};
     for (std::size_t i = 0; i < kPlaces; ++i) {
-        const double r = std::sqrt((static_cast<double>(i) + 0.5) / kPlaces), a = static_cast<double>(i) * kGoldenAngle;
+        const double r = std::sqrt((static_cast<double>(i) + 0.5) / kPlaces),
+                     a = static_cast<double>(i) * kGoldenAngle;
         out[i] = {static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a))};
     }
     return out;
@@ -45,7 +47,8 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
                 const std::size_t i = surface.index(x, y);
                 if (!hit[i]) continue;
                 const Vec3f toward_eye = frame.toward_eye(frame.across(x), frame.upwards(y));
-                pixel(i - first, surface.eye_normal(x, y, surface.raw_normal(i), toward_eye), toward_eye);
+                pixel(i - first, surface.eye_normal(x, y, surface.raw_normal(i), toward_eye),
+                      toward_eye);
             }
     });
 }
@@ -59,7 +62,10 @@ float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& towa
     const Vec3f eye = frame.to_world(toward_eye), same = frame.to_world(n);
     int hits = 0, front = 0;
     for (const auto& [dx, dy] : disc) {
-        const auto nearest = [](float offset) { return static_cast<int>(std::floor(offset + 0.5f)); };  // lround is a call
+        // lround is a call
+        const auto nearest = [](float offset) {
+            return static_cast<int>(std::floor(offset + 0.5f));
+        };
         const int px = x + nearest(reach * dx), py = y + nearest(reach * dy);
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
         const std::size_t i = index(px, py);
@@ -74,13 +80,14 @@ Vec3f EyeSurface::eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_e
     const float away = -dot(n, toward_eye);
     if (!(away > 0)) return n;
     if (away >= kTurnedRound) return -n;
-    const float t = std::clamp((share_of_front(x, y, n, toward_eye) - kBack) / (kOvershoot - kBack), 0.0f, 1.0f);
+    const float t = std::clamp((share_of_front(x, y, n, toward_eye) - kBack) / (kOvershoot - kBack),
+                               0.0f, 1.0f);
     if (t == 0) return -n;
     return normalized(silhouette_normal(n, toward_eye) * t - n * (1 - t));
 }
 
-void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,
-                  std::span<const std::uint8_t> hit) {
+void check_planes(std::size_t n_pixels, int height, const RowRange& rows,
+                  const NormalPlanes& normals, std::span<const std::uint8_t> hit) {
     SLIM_CHECK(hit.size(), ==, n_pixels);
     SLIM_CHECK(std::min({normals.x.size(), normals.y.size(), normals.z.size()}), ==, n_pixels);
     SLIM_CHECK(rows.begin, >=, 0);
@@ -100,15 +107,17 @@ Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye) {
     return normalized(across * (1 - 2 * t) + toward_eye * away);
 }
 
-std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view,
+                                                 const NormalPlanes& normals,
                                                  std::span<const std::uint8_t> hit) {
     std::array<std::vector<float>, 3> out;
     for (auto& plane : out) plane.assign(hit.size(), 0.0f);
     const Vec3f right = to_float(view.right), up = to_float(view.up), back = to_float(view.back);
-    for_hits(width, height, {0, height}, view, normals, hit, [&](std::size_t i, const Vec3f& n, const Vec3f&) {
-        const Vec3f world = right * n.x + up * n.y + back * n.z;
-        for (std::size_t axis = 0; axis < 3; ++axis) out[axis][i] = world[axis];
-    });
+    for_hits(width, height, {0, height}, view, normals, hit,
+             [&](std::size_t i, const Vec3f& n, const Vec3f&) {
+                 const Vec3f world = right * n.x + up * n.y + back * n.z;
+                 for (std::size_t axis = 0; axis < 3; ++axis) out[axis][i] = world[axis];
+             });
     return out;
 }
 

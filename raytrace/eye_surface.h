@@ -37,7 +37,9 @@ struct EyeFrame {
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
     Vec3f to_world(const Vec3f& d) const { return right * d.x + up * d.y + back * d.z; }
-    LanesOfVec from_world(const LanesOfVec& d) const { return {d.dot(right), d.dot(up), d.dot(back)}; }
+    LanesOfVec from_world(const LanesOfVec& d) const {
+        return {d.dot(right), d.dot(up), d.dot(back)};
+    }
 
     /// Column x and row y of the planes in [-1, 1] over the whole picture, rightwards and upwards.
     float across(int x) const { return screen_coordinate(first_x + x, whole_width); }
@@ -73,8 +75,9 @@ struct EyeSurface {
         return normalized(frame.from_world(Vec3f{normals.x[i], normals.y[i], normals.z[i]}));
     }
 
-    /// Of the surface about a pixel whose normal n faces away, within shade_reach, the share that faces the eye with
-    /// a normal less than 60 degrees from n: near one half where a front overshoots its edge, 0 on the back of a sheet.
+    /// Of the surface about a pixel whose normal n faces away, within shade_reach, the share that
+    /// faces the eye with a normal less than 60 degrees from n: near one half where a front
+    /// overshoots its edge, 0 on the back of a sheet.
     float share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
 
     /// The normal n of one pixel, turned to the eye; zero where the renderer had none.
@@ -82,8 +85,8 @@ struct EyeSurface {
 };
 
 /// That the planes are those of a picture of these pixels, and the rows are in it.
-void check_planes(std::size_t n_pixels, int height, const RowRange& rows, const NormalPlanes& normals,
-                  std::span<const std::uint8_t> hit);
+void check_planes(std::size_t n_pixels, int height, const RowRange& rows,
+                  const NormalPlanes& normals, std::span<const std::uint8_t> hit);
 
 /// Rows that a thread takes at a time.
 inline constexpr std::size_t kShadedRows = 8;

@@ -9,8 +9,8 @@
 namespace slim {
 
 /// A stroke font of our own: letters, digits and signs as lines and arcs, drawn with round pens and
-/// smooth edges at any size. It is compiled in, so that a picture never depends on a font file being
-/// found at run time (OpenImageIO's render_text does, CONVENTIONS 4.5).
+/// smooth edges at any size. It is compiled in, so that a picture never depends on a font file
+/// being found at run time (OpenImageIO's render_text does, CONVENTIONS 4.5).
 ///
 /// Text is UTF-8: ASCII, and U+2212 (minus), degree, plus-minus, squared, cubed, micro, middle dot,
 /// times. A character without a glyph is drawn as an empty box.
@@ -26,8 +26,8 @@ std::string without_glyphs(std::string_view text);
 /// Width in pixels of one line of text.
 float text_width(std::string_view text, const TextStyle& style);
 
-/// Draws one line; (x, baseline) is its left end in pixels, y downwards. Parts outside the picture are
-/// cut off. Cost: O(pixels under the text x strokes near them).
+/// Draws one line; (x, baseline) is its left end in pixels, y downwards. Parts outside the picture
+/// are cut off. Cost: O(pixels under the text x strokes near them).
 void draw_text(const Canvas& canvas, std::string_view text, float x, float baseline,
                const TextStyle& style);
 

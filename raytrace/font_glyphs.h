@@ -2,9 +2,10 @@
 
 namespace slim {
 
-/// One glyph: the pen's path on a grid where capitals are 14 high, small letters 10, the baseline at 0
-/// and y upwards. M x y moves the pen, L x y draws a line, A cx cy rx ry a0 a1 an elliptic arc from
-/// angle a0 to a1 (degrees, counter-clockwise positive), joined to the path before it by a line.
+/// One glyph: the pen's path on a grid where capitals are 14 high, small letters 10, the baseline
+/// at 0 and y upwards. M x y moves the pen, L x y draws a line, A cx cy rx ry a0 a1 an elliptic arc
+/// from angle a0 to a1 (degrees, counter-clockwise positive),
+/// joined to the path before it by a line.
 struct Glyph {
     char32_t code;
     float advance;  ///< width without the gap to the next glyph

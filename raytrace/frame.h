@@ -23,14 +23,16 @@ enum Channel : std::uint32_t {
     kK2Channel = 2048,
     kCurvatureChannel = kMeanChannel | kGaussChannel | kK1Channel | kK2Channel,
     kDirectionChannel = 4096,   ///< principal direction of k1
-    kThirdOrderChannel = 8192,  ///< derivatives of k1 and k2 along both directions; cubic models only
+    kThirdOrderChannel = 8192,  ///< derivatives of k1 and k2 along both
+                                ///< directions; cubic models only
     kHessianChannels = kCurvatureChannel | kDirectionChannel | kThirdOrderChannel,
 };
 using Channels = std::uint32_t;
 inline constexpr Channels kAllChannels = 16383;
 
-/// The G-buffer: flat planes, row by row from the top left; pixel (x, y) is entry y * width + x. Only
-/// the planes asked for are allocated, the others are empty. Pixels without a hit hold 0 everywhere.
+/// The G-buffer: flat planes, row by row from the top left; pixel (x, y) is entry y * width + x.
+/// Only the planes asked for are allocated, the others are empty. Pixels without a hit hold 0
+/// everywhere.
 struct GBuffer {
     int width = 0, height = 0;
     Channels channels = 0;
@@ -38,10 +40,13 @@ struct GBuffer {
     std::vector<float> depth;                   ///< camera z, model units
     std::array<std::vector<float>, 3> position; ///< frame of the job
     std::array<std::vector<float>, 3> normal;
-    std::vector<float> k1, k2, mean, gauss;     ///< 1 / length (gauss: 1 / length^2), convex positive
-    /// t1 of k1, unit, frame of the job, sign arbitrary; t2 = N x t1. Anything tangent where k1 = k2.
+    std::vector<float> k1, k2, mean, gauss;     ///< 1 / length (gauss: 1 /
+                                                ///< length^2), convex positive
+    /// t1 of k1, unit, frame of the job, sign arbitrary; t2 = N x t1.
+    /// Anything tangent where k1 = k2.
     std::array<std::vector<float>, 3> direction;
-    /// dk1/dt1, dk1/dt2, dk2/dt1, dk2/dt2 (e1 first, e2 last), 1 / length^2; signs go with t1 and t2.
+    /// dk1/dt1, dk1/dt2, dk2/dt1, dk2/dt2 (e1 first, e2 last), 1 / length^2;
+    /// signs go with t1 and t2.
     std::array<std::vector<float>, 4> third;
     std::vector<std::uint32_t> surfel_id;
     std::vector<float> fit_error, level, coverage;
@@ -64,7 +69,8 @@ struct GBuffer {
         for_each_plane([](auto& plane) { plane.assign(plane.size(), 0); });
     }
 
-    /// The same for a renderer that writes every pixel of what is wanted: what the planes hold is not defined.
+    /// The same for a renderer that writes every pixel of what is wanted:
+    /// what the planes hold is not defined.
     void resize(int new_width, int new_height, Channels wanted) {
         width = new_width, height = new_height, channels = wanted;
         hit.resize(n_pixels());

@@ -19,15 +19,16 @@ Vec3f toward_sun(const Relief& r) {
     return r.axes[0] * east + r.axes[1] * static_cast<float>(std::sin(h)) + r.axes[2] * south;
 }
 
-/// Light on a slope: a level plane is a light grey, slopes away from the sun go to blue. In its shade the
-/// light goes on falling, so that the far side of what stands upright keeps its shape: t / (1 - t' / t c)
-/// with t and t' of cosine 0.
+/// Light on a slope: a level plane is a light grey, slopes away from the sun go to blue. In its
+/// shade the light goes on falling, so that the far side of what stands upright keeps its shape: t
+/// / (1 - t' / t c) with t and t' of cosine 0.
 Vec3f relief_color(float cosine) {
     constexpr float kAmbient = 0.18f, kPower = 1.15f;
     constexpr float kAtTerminator = 0.13918f;  // kAmbient^kPower
     constexpr float kFall = kPower * (1 - kAmbient) / kAmbient;  // t' / t
-    const float t = cosine >= 0 ? std::pow(std::min(kAmbient + (1 - kAmbient) * cosine, 1.0f), kPower)
-                                : kAtTerminator / (1 - kFall * cosine);
+    const float t = cosine >= 0
+                        ? std::pow(std::min(kAmbient + (1 - kAmbient) * cosine, 1.0f), kPower)
+                        : kAtTerminator / (1 - kFall * cosine);
     return kShadow * (1 - t) + kLit * t;
 }
 
@@ -72,8 +73,8 @@ float line_cover(float distance, float width, float gap) {
     return tone * (1 - t) + cover * t;
 }
 
-/// Cover of the contour lines next to a height. Index lines fade by their own distance: they stay where the lines
-/// between run into a tone.
+/// Cover of the contour lines next to a height. Index lines fade by their own distance: they stay
+/// where the lines between run into a tone.
 float contour_cover(const Relief& r, double height, float change, float width) {
     constexpr double kMostSteps = 1e15;  // beyond, a double no longer tells a line from the next
     constexpr float kThin = 0.7f;
@@ -82,9 +83,11 @@ float contour_cover(const Relief& r, double height, float change, float width) {
         const double in_steps = height / spacing;
         const float gap =
             std::min(static_cast<float>(std::min(spacing, 1e30)) / std::max(change, 1e-30f), 1e30f);
-        return line_cover(static_cast<float>(std::abs(in_steps - std::round(in_steps))) * gap, line_width, gap);
+        return line_cover(static_cast<float>(std::abs(in_steps - std::round(in_steps))) * gap,
+                          line_width, gap);
     };
-    return std::max(kThin * cover_of(r.spacing, width), cover_of(r.spacing * r.index_every, 2 * width));
+    return std::max(kThin * cover_of(r.spacing, width),
+                    cover_of(r.spacing * r.index_every, 2 * width));
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ double svg_width(const Key& key) {
     constexpr double kLeast = 70, kMargin = 4, kFont = 3.4, kBesideSwatch = 6;
     double words = svg_text_width(key.title, kFont, true);
     for (const Key::Row& row : key.rows)
-        words = std::max(words, svg_text_width(row.text, kFont) + (row.has_swatch ? kBesideSwatch : 0));
+        words =
+            std::max(words, svg_text_width(row.text, kFont) + (row.has_swatch ? kBesideSwatch : 0));
     return std::max(kLeast, std::ceil(2 * kMargin + words));
 }
 
@@ -91,10 +92,11 @@ bool burn_key(const Key& key, const Canvas& canvas, LegendPlace place) {
 std::string key_svg(const Key& key) {
     std::ostringstream out;
     const double height = 12 + 6.0 * static_cast<double>(key.rows.size()), width = svg_width(key);
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << width << "mm\" height=\""
-        << height << "mm\" viewBox=\"0 0 " << width << ' ' << height
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" << width
+        << "mm\" height=\"" << height << "mm\" viewBox=\"0 0 " << width << ' ' << height
         << "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"3.4\" fill=\"#1a1b1e\">\n"
-        << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped_markup(key.title) << "</text>\n";
+        << "  <text x=\"4\" y=\"7\" font-weight=\"bold\">" << escaped_markup(key.title)
+        << "</text>\n";
     double y = 7;
     for (const Key::Row& row : key.rows) {
         y += 6;

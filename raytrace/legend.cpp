@@ -100,8 +100,9 @@ Layout layout_of(const Legend& legend, const Labels& labels, LegendPlace place, 
     l.x = is_left(place) ? l.margin : static_cast<float>(width) - l.margin - l.width;
     l.y = panel_top(place, l.margin, l.height, height);
     l.bar_x = l.x + l.padding;
-    l.bar_y = std::round(l.y + l.padding + heading + 12 * u + note_height(legend.high_note, l.label) +
-                         (legend.clipped_high ? l.tip : 0));
+    l.bar_y =
+        std::round(l.y + l.padding + heading + 12 * u + note_height(legend.high_note, l.label) +
+                   (legend.clipped_high ? l.tip : 0));
     return l;
 }
 

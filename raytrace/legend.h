@@ -22,8 +22,8 @@ struct Legend {
     bool clipped_high = false, clipped_low = false;  ///< values beyond the range: arrow tips
 };
 
-/// Round values inside the range, ascending, 4 to 9 of them, 0 among them if it is inside; the ends of
-/// a symmetric range are always ticks.
+/// Round values inside the range, ascending, 4 to 9 of them, 0 among them if it is inside; the ends
+/// of a symmetric range are always ticks.
 std::vector<double> legend_ticks(const ValueRange& range);
 
 /// A tick's text with as many digits as its neighbours need; U+2212 for minus.
@@ -33,9 +33,9 @@ std::string tick_label(double value, const std::vector<double>& ticks);
 /// alpha); the first of those that are equal.
 LegendPlace best_legend_place(const Legend& legend, const Picture& object);
 
-/// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000 pixels:
-/// digits 14 high). Returns false and leaves the picture alone if it would take more than 60 % of the
-/// width or 75 % of the height.
+/// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000
+/// pixels: digits 14 high). Returns false and leaves the picture alone if it would take more than
+/// 60 % of the width or 75 % of the height.
 bool burn_legend(const Legend& legend, const Canvas& canvas,
                  LegendPlace place = LegendPlace::right);
 

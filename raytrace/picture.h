@@ -6,15 +6,18 @@
 
 namespace slim {
 
-/// A picture in linear Rec.709: RGBA, premultiplied, row-major from the top left. False colours live
-/// here too, decoded from sRGB: encoding gives their bytes back exactly, and box filters mix light.
+/// A picture in linear Rec.709: RGBA, premultiplied, row-major from the top left. False colours
+/// live here too, decoded from sRGB: encoding gives their bytes back exactly,
+/// and box filters mix light.
 struct Picture {
     int width = 0, height = 0;
     std::vector<float> rgba;  ///< 4 * width * height
 
     Picture() = default;
     Picture(int w, int h)
-        : width(w), height(h), rgba(4 * static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
+        : width(w),
+          height(h),
+          rgba(4 * static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
 
     std::size_t n_pixels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -33,8 +36,8 @@ struct Picture8 {
     std::vector<std::uint8_t> rgba;
 };
 
-/// The sRGB curve (IEC 61966-2-1), both ways; inputs outside [0, 1] are clamped on encoding and a NaN
-/// becomes 0.
+/// The sRGB curve (IEC 61966-2-1), both ways; inputs outside [0, 1] are clamped on encoding and a
+/// NaN becomes 0.
 float srgb_from_linear(float linear);
 float linear_from_srgb(float srgb);
 

@@ -19,7 +19,8 @@ struct RenderRequest {
     Camera camera;
     int width = 1600, height = 1200;  ///< of the whole picture
     Channels wanted = kDepthChannel | kNormalChannel;
-    double lod_px = 4;      ///< descend while a ball's projected diameter exceeds it; 0: leaves only
+    double lod_px = 4;      ///< descend while a ball's projected
+                            ///< diameter exceeds it; 0: leaves only
     PixelWindow window{};   ///< the part to render; the G-buffer has its size
     bool loose = false;     ///< draw loose surfels as well (kLoose)
     /// If set: gets the nodes that the cut met, before their surfels are drawn. In the forward
@@ -38,11 +39,13 @@ struct RenderStats {
     std::uint64_t tile_entries = 0;     ///< (surfel, tile) pairs
     std::uint64_t root_tests = 0;       ///< lanes whose root was asked for, both stages
     std::uint64_t distance_tests = 0;   ///< lanes of the test |q^ - c| < rho
-    /// Blocks of kLanes pixels (16 with AVX-512, else 8) in a surfel's outline that are passed over without a test, in both stages: all that is seen
-    /// there is nearer, or out of the ball's reach. Forward renderer only, and smooth surfels.
+    /// Blocks of kLanes pixels (16 with AVX-512, else 8) in a surfel's outline that are passed over
+    /// without a test, in both stages: all that is seen there is nearer, or out of the ball's
+    /// reach. Forward renderer only, and smooth surfels.
     std::uint64_t blocks_passed = 0;
-    /// (surfel, tile) pairs that are left out at once: the rest of a tile's list once it lies behind all that is seen
-    /// there (stage 1), and balls that reach no hit of the tile (stage 2). Forward renderer only.
+    /// (surfel, tile) pairs that are left out at once: the rest of a tile's list once it lies
+    /// behind all that is seen there (stage 1), and balls that reach no hit of the tile (stage 2).
+    /// Forward renderer only.
     std::uint64_t surfels_cut_off = 0;
     std::uint64_t covered_pixels = 0;
     std::uint64_t unblended_pixels = 0; ///< hit, but without weight in stage 2: they keep q^

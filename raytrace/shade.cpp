@@ -39,13 +39,16 @@ FloatV load_some(const float* from, int n) {
 
 PixelLanes load_lanes(const EyeSurface& surface, int x, int y) {
     const std::size_t i = surface.index(x, y);
-    PixelLanes p;  // without a hit the vectors stay as they are: setting them first cost a quarter of the time
+    // without a hit the vectors stay as they are: setting them first cost a quarter of the time
+    PixelLanes p;
     p.x = x, p.y = y, p.n = std::min(kLanes, surface.width - x);
     p.hit = bits_of_bytes(&surface.hit[i], static_cast<std::size_t>(p.n));
     if (p.hit == 0) return p;
     const NormalPlanes& n = surface.normals;
-    p.normal = surface.frame.from_world(
-        LanesOfVec{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n), load_some(&n.z[i], p.n)}).unit();
+    p.normal = surface.frame
+                   .from_world(LanesOfVec{load_some(&n.x[i], p.n), load_some(&n.y[i], p.n),
+                                          load_some(&n.z[i], p.n)})
+                   .unit();
     p.toward_eye = surface.frame.toward_eye(surface.frame.across(x),
                                             2 / static_cast<float>(surface.frame.whole_width),
                                             surface.frame.upwards(y));
@@ -57,7 +60,8 @@ void turn_to_eye(const EyeSurface& surface, PixelLanes& p) {
     const auto away = static_cast<std::uint32_t>(lane_bits(p.normal.dot(p.toward_eye) < 0.0f));
     for (std::uint32_t bits = away & p.hit; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
-        p.normal.set(lane, surface.eye_normal(p.x + lane, p.y, p.normal.at(lane), p.toward_eye.at(lane)));
+        p.normal.set(lane,
+                     surface.eye_normal(p.x + lane, p.y, p.normal.at(lane), p.toward_eye.at(lane)));
     }
 }
 
@@ -65,7 +69,8 @@ void turn_to_eye(const EyeSurface& surface, PixelLanes& p) {
 FloatV highlight(const Lighting& l, const PixelLanes& p, const FloatV& facing_key) {
     const LanesOfVec half = (p.toward_eye + LanesOfVec(l.key.toward)).unit();
     const FloatV facing = clamp_lanes(4.0f * facing_key);
-    return l.specular * facing * power_lanes(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
+    return l.specular * facing *
+           power_lanes(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
 }
 
 /// Light that the pixels send to the eye, linear; 0 without a hit.
@@ -77,7 +82,8 @@ LanesOfVec reflected(const Lighting& l, const PixelLanes& p) {
     const FloatV shine = highlight(l, p, at_key);
     const auto hit = lanes_of_bits(p.hit);
     const auto channel = [&](std::size_t c) {
-        const FloatV diffuse = upward * l.sky[c] + downward * l.ground[c] + key * l.key.color[c] + fill * l.fill.color[c];
+        const FloatV diffuse = upward * l.sky[c] + downward * l.ground[c] + key * l.key.color[c] +
+                               fill * l.fill.color[c];
         return select<FloatV>(hit, l.albedo[c] * diffuse + l.key.color[c] * shine, FloatV(0.0f));
     };
     return {channel(0), channel(1), channel(2)};
@@ -90,14 +96,17 @@ void store_lanes(const LanesOfVec& color, const FloatV& alpha, int n, float* rgb
     std::copy_n(some.begin(), 4 * n, rgba);
 }
 
-[[gnu::flatten]] void shade_lanes(const EyeSurface& surface, const Lighting& lighting, int x, int y, float* rgba) {
+[[gnu::flatten]] void shade_lanes(const EyeSurface& surface, const Lighting& lighting, int x, int y,
+                                  float* rgba) {
     PixelLanes p = load_lanes(surface, x, y);
     if (p.hit == 0) {
-        const FloatV zero(0.0f);  // stored as colours are: g++ 12 makes a slow string instruction of a fill
+        // stored as colours are: g++ 12 makes a slow string instruction of a fill
+        const FloatV zero(0.0f);
         return store_lanes({zero, zero, zero}, zero, p.n, rgba);
     }
     turn_to_eye(surface, p);
-    store_lanes(reflected(lighting, p), select<FloatV>(lanes_of_bits(p.hit), FloatV(1.0f), FloatV(0.0f)), p.n, rgba);
+    store_lanes(reflected(lighting, p),
+                select<FloatV>(lanes_of_bits(p.hit), FloatV(1.0f), FloatV(0.0f)), p.n, rgba);
 }
 
 }  // namespace
@@ -118,12 +127,14 @@ Picture shade_rows(int width, int height, const ShadeView& view, const NormalPla
 void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes& normals,
                 std::span<const std::uint8_t> hit, const RowRange& rows, const Lighting& lighting,
                 Picture& out) {
-    check_planes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), height, rows, normals, hit);
+    check_planes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), height, rows,
+                 normals, hit);
     out.width = width, out.height = rows.end - rows.begin;
     out.rgba.resize(4 * out.n_pixels());
     const EyeFrame frame(view, width, height);
     const EyeSurface surface{width, height, frame, normals, hit};
-    parallel_blocks(static_cast<std::size_t>(out.height), kShadedRows, [&](std::size_t begin, std::size_t end) {
+    const auto n_rows = static_cast<std::size_t>(out.height);
+    parallel_blocks(n_rows, kShadedRows, [&](std::size_t begin, std::size_t end) {
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
             for (int x = 0; x < width; x += kLanes)
                 shade_lanes(surface, lighting, x, rows.begin + y, out.pixel(x, y));

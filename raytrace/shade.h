@@ -11,8 +11,8 @@
 
 namespace slim {
 
-/// What shading knows of a view: the camera's axes (unit, world) and half the picture's extent on the
-/// plane at distance 1 in front of the eye (perspective; y over x by the aspect).
+/// What shading knows of a view: the camera's axes (unit, world) and half the picture's extent on
+/// the plane at distance 1 in front of the eye (perspective; y over x by the aspect).
 struct ShadeView {
     Vec3d right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};
     double half_width = 1, half_height = 1;
@@ -43,7 +43,8 @@ struct Lighting {
     Vec3f ground{0.085f, 0.077f, 0.070f};  ///< ambient on a normal that points down
     Vec3f albedo{0.690f, 0.632f, 0.572f};
     float specular = 0.11f;                ///< key light only
-    int shininess = 36;                    ///< exponent, at least 1; whole: a power is a few products
+    int shininess = 36;                    ///< exponent, at least 1; whole: a
+                                           ///< power is a few products
 };
 
 /// Rows [begin, end) of a picture.
@@ -51,10 +52,10 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// The normal of a silhouette whose polynomial overshoots the edge, so that it just turns away from the
-/// eye: turned round it would be a dark rim, so it is mirrored at the plane across the view instead,
-/// which is continuous at the edge. From n . e = -0.3 to -0.5 the mirror image becomes the normal turned
-/// round, which it is beyond; one that faces the eye is left as it is.
+/// The normal of a silhouette whose polynomial overshoots the edge, so that it just turns away from
+/// the eye: turned round it would be a dark rim, so it is mirrored at the plane across the view
+/// instead, which is continuous at the edge. From n . e = -0.3 to -0.5 the mirror image becomes the
+/// normal turned round, which it is beyond; one that faces the eye is left as it is.
 ///
 /// normal, toward_eye  unit, any frame they share
 /// returns             unit, n . e >= 0
@@ -65,10 +66,12 @@ Vec3f silhouette_normal(const Vec3f& normal, const Vec3f& toward_eye);
 int shade_reach(int width, int height);
 
 /// Shades every hit pixel over transparent black. A normal that faces away is turned round, so both
-/// sides of a sheet look alike; but where much of the surface within 1/200 of the picture's longer side (at least
-/// 2 pixels) faces the eye with much the same normal, it is taken for an overshoot of that: silhouette_normal.
+/// sides of a sheet look alike; but where much of the surface within 1/200 of the picture's longer
+/// side (at least 2 pixels) faces the eye with much the same normal, it is taken for an overshoot
+/// of that: silhouette_normal.
 ///
-/// normals, hit  width * height each, row-major from the top left; hit != 0 where there is a surface
+/// normals, hit  width * height each, row-major from the top left;
+///               hit != 0 where there is a surface
 /// returns       premultiplied linear Rec.709, alpha 1 at hits and 0 elsewhere
 /// cost          O(pixels), parallel over rows; a pure function of its arguments
 Picture shade(int width, int height, const ShadeView& view, const NormalPlanes& normals,
@@ -84,13 +87,15 @@ void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes
                 std::span<const std::uint8_t> hit, const RowRange& rows, const Lighting& lighting,
                 Picture& out);
 
-/// The normals of a whole picture as shading takes them, turned to the eye: unit, axes as given; 0 without a hit.
-std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view, const NormalPlanes& normals,
+/// The normals of a whole picture as shading takes them, turned to the eye: unit, axes as given;
+/// 0 without a hit.
+std::array<std::vector<float>, 3> turned_normals(int width, int height, const ShadeView& view,
+                                                 const NormalPlanes& normals,
                                                  std::span<const std::uint8_t> hit);
 
-/// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away), for
-/// curvature maps that are asked to show form as well. `picture` holds the rows from `first_row` on of
-/// the whole picture that the planes belong to.
+/// Multiplies a painted picture by a soft diffuse light (1 facing the light, `floor` facing away),
+/// for curvature maps that are asked to show form as well. `picture` holds the rows from
+/// `first_row` on of the whole picture that the planes belong to.
 void light_picture(const ShadeView& view, const NormalPlanes& normals,
                    std::span<const std::uint8_t> hit, float floor, Picture& picture,
                    int first_row = 0);

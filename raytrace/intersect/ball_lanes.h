@@ -15,8 +15,8 @@ struct BallLanes {
 /// f and the ball with tau counted from `at`.
 template <class V>
 [[gnu::always_inline]] inline PolynomialLanes<V> about(const PolynomialLanes<V>& k, const V& at) {
-    return {k[0] + at * (k[1] + at * (k[2] + at * k[3])), k[1] + at * (2.0f * k[2] + at * (3.0f * k[3])),
-            k[2] + at * (3.0f * k[3]), k[3]};
+    return {k[0] + at * (k[1] + at * (k[2] + at * k[3])),
+            k[1] + at * (2.0f * k[2] + at * (3.0f * k[3])), k[2] + at * (3.0f * k[3]), k[3]};
 }
 template <class V>
 [[gnu::always_inline]] inline BallLanes<V> about(const BallLanes<V>& b, const V& at) {

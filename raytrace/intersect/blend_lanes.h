@@ -32,8 +32,8 @@ struct RimLanes {
     }
 };
 
-/// weight_kernel for what is blended, s < 1: exp(-8 s) on [0, 1/4] by a polynomial of degree 6, interpolated at
-/// Chebyshev's points, and a quick root; absolute error below 3e-6.
+/// weight_kernel for what is blended, s < 1: exp(-8 s) on [0, 1/4] by a polynomial of degree 6,
+/// interpolated at Chebyshev's points, and a quick root; absolute error below 3e-6.
 [[gnu::always_inline]] inline FloatV blend_weight(const FloatV& s) {
     const FloatV sq_s = s * s;
     const FloatV low = 0.999998668f - 7.99947649f * s, middle = 31.9660136f - 84.4941842f * s;

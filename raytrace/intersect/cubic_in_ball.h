@@ -6,9 +6,11 @@
 
 namespace slim {
 
-/// What Newton's steps arrive at, and where the last one was so short that the next would be below the last bits.
+/// What Newton's steps arrive at, and where the last one was so short that the next would be below
+/// the last bits.
 template <class V>
-[[gnu::always_inline]] inline RootLanes<V> newton_root(const PolynomialLanes<V>& k, V t, int n_steps) {
+[[gnu::always_inline]] inline RootLanes<V> newton_root(const PolynomialLanes<V>& k, V t,
+                                                       int n_steps) {
     constexpr float kShort = 3e-4f;
     const V twice = 2.0f * k[2], thrice = 3.0f * k[3];
     V step(0.0f);
@@ -27,17 +29,21 @@ template <class V>
     return -k[0] * reciprocal_estimate(h + root);
 }
 
-/// Cubics: where f' cannot vanish in the ball, Newton's few steps find the one root there is; lanes of which that is not
-/// known take the sure way (NUMERICS 4.2), which costs a hundred times as much.
+/// Cubics: where f' cannot vanish in the ball, Newton's few steps find the one root there is; lanes
+/// of which that is not known take the sure way (NUMERICS 4.2),
+/// which costs a hundred times as much.
 template <class V, class Lo>
-[[gnu::always_inline]] inline RootLanes<V> first_cubic_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
+[[gnu::always_inline]] inline RootLanes<V> first_cubic_in_ball(const PolynomialLanes<V>& k,
+                                                               const BallLanes<V>& ball,
                                                                const Lo& lo) {
     const V inv_l = reciprocal(ball.l), middle = -0.5f * ball.m * inv_l;
     const V sq_half = middle * middle - ball.n * inv_l;
-    const V half = 1.0002f * (sq_half * inverse_sqrt_estimate(sq_half));  // NaN where the ray misses the ball
+    // NaN where the ray misses the ball
+    const V half = 1.0002f * (sq_half * inverse_sqrt_estimate(sq_half));
     const PolynomialLanes<V> f = about(k, middle);
     const RootLanes<V> fast = newton_root<V>(f, quadratic_estimate<V>(f), 2);
-    const auto monotone = stdx::abs(f[1]) > half * (2.0f * stdx::abs(f[2]) + 3.0f * half * stdx::abs(f[3]));
+    const auto monotone =
+        stdx::abs(f[1]) > half * (2.0f * stdx::abs(f[2]) + 3.0f * half * stdx::abs(f[3]));
     // Where f keeps its sign over a chord on which it is monotone there is no root to wait for.
     const V rise = half * (f[1] + half * half * f[3]), mean = f[0] + half * half * f[2];
     const auto no_root = monotone && stdx::abs(mean) > stdx::abs(rise) * 1.0001f;
@@ -51,11 +57,12 @@ template <class V, class Lo>
     return masked_root<V>(select<V>(open, slow.t, tau), hit || (open && slow.hit));
 }
 
-/// The root nearest 0, ball and f counted from there; roots farther off than `reach` may be left out.
+/// The root nearest 0, ball and f counted from there; roots farther off than `reach` may be left
+/// out.
 template <class V>
-[[gnu::always_inline]] inline RootLanes<V> nearest_cubic_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                                 float reach,
-                                                                 const typename V::mask_type& active) {
+[[gnu::always_inline]] inline RootLanes<V> nearest_cubic_in_ball(
+    const PolynomialLanes<V>& k, const BallLanes<V>& ball, float reach,
+    const typename V::mask_type& active) {
     const RootLanes<V> fast = newton_root<V>(k, -k[0] * reciprocal_estimate(k[1]), 2);
     const V k1 = stdx::abs(k[1]), k2 = stdx::abs(k[2]), k3 = stdx::abs(k[3]);
     // f' keeps its sign up to that root on either side: none is nearer.
@@ -68,7 +75,8 @@ template <class V>
     if (stdx::none_of(open)) return masked_root<V>(fast.t, hit);
     // Within reach no other root, or none at all.
     const V far(reach);
-    open = open && !(sure && keeps_sign(far)) && stdx::abs(k[0]) <= far * (k1 + far * (k2 + far * k3));
+    open =
+        open && !(sure && keeps_sign(far)) && stdx::abs(k[0]) <= far * (k1 + far * (k2 + far * k3));
     if (stdx::none_of(open)) return masked_root<V>(fast.t, hit);
     const TauInterval<V> chord(ball);
     const RootLanes<V> slow = nearest_root<3, V>(k, V(0.0f), chord.lo, chord.hi, open);

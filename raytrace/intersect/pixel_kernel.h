@@ -12,9 +12,10 @@
 
 namespace slim {
 
-/// What a record has in common where t is: pixels of one row, or of rows that repeat along a strip of blocks. Of quadrics,
-/// coefficients in s and tau are worked out where they are used: numbers loaded before a branch and spread to lanes after it are
-/// two instructions each instead of a part of the product (project/notes/0008).
+/// What a record has in common where t is: pixels of one row, or of rows that repeat along a strip
+/// of blocks. Of quadrics, coefficients in s and tau are worked out where they are used: numbers
+/// loaded before a branch and spread to lanes after it are two instructions each instead of a part
+/// of the product (project/notes/0008).
 template <int Degree, class V>
 class RowOf {
 public:
@@ -61,7 +62,8 @@ public:
     }
 
     /// Gradient of f times rho, camera axes.
-    [[gnu::always_inline]] GradientLanes<V> gradient(const V& s, const V& tau, const V& share) const {
+    [[gnu::always_inline]] GradientLanes<V> gradient(const V& s, const V& tau,
+                                                     const V& share) const {
         if constexpr (Degree == 2) {
             const auto at = [&](std::size_t axis) __attribute__((always_inline)) {
                 const auto& g = r.gradient[axis];
@@ -90,7 +92,8 @@ private:
     [[gnu::always_inline]] V coefficient(int p, int i) const {
         const int n = Degree - p;
         const auto term = [&](int j) __attribute__((always_inline)) {
-            return V(r.f[power_start(Degree, p) + n_planar(i + j - 1) + static_cast<std::size_t>(j)]);
+            return V(
+                r.f[power_start(Degree, p) + n_planar(i + j - 1) + static_cast<std::size_t>(j)]);
         };
         V value = term(n - i);
         for (int j = n - i; j-- > 0;) value = term(j) + t * value;
@@ -102,10 +105,12 @@ private:
     std::array<V, kAtUse ? 0 : n_planar(Degree - 1)> in_s;
 };
 
-/// The first root in a ball at tau >= lo; none in the ball is larger than `reach`. Lo: a float, or one per lane.
+/// The first root in a ball at tau >= lo; none in the ball is larger than `reach`. Lo: a float,
+/// or one per lane.
 template <int Degree, class V, class Lo>
-[[gnu::always_inline]] inline RootLanes<V> first_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                         float reach, const Lo& lo) {
+[[gnu::always_inline]] inline RootLanes<V> first_in_ball(const PolynomialLanes<V>& k,
+                                                         const BallLanes<V>& ball, float reach,
+                                                         const Lo& lo) {
     if constexpr (Degree <= 1) {
         const V tau = -k[0] * reciprocal(k[1]);
         return masked_root<V>(tau, ball.value(tau) < V(0.0f) && tau >= V(lo));
@@ -116,11 +121,12 @@ template <int Degree, class V, class Lo>
     }
 }
 
-/// The root in the ball nearest to 0, ball and f counted from there (`about`); those farther off than `reach` may be
-/// left out.
+/// The root in the ball nearest to 0, ball and f counted from there (`about`); those farther off
+/// than `reach` may be left out.
 template <int Degree, class V>
-[[gnu::always_inline]] inline RootLanes<V> nearest_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
-                                                           float reach, const typename V::mask_type& active) {
+[[gnu::always_inline]] inline RootLanes<V> nearest_in_ball(const PolynomialLanes<V>& k,
+                                                           const BallLanes<V>& ball, float reach,
+                                                           const typename V::mask_type& active) {
     if constexpr (Degree <= 1) {
         const V tau = -k[0] * reciprocal(k[1]);
         return masked_root<V>(tau, active && ball.value(tau) < V(0.0f));

@@ -5,17 +5,24 @@
 
 namespace slim {
 
-/// Number of coefficients of a polynomial of some degree in two variables: by degree 1, s, t, s^2, st, t^2, ...
-constexpr std::size_t n_planar(int degree) { return static_cast<std::size_t>((degree + 1) * (degree + 2) / 2); }
+/// Number of coefficients of a polynomial of some degree in two variables: by degree 1, s, t, s^2,
+/// st, t^2, ...
+constexpr std::size_t n_planar(int degree) {
+    return static_cast<std::size_t>((degree + 1) * (degree + 2) / 2);
+}
 /// Where the power p of tau begins in PixelRecord::f.
-constexpr std::size_t power_start(int degree, int p) { return p == 0 ? 0 : power_start(degree, p - 1) + n_planar(degree - p + 1); }
+constexpr std::size_t power_start(int degree, int p) {
+    return p == 0 ? 0 : power_start(degree, p - 1) + n_planar(degree - p + 1);
+}
 
-/// A smooth surfel as a function of the pixel and of depth (project/notes/0002). In units of rho about the centre,
-/// camera axes, the ray of a pixel passes q = Q / h with Q = (s, t, 0) + tau (X, Y, 1), h = 1 - kappa tau: (s, t) is the
-/// ray's offset at the centre's depth, (X, Y, 1) the centre's own ray, kappa rho over the centre's depth, and
-/// tau = (z - z_c) / rho z_c / z, in orthographic views kappa = 0. As Q and h are linear in (s, t, tau), h^Degree f is a
-/// polynomial of degree Degree in all three, and h^2 (|q|^2 - R^2) one of degree 2. All are of the order of 1 near the
-/// ball at any distance. Not for balls near the eye or far off the axis. F: float, or lanes of some surfels.
+/// A smooth surfel as a function of the pixel and of depth (project/notes/0002). In units of rho
+/// about the centre, camera axes, the ray of a pixel passes q = Q / h with Q = (s, t, 0) + tau (X,
+/// Y, 1), h = 1 - kappa tau: (s, t) is the ray's offset at the centre's depth, (X, Y, 1) the
+/// centre's own ray, kappa rho over the centre's depth, and tau = (z - z_c) / rho z_c / z, in
+/// orthographic views kappa = 0. As Q and h are linear in (s, t, tau), h^Degree f is a polynomial
+/// of degree Degree in all three, and h^2 (|q|^2 - R^2) one of degree 2. All are of the order of 1
+/// near the ball at any distance. Not for balls near the eye or far off the axis. F: float, or
+/// lanes of some surfels.
 template <int Degree, class F = float>
 struct alignas(64) PixelRecord {
     F pixel_x, pixel_y;  ///< whole numbers: x - pixel_x is exact
@@ -29,7 +36,8 @@ struct alignas(64) PixelRecord {
     std::array<F, Degree == 2 ? 0 : 3> u_axis, v_axis, normal;
     /// Degree 2: h grad f rho, each component's coefficients of 1, s, t, tau.
     std::array<std::array<F, 4>, Degree == 2 ? 3 : 0> gradient;
-    /// Hess f rho: xx, xy, xz, yy, yz, zz; of cubics the part without u and v, then that of u, then of v.
+    /// Hess f rho: xx, xy, xz, yy, yz, zz; of cubics the part without u and v, then that of u,
+    /// then of v.
     std::array<std::array<F, 6>, Degree == 3 ? 3 : 1> hessian;
     std::array<F, Degree == 2 ? 0 : 10> a;  ///< the height field
 };

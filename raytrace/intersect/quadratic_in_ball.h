@@ -6,9 +6,9 @@
 
 namespace slim {
 
-/// Roots of k0 + 2 h t + k2 t^2 (NUMERICS 4.2): with q = h + sign(h) sqrt(h^2 - k0 k2) the smaller one in size is
-/// -k0 / q, the other one -q / k2; NaN where there is none. Root and quotient are the target's estimates (2^-14) and one
-/// step of Newton each, which doubles the bits.
+/// Roots of k0 + 2 h t + k2 t^2 (NUMERICS 4.2): with q = h + sign(h) sqrt(h^2 - k0 k2) the smaller
+/// one in size is -k0 / q, the other one -q / k2; NaN where there is none. Root and quotient are
+/// the target's estimates (2^-14) and one step of Newton each, which doubles the bits.
 template <class V>
 class QuadraticRoots {
 public:
@@ -39,7 +39,8 @@ private:
 
 /// The first root in the ball at tau >= lo; none in the ball is larger than `reach`.
 template <class V, class Lo>
-[[gnu::always_inline]] inline RootLanes<V> first_quadratic_in_ball(const PolynomialLanes<V>& k, const BallLanes<V>& ball,
+[[gnu::always_inline]] inline RootLanes<V> first_quadratic_in_ball(const PolynomialLanes<V>& k,
+                                                                   const BallLanes<V>& ball,
                                                                    float reach, const Lo& lo) {
     const auto inside = [&](const V& tau) __attribute__((always_inline)) {
         return ball.value(tau) < V(0.0f) && tau >= V(lo);
@@ -56,16 +57,17 @@ template <class V, class Lo>
 
 /// The root in the ball nearest 0; those larger than `reach` may be left out.
 template <class V>
-[[gnu::always_inline]] inline RootLanes<V> nearest_quadratic_in_ball(const PolynomialLanes<V>& k,
-                                                                     const BallLanes<V>& ball, float reach,
-                                                                     const typename V::mask_type& active) {
+[[gnu::always_inline]] inline RootLanes<V> nearest_quadratic_in_ball(
+    const PolynomialLanes<V>& k, const BallLanes<V>& ball, float reach,
+    const typename V::mask_type& active) {
     const QuadraticRoots<V> roots(k);
     const V small = roots.small();
     const auto small_in = active && ball.value(small) < V(0.0f);
     const auto other = active && !small_in && roots.large_within(reach);
     if (stdx::none_of(other)) return masked_root<V>(small, small_in);
     const V large = roots.large();
-    return masked_root<V>(select<V>(small_in, small, large), small_in || (other && ball.value(large) < V(0.0f)));
+    return masked_root<V>(select<V>(small_in, small, large),
+                          small_in || (other && ball.value(large) < V(0.0f)));
 }
 
 }  // namespace slim

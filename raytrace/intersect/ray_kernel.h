@@ -8,8 +8,8 @@
 
 namespace slim {
 
-/// A surfel made ready for one view: floats relative to the centre and over rho, camera axes (x right,
-/// y down, z along the view). Two cache lines.
+/// A surfel made ready for one view: floats relative to the centre and over rho, camera axes (x
+/// right, y down, z along the view). Two cache lines.
 ///
 /// The ray of pixel (x, y) passes b0 = (base_x + (x - pixel_x) step, base_y + (y - pixel_y) step,
 /// base_z): its point at depth z_base. Everything is O(1) near the ball, so float is safe at any
@@ -75,9 +75,12 @@ inline V dot_axis(const std::array<float, 3>& axis, const V& x, const V& y, cons
 
 template <class V, class Record>
 inline SurfelRay<V> surfel_ray(const Record& r, const PixelRays<V>& rays, const BallRay<V>& b) {
-    return {dot_axis(r.u_axis, b.px, b.py, b.pz),         dot_axis(r.v_axis, b.px, b.py, b.pz),
-            dot_axis(r.normal, b.px, b.py, b.pz),         dot_axis(r.u_axis, rays.dx, rays.dy, rays.dz),
-            dot_axis(r.v_axis, rays.dx, rays.dy, rays.dz), dot_axis(r.normal, rays.dx, rays.dy, rays.dz)};
+    return {dot_axis(r.u_axis, b.px, b.py, b.pz),
+            dot_axis(r.v_axis, b.px, b.py, b.pz),
+            dot_axis(r.normal, b.px, b.py, b.pz),
+            dot_axis(r.u_axis, rays.dx, rays.dy, rays.dz),
+            dot_axis(r.v_axis, rays.dx, rays.dy, rays.dz),
+            dot_axis(r.normal, rays.dx, rays.dy, rays.dz)};
 }
 
 /// Slopes of the height field at (u, v). Degree 1 records have none: their normal is turned.
@@ -90,14 +93,17 @@ template <int Degree, class V, class Record>
         p_u = a[1] + 2.0f * a[3] * u + a[4] * v;
         p_v = a[2] + 2.0f * a[5] * v + a[4] * u;
     } else {
-        p_u = a[1] + u * (2.0f * a[3] + u * (3.0f * a[6])) + v * (a[4] + (2.0f * a[7]) * u + a[8] * v);
-        p_v = a[2] + v * (2.0f * a[5] + v * (3.0f * a[9])) + u * (a[4] + a[7] * u + (2.0f * a[8]) * v);
+        p_u = a[1] + u * (2.0f * a[3] + u * (3.0f * a[6])) +
+              v * (a[4] + (2.0f * a[7]) * u + a[8] * v);
+        p_v = a[2] + v * (2.0f * a[5] + v * (3.0f * a[9])) +
+              u * (a[4] + a[7] * u + (2.0f * a[8]) * v);
     }
 }
 
 /// f = w - P along the ray (NUMERICS 4.1).
 template <int Degree, class V, class Record>
-[[gnu::always_inline]] inline PolynomialLanes<V> ray_polynomial(const Record& r, const SurfelRay<V>& s) {
+[[gnu::always_inline]] inline PolynomialLanes<V> ray_polynomial(const Record& r,
+                                                                const SurfelRay<V>& s) {
     const auto& a = r.a;
     const V &u = s.bu, &v = s.bv, &du = s.du, &dv = s.dv;
     if constexpr (Degree <= 1) {
@@ -116,7 +122,8 @@ template <int Degree, class V, class Record>
             const V uv = a[4] + 2.0f * (a[7] * u + a[8] * v);
             const V half_vv = a[5] + 3.0f * a[9] * v + a[8] * u;
             const V third = du * du * (a[6] * du + a[7] * dv) + dv * dv * (a[8] * du + a[9] * dv);
-            return {s.bw - height, k1, -(du * (half_uu * du + uv * dv) + half_vv * dv * dv), -third};
+            return {s.bw - height, k1, -(du * (half_uu * du + uv * dv) + half_vv * dv * dv),
+                    -third};
         }
     }
 }
@@ -128,7 +135,8 @@ struct GradientLanes {
 };
 
 template <int Degree, class V, class Record>
-[[gnu::always_inline]] inline GradientLanes<V> gradient_at(const Record& r, const V& u, const V& v) {
+[[gnu::always_inline]] inline GradientLanes<V> gradient_at(const Record& r, const V& u,
+                                                           const V& v) {
     if constexpr (Degree <= 1) {
         return {V(r.normal[0]), V(r.normal[1]), V(r.normal[2])};
     } else {
@@ -161,8 +169,8 @@ template <int Degree, class V, class Record>
             p[1] * e[1] + q[1] * f[1], p[1] * e[2] + q[1] * f[2], p[2] * e[2] + q[2] * f[2]};
 }
 
-/// Third derivatives of f times rho, camera axes: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz. The
-/// same everywhere on a cubic surfel (NUMERICS 5.1).
+/// Third derivatives of f times rho, camera axes: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz.
+/// The same everywhere on a cubic surfel (NUMERICS 5.1).
 template <class Record>
 inline std::array<float, 10> third_of(const Record& r) {
     const float scale = -r.inv_radius * r.inv_radius;

@@ -43,7 +43,8 @@ inline RootPair<V> quadratic_pair(const V& k0, const V& k1, const V& k2) {
 }
 
 template <class V>
-[[gnu::always_inline]] inline RootLanes<V> masked_root(const V& t, const typename V::mask_type& hit) {
+[[gnu::always_inline]] inline RootLanes<V> masked_root(const V& t,
+                                                       const typename V::mask_type& hit) {
     return {select<V>(hit, t, V(0.0f)), hit};
 }
 
@@ -54,8 +55,8 @@ inline RootLanes<V> first_root(const PolynomialLanes<V>& k, const V& lo, const V
 
 /// Root in [lo, hi] nearest to `guess`.
 template <int Degree, class V>
-inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo, const V& hi,
-                                 const typename V::mask_type& active);
+inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo,
+                                 const V& hi, const typename V::mask_type& active);
 
 /// The cubic's interval cut at its stationary points; f at the cuts, values within rounding of zero
 /// set to zero.
@@ -137,8 +138,8 @@ inline RootLanes<V> first_root(const PolynomialLanes<V>& k, const V& lo, const V
 }
 
 template <int Degree, class V>
-inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo, const V& hi,
-                                 const typename V::mask_type& active) {
+inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, const V& lo,
+                                 const V& hi, const typename V::mask_type& active) {
     if constexpr (Degree <= 1) {
         const V t = -k[0] / k[1];
         return masked_root<V>(t, active && t >= lo && t <= hi);
@@ -165,7 +166,8 @@ inline RootLanes<V> nearest_root(const PolynomialLanes<V>& k, const V& guess, co
     }
 }
 
-/// Every root in [lo, hi], in up to Degree lanes-wide candidates; in ascending order where there are several.
+/// Every root in [lo, hi], in up to Degree lanes-wide candidates;
+/// in ascending order where there are several.
 template <class V>
 struct RootCandidates {
     std::array<RootLanes<V>, 3> root;

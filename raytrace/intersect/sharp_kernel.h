@@ -9,7 +9,8 @@
 
 namespace slim {
 
-/// A sharp surfel made ready for one view: a record for each sheet, all with the same ball. One sheet: a smooth surfel.
+/// A sharp surfel made ready for one view: a record for each sheet, all with the same ball. One
+/// sheet: a smooth surfel.
 struct SharpRecord {
     std::array<DrawRecord, kMostSheets> sheet;
     std::size_t n_sheets = 1;
@@ -39,7 +40,8 @@ inline SharpRays<V> sharp_rays(const SharpRecord& s, const PixelRays<V>& rays,
     return out;
 }
 
-/// Whether a root t of sheet i lies on the joined surface: F with f_i set to 0 stays 0 (SharpSheets).
+/// Whether a root t of sheet i lies on the joined surface:
+/// F with f_i set to 0 stays 0 (SharpSheets).
 template <class V>
 inline typename V::mask_type on_joined_surface(const SharpRecord& s, const SharpRays<V>& rays,
                                                std::size_t i, const V& t) {

@@ -13,8 +13,8 @@ namespace slim {
 /// All lanes.
 inline constexpr std::uint32_t kAllLanes = static_cast<std::uint32_t>((1ull << kLanes) - 1);
 
-/// One bit a pixel, read for as many neighbours of a row as there are lanes, from any column on. Around the picture
-/// lie `margin` rows and columns of zeros.
+/// One bit a pixel, read for as many neighbours of a row as there are lanes, from any column on.
+/// Around the picture lie `margin` rows and columns of zeros.
 class BitRows {
 public:
     BitRows(std::size_t width, std::size_t height, std::size_t margin)

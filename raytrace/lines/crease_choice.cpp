@@ -22,7 +22,8 @@ EdgeSize size_of(const PixelView& view, const SharpEdge& edge) {
         const EdgePoint &a = edge.points[i], &b = edge.points[i + 1 == n ? 0 : i + 1];
         const Vec3d ca = view.camera_from_local(a.point), cb = view.camera_from_local(b.point);
         const double step = length(b.point - a.point);
-        length_sum += step, out.turn_deg += step * 0.5 * static_cast<double>(a.turn_deg() + b.turn_deg());
+        length_sum += step,
+            out.turn_deg += step * 0.5 * static_cast<double>(a.turn_deg() + b.turn_deg());
         if (!view.orthographic && !(ca.z > view.near_plane && cb.z > view.near_plane)) continue;
         const double sa = view.orthographic ? view.px_per_unit : view.focal_px / ca.z;
         const double sb = view.orthographic ? view.px_per_unit : view.focal_px / cb.z;
@@ -58,7 +59,8 @@ std::vector<std::uint8_t> chosen_edges(const LineScene& s) {
             if (corner == kNoCorner) continue;
             const auto [begin, end] = at_corner.equal_range(corner);
             for (auto at = begin; at != end; ++at)
-                if (const std::size_t i = at->second; weak[i] && !keep[i]) keep[i] = 1, fresh.push_back(i);
+                if (const std::size_t i = at->second; weak[i] && !keep[i])
+                    keep[i] = 1, fresh.push_back(i);
         }
     }
     return keep;

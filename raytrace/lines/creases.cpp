@@ -42,18 +42,21 @@ public:
     EdgeView(const LineScene& scene, LineKind kind)
         : s_(scene), kind_(kind), inwards_(kind == LineKind::convex_crease ? -1.0 : 1.0) {}
 
-    /// Looks at those steps of an edge that lie in the scene's rows; is_seen: of all its steps, from the first band on.
+    /// Looks at those steps of an edge that lie in the scene's rows; is_seen: of all its steps,
+    /// from the first band on.
     void look(const SharpEdge& edge, std::vector<std::uint8_t>& is_seen) {
         std::size_t k = 0;
         walk(edge, [&](const Place& p, bool inside) {
             if (k == is_seen.size()) is_seen.push_back(0);
-            if (inside && is_in_rows(p)) is_seen[k] = is_visible(p) && !runs_on(p, 0) && !runs_on(p, 1) ? 1 : 0;
+            if (inside && is_in_rows(p))
+                is_seen[k] = is_visible(p) && !runs_on(p, 0) && !runs_on(p, 1) ? 1 : 0;
             ++k;
         });
     }
 
     /// The visible runs of one edge.
-    std::vector<FeatureLine> lines(const SharpEdge& edge, const std::vector<std::uint8_t>& is_seen) {
+    std::vector<FeatureLine> lines(const SharpEdge& edge,
+                                   const std::vector<std::uint8_t>& is_seen) {
         seen_.clear();
         is_seen_ = is_seen;
         walk(edge, [&](const Place& p, bool) { put(p); });
@@ -67,10 +70,12 @@ private:
         p.point = piece.at(u);
         p.camera = s_.view.camera_from_local(p.point);
         p.before_near = !s_.view.orthographic && !(p.camera.z > s_.view.near_plane);
-        const double scale = s_.view.orthographic ? s_.view.px_per_unit : s_.view.focal_px / p.camera.z;
+        const double scale =
+            s_.view.orthographic ? s_.view.px_per_unit : s_.view.focal_px / p.camera.z;
         p.x = s_.view.center_x + scale * p.camera.x, p.y = s_.view.center_y + scale * p.camera.y;
         const auto v = static_cast<float>(u);
-        for (std::size_t k = 0; k < 2; ++k) p.normal[k] = piece.a.normal[k] * (1 - v) + piece.b.normal[k] * v;
+        for (std::size_t k = 0; k < 2; ++k)
+            p.normal[k] = piece.a.normal[k] * (1 - v) + piece.b.normal[k] * v;
         return p;
     }
 
@@ -82,7 +87,8 @@ private:
                std::max(a.y, b.y) < -bulge || std::min(a.y, b.y) > s_.picture_height() + bulge;
     }
 
-    /// Calls visit(place, whether it can be in the picture) for the steps of an edge, in their order.
+    /// Calls visit(place, whether it can be in the picture) for the steps of an edge,
+    /// in their order.
     template <class Visit>
     void walk(const SharpEdge& edge, Visit&& visit) const {
         const std::size_t n = edge.points.size();
@@ -96,11 +102,11 @@ private:
 
     /// Visits what follows `from` up to `to`, in steps of a pixel at most.
     template <class Visit>
-    void sample(const Piece& piece, double u, const Place& from, double v, const Place& to, int halvings,
-                Visit&& visit) const {
+    void sample(const Piece& piece, double u, const Place& from, double v, const Place& to,
+                int halvings, Visit&& visit) const {
         if (is_outside(from, to)) return visit(to, false);
-        const bool near =
-            !from.before_near && !to.before_near && std::hypot(to.x - from.x, to.y - from.y) <= kLongestStep;
+        const bool near = !from.before_near && !to.before_near &&
+                          std::hypot(to.x - from.x, to.y - from.y) <= kLongestStep;
         if (near || halvings == 0) return visit(to, true);
         const double middle = 0.5 * (u + v);
         const Place half = place(piece, middle);
@@ -118,12 +124,14 @@ private:
     /// Whether a place is looked at in this band: each in one.
     bool is_in_rows(const Place& p) const {
         const double row = p.y - s_.rows.top;
-        return row >= static_cast<double>(s_.first_row()) && row < static_cast<double>(s_.end_row());
+        return row >= static_cast<double>(s_.first_row()) &&
+               row < static_cast<double>(s_.end_row());
     }
     bool is_in_picture(double x, double y) const {
         return x >= 0 && y >= 0 && x < s_.buffer.width && y < s_.picture_height();
     }
-    /// Entry of the planes at a pixel of the picture; the margin of a band has what is near its rows.
+    /// Entry of the planes at a pixel of the picture; the margin of a band has what is near its
+    /// rows.
     std::size_t entry(int x, int y) const { return s_.buffer.index(x, y - s_.rows.top); }
 
     /// What a pixel says of a place: it shows one of its faces, something before it, or neither.
@@ -141,11 +149,12 @@ private:
         return dot(to_float(s_.view.forward), d) > 0 ? Says::hides : Says::nothing;
     }
 
-    /// Of the four pixels about the place one must show it; where they are all silent (a sliver of a face at
-    /// the limb), one of the twelve about them.
+    /// Of the four pixels about the place one must show it; where they are all silent (a sliver of
+    /// a face at the limb), one of the twelve about them.
     bool is_visible(const Place& p) const {
         if (p.before_near || !is_in_picture(p.x, p.y)) return false;
-        const int x = static_cast<int>(std::floor(p.x - 0.5)), y = static_cast<int>(std::floor(p.y - 0.5));
+        const int x = static_cast<int>(std::floor(p.x - 0.5)),
+                  y = static_cast<int>(std::floor(p.y - 0.5));
         bool hidden = false;
         for (const int k : {0, 1, 2, 3}) {
             const Says says = ask(p, x + (k & 1), y + (k >> 1));
@@ -159,14 +168,17 @@ private:
         return false;
     }
 
-    /// Whether the picture shows face k of the edge run on beyond it: the edge of a leaf that others cover,
-    /// as beyond a corner that no leaf has.
+    /// Whether the picture shows face k of the edge run on beyond it: the edge of a leaf that
+    /// others cover, as beyond a corner that no leaf has.
     bool runs_on(const Place& p, std::size_t k) const {
-        const Vec3d n = to_double(normalized(p.normal[k])), other = to_double(normalized(p.normal[1 - k]));
+        const Vec3d n = to_double(normalized(p.normal[k])),
+                    other = to_double(normalized(p.normal[1 - k]));
         const Vec3d beyond = normalized(other - n * dot(n, other)) * -inwards_;
-        const double width = s_.view.orthographic ? 1 / s_.view.px_per_unit : p.camera.z / s_.view.focal_px;
+        const double width =
+            s_.view.orthographic ? 1 / s_.view.px_per_unit : p.camera.z / s_.view.focal_px;
         const Vec3d moved = s_.view.camera_from_local(p.point + beyond * width);
-        const double scale = s_.view.orthographic ? s_.view.px_per_unit : s_.view.focal_px / moved.z;
+        const double scale =
+            s_.view.orthographic ? s_.view.px_per_unit : s_.view.focal_px / moved.z;
         const double dx = s_.view.center_x + scale * moved.x - p.x,
                      dy = s_.view.center_y + scale * moved.y - p.y;
         const double step = std::hypot(dx, dy);
@@ -215,7 +227,8 @@ private:
             line.kind = kind_, line.closed = closed && whole;
             for (; i < seen_.size() && is_seen_[i]; ++i) line.points.push_back(seen_[i]);
             finish(line);
-            if (line.points.size() > 1 && line.length_px >= kShortestRun) out.push_back(std::move(line));
+            if (line.points.size() > 1 && line.length_px >= kShortestRun)
+                out.push_back(std::move(line));
         }
         return out;
     }
@@ -246,7 +259,8 @@ void CreaseSearch::add(const LineScene& scene) {
     const std::vector<std::uint8_t> chosen = chosen_edges(scene);
     constexpr std::size_t kGrain = 16;
     const std::size_t n = scene.edges.size();
-    const bool is_last = scene.rows.top + static_cast<int>(scene.end_row()) == scene.picture_height();
+    const bool is_last =
+        scene.rows.top + static_cast<int>(scene.end_row()) == scene.picture_height();
     is_seen_.resize(n);
     std::vector<std::vector<FeatureLine>> of((n + kGrain - 1) / kGrain);
     parallel_blocks(n, kGrain, [&](std::size_t begin, std::size_t end) {

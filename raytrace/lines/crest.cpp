@@ -32,7 +32,8 @@ struct Family {
     /// Bits of those more curved than the other way, so that the direction means something.
     std::uint32_t bends(std::size_t i) const {
         const FloatV k1 = lanes_at(s.buffer.k1, i), k2 = lanes_at(s.buffer.k2, i);
-        return static_cast<std::uint32_t>(lane_bits(ridges ? k1 > stdx::abs(k2) : -k2 > stdx::abs(k1)));
+        return static_cast<std::uint32_t>(
+            lane_bits(ridges ? k1 > stdx::abs(k2) : -k2 > stdx::abs(k1)));
     }
 };
 
@@ -65,7 +66,8 @@ struct CrestRow {
     void fill(const Family& f, const Sheets& sheets, std::size_t y, const Mean& mean) {
         for (std::size_t x = 0; x < sheets.width; x += kLanes) {
             const std::size_t i = y * sheets.width + x;
-            const std::uint32_t hit = sheets.hit.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
+            const std::uint32_t hit =
+                sheets.hit.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
             std::uint32_t& bits = bends[x / kLanes];
             bits = hit != 0 ? f.bends(i) & hit : 0;
             if (bits == 0) continue;
@@ -82,27 +84,30 @@ struct CrestRow {
 /// How far the directions of two neighbours may turn.
 constexpr float kLeastTurn = 0.7f;
 
-/// Bits of the pixels x, x + 1, ... of row `a` that bend as those of row `b` from column x_b on do, and where
-/// dk/dt changes its sign between them.
+/// Bits of the pixels x, x + 1, ... of row `a` that bend as those of row `b` from column x_b on do,
+/// and where dk/dt changes its sign between them.
 std::uint32_t sign_changes(const CrestRow& a, std::size_t x, const CrestRow& b, std::size_t x_b) {
     std::uint32_t bits = a.bends[x / kLanes];
-    const std::uint64_t both = b.bends[x_b / kLanes] | std::uint64_t{b.bends[x_b / kLanes + 1]} << kLanes;
+    const std::uint64_t both = b.bends[x_b / kLanes] | std::uint64_t{b.bends[x_b / kLanes + 1]}
+                                                           << kLanes;
     bits &= static_cast<std::uint32_t>(both >> (x_b % kLanes));
     if (bits == 0) return 0;
     const auto load = [](const std::vector<float>& row, std::size_t at) {
         return FloatV(row.data() + at, stdx::element_aligned);
     };
     const auto t = [&](const CrestRow& row, std::size_t at) {
-        return LanesOfVec(load(row.direction[0], at), load(row.direction[1], at), load(row.direction[2], at));
+        return LanesOfVec(load(row.direction[0], at), load(row.direction[1], at),
+                          load(row.direction[2], at));
     };
-    const FloatV turn = t(a, x).dot(t(b, x_b)), rise_a = load(a.rise, x), rise_b = load(b.rise, x_b);
+    const FloatV turn = t(a, x).dot(t(b, x_b)), rise_a = load(a.rise, x),
+                 rise_b = load(b.rise, x_b);
     const auto same = (rise_a > 0.0f) == (select<FloatV>(turn < 0.0f, -rise_b, rise_b) > 0.0f);
     return bits & static_cast<std::uint32_t>(lane_bits(stdx::abs(turn) > kLeastTurn && !same));
 }
 
 /// A crest line between two neighbours where the sign changes; what each row knows of its own.
-std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec3f& ta, std::size_t b, float rise_b,
-                             const Vec3f& across) {
+std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec3f& ta,
+                             std::size_t b, float rise_b, const Vec3f& across) {
     const float sign = std::copysign(1.0f, dot(ta, across)), eb = rise_b * sign;
     const Vec3f tb = across * sign, d = f.s.point(b) - f.s.point(a);
     // k rises from both sides towards a ridge. An edge that runs along it cannot tell; its
@@ -114,20 +119,24 @@ std::optional<EdgeHit> crest(const Family& f, std::size_t a, float ea, const Vec
     return EdgeHit{at, k, 0};
 }
 
-/// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t, is averaged
-/// over some pixels of a sheet: within one cubic surfel e falls along t as on a parabola (by 3 k^3, its fourth
-/// derivative is not there) and jumps back to the next: the average takes the saw's teeth out of the lines.
-void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std::size_t begin, std::size_t end) {
+/// Rows [begin, end) of one family's crossings. v = e t, which does not change with the sign of t,
+/// is averaged over some pixels of a sheet: within one cubic surfel e falls along t as on a
+/// parabola (by 3 k^3, its fourth derivative is not there) and jumps back to the next: the average
+/// takes the saw's teeth out of the lines.
+void search_band(const Family& f, const Sheets& sheets, RowCrossings& rows, std::size_t begin,
+                 std::size_t end) {
     const std::size_t width = sheets.width;
     CrestRow above(width), own(width);
     const auto bits_of = [&](const BitRows& bits, std::size_t y, std::size_t x) {
         return bits.at(static_cast<std::ptrdiff_t>(y), static_cast<std::ptrdiff_t>(x));
     };
-    const auto look = [&](std::size_t y) {  // at row y, `above`, and at what leads to the next, `own`
+    // at row y, `above`, and at what leads to the next, `own`
+    const auto look = [&](std::size_t y) {
         const auto to = [&](bool down) {
             return [&, down](std::size_t x) {
                 const SheetEdges& edges = sheets.to(down);
-                const std::uint32_t joined = bits_of(edges.joined, y, x), creased = bits_of(edges.creased, y, x);
+                const std::uint32_t joined = bits_of(edges.joined, y, x),
+                                    creased = bits_of(edges.creased, y, x);
                 const std::uint32_t change =
                     joined == 0 ? 0 : sign_changes(above, x, down ? own : above, down ? x : x + 1);
                 return creased | (joined & change);
@@ -167,9 +176,10 @@ CrestLook crest_look(const LineScene& s, const Crossing& c, bool ridges) {
 
 CrossingField crest_crossings(const LineScene& s, const Sheets& sheets, bool ridges) {
     const Family family{s, ridges};
-    return search_rows(s, blur_band(sheets), [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
-        search_band(family, sheets, rows, begin, end);
-    });
+    return search_rows(s, blur_band(sheets),
+                       [&](RowCrossings& rows, std::size_t begin, std::size_t end) {
+                           search_band(family, sheets, rows, begin, end);
+                       });
 }
 
 }  // namespace slim

@@ -28,28 +28,33 @@ void CurvatureSamples::add(const LineScene& s) {
         if (y % step_ != step_ / 2 || y / step_ >= height_) continue;
         for (std::size_t x = 0; x < width_; ++x) {
             const std::size_t i = row * picture_width + x * step_ + step_ / 2;
-            if (s.hit(i)) samples_[y / step_ * width_ + x] = {s.point(i), s.buffer.k1[i], s.buffer.k2[i]};
+            if (s.hit(i))
+                samples_[y / step_ * width_ + x] = {s.point(i), s.buffer.k1[i], s.buffer.k2[i]};
         }
     }
 }
 
-/// How much k has fallen at p, beside q, as a share; NaN where p is not on the surface seen: behind a limb, another
-/// part of it lies in p's pixel, which is less far on.
+/// How much k has fallen at p, beside q, as a share; NaN where p is not on the surface seen: behind
+/// a limb, another part of it lies in p's pixel, which is less far on.
 float CurvatureSamples::fall_at(const Vec3f& p, const Vec3f& q, float k, bool ridge) const {
     const Vec3d c = view_.camera_from_local(to_double(p));
-    const double scale = (view_.orthographic ? view_.px_per_unit : view_.focal_px / c.z) / static_cast<double>(step_);
+    const double scale = (view_.orthographic ? view_.px_per_unit : view_.focal_px / c.z) /
+                         static_cast<double>(step_);
     const double x = view_.center_x / static_cast<double>(step_) + scale * c.x,
                  y = view_.center_y / static_cast<double>(step_) + scale * c.y;
-    if (!(x >= 0 && y >= 0 && x < static_cast<double>(width_) && y < static_cast<double>(height_))) return kNone;
+    if (!(x >= 0 && y >= 0 && x < static_cast<double>(width_) && y < static_cast<double>(height_)))
+        return kNone;
     const auto column = static_cast<std::size_t>(x), row = static_cast<std::size_t>(y);
     const Sample& sample = samples_[row * width_ + column];
     if (std::isnan(sample.k1)) return kNone;
     const float sq_way = sq_length(p - q);
-    if (sq_length(sample.point - q) > 4 * sq_way || dot(sample.point - q, p - q) < 0.5f * sq_way) return kNone;
+    if (sq_length(sample.point - q) > 4 * sq_way || dot(sample.point - q, p - q) < 0.5f * sq_way)
+        return kNone;
     return 1 - (ridge ? sample.k1 : -sample.k2) / k;
 }
 
-float CurvatureSamples::fall_along(const Vec3f& q, const CrestLook& look, float k, float turn, bool ridge) const {
+float CurvatureSamples::fall_along(const Vec3f& q, const CrestLook& look, float k, float turn,
+                                   bool ridge) const {
     // Where the osculating circle leads.
     const Vec3f inwards = look.normal * (ridge ? -1.0f : 1.0f);
     const Vec3f p = q + (look.along * std::sin(turn) + inwards * (1 - std::cos(turn))) * (1 / k);
@@ -65,7 +70,8 @@ float CurvatureSamples::sharpness(const LinePoint& at, const CrestLook& look, bo
     float turn = std::min(std::max(kTurn, near_px_ * footprint * k), kMostTurn);
     for (int nearer = 0; nearer < 3; ++nearer, turn *= 0.5f) {
         float least = kNone;
-        for (const float side : {-turn, turn}) least = std::fmin(least, fall_along(at.point, look, k, side, ridge));
+        for (const float side : {-turn, turn})
+            least = std::fmin(least, fall_along(at.point, look, k, side, ridge));
         const float unit = std::max(turn, kLeastTurn);
         if (!std::isnan(least)) return std::clamp(2 * least / (unit * unit), -1.0f, 4.0f);
     }

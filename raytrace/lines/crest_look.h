@@ -13,23 +13,26 @@ namespace slim {
 /// Where a crossing of a crest line looks for the fall of its curvature.
 struct CrestLook {
     Vec3f normal;
-    Vec3f along;  ///< t1 of ridges, t2 of valleys; zero: an edge within a pixel, of which nothing is asked
+    Vec3f along;  ///< t1 of ridges, t2 of valleys; zero: an edge
+                  ///< within a pixel, of which nothing is asked
 };
 
 /// That of a crossing as crest_crossings has found it.
 CrestLook crest_look(const LineScene& scene, const Crossing& crossing, bool ridges);
 
-/// The curvatures of a picture at every few pixels (800 of its shorter side at the most), gathered band by band:
-/// what tells crest lines from waves of the fit lies as far off as the normal turns by 40 degrees, which may be
-/// anywhere in the picture. 20 bytes a sample, 23 MB for a picture of 16 : 9 of any size.
+/// The curvatures of a picture at every few pixels (800 of its shorter side at the most), gathered
+/// band by band: what tells crest lines from waves of the fit lies as far off as the normal turns
+/// by 40 degrees, which may be anywhere in the picture. 20 bytes a sample, 23 MB for a picture of
+/// 16 : 9 of any size.
 class CurvatureSamples {
 public:
     /// Those of the rows that are searched; the first call sets the picture. cost O(samples)
     void add(const LineScene& scene);
 
-    /// Sharpness of a crest line at p: the -k''/k^3 that makes k (k1, of valleys -k2) fall as it does to either side
-    /// of the line until the normal has turned by 40 degrees; the lesser of the sides that are seen. 0 on a torus, about
-    /// 3 (1 - b^2/a^2) at the tip of an ellipse, in [-1, 4]. NaN where neither side is seen. cost O(1)
+    /// Sharpness of a crest line at p: the -k''/k^3 that makes k (k1, of valleys -k2) fall as it
+    /// does to either side of the line until the normal has turned by 40 degrees; the lesser of the
+    /// sides that are seen. 0 on a torus, about 3 (1 - b^2/a^2) at the tip of an ellipse, in [-1,
+    /// 4]. NaN where neither side is seen. cost O(1)
     /// Departs from NUMERICS 5.4, which has no such test: e alone has false zeros at every surfel.
     float sharpness(const LinePoint& p, const CrestLook& look, bool ridge) const;
 

@@ -9,7 +9,8 @@ Crossing place_crossing(const LineScene& scene, std::size_t a, std::size_t b, co
     const bool down = b != a + 1;
     Crossing c;
     c.x = static_cast<float>(a % width) + 0.5f + (down ? 0.0f : hit.s);
-    c.y = static_cast<float>(a / width + static_cast<std::size_t>(scene.rows.top)) + 0.5f + (down ? hit.s : 0.0f);
+    c.y = static_cast<float>(a / width + static_cast<std::size_t>(scene.rows.top)) + 0.5f +
+          (down ? hit.s : 0.0f);
     c.weight = hit.weight, c.evidence = hit.evidence;
     c.edge = static_cast<std::uint32_t>(2 * (a % width) + (down ? 1 : 0));
     if (hit.surface == EdgeHit::Side::both) {
@@ -39,7 +40,8 @@ CrossingField joined_rows(const LineScene& scene, std::vector<RowCrossings> band
     for (RowCrossings& band : bands) {
         for (std::size_t row = 1; row < band.row_start_.size(); ++row)
             field.row_start.push_back(field.crossings.size() + band.row_start_[row]);
-        field.crossings.insert(field.crossings.end(), band.crossings_.begin(), band.crossings_.end());
+        field.crossings.insert(field.crossings.end(), band.crossings_.begin(),
+                               band.crossings_.end());
         band.crossings_ = {};
     }
     return field;

@@ -30,7 +30,8 @@ struct End {
 
 End end_of(const FeatureLine& line, std::size_t k) {
     const std::size_t n = line.points.size(), in = std::min(kEnd, n - 1);
-    const LinePoint &at = line.points[k == 0 ? 0 : n - 1], &from = line.points[k == 0 ? in : n - 1 - in];
+    const LinePoint &at = line.points[k == 0 ? 0 : n - 1],
+                    &from = line.points[k == 0 ? in : n - 1 - in];
     const float px = step_px(from, at), scale = px > 0 ? 1 / px : 0;
     return {&at, {(at.x - from.x) * scale, (at.y - from.y) * scale},
             line.length_px > 0 ? line.length / line.length_px : 0};
@@ -40,10 +41,13 @@ End end_of(const FeatureLine& line, std::size_t k) {
 float join_cost(const End& a, const End& b, float px) {
     const float dx = b.at->x - a.at->x, dy = b.at->y - a.at->y, gap = std::hypot(dx, dy);
     const float deep = length(b.at->point - a.at->point);
-    if (deep > kSteepest * std::max(gap, px) * std::max(a.unit_per_px, b.unit_per_px)) return INFINITY;
+    if (deep > kSteepest * std::max(gap, px) * std::max(a.unit_per_px, b.unit_per_px))
+        return INFINITY;
     const float onward = -(a.outwards[0] * b.outwards[0] + a.outwards[1] * b.outwards[1]);
     if (gap <= kTouch * px) return onward > -kOnward ? gap + px * (1 - onward) : INFINITY;
-    const float along = std::min(a.outwards[0] * dx + a.outwards[1] * dy, -b.outwards[0] * dx - b.outwards[1] * dy) / gap;
+    const float along = std::min(a.outwards[0] * dx + a.outwards[1] * dy,
+                                 -b.outwards[0] * dx - b.outwards[1] * dy) /
+                        gap;
     return onward > kOnward && along > kOnward ? gap + px * (2 - onward - along) : INFINITY;
 }
 
@@ -55,7 +59,8 @@ std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float
     PointGrid grid(kMeet * px, 2 * lines.size());
     for (std::size_t e = 0; e < 2 * lines.size(); ++e) {
         ends.push_back(end_of(lines[e / 2], e % 2));
-        if (!lines[e / 2].closed) grid.add(ends[e].at->x, ends[e].at->y, static_cast<std::uint32_t>(e));
+        if (!lines[e / 2].closed)
+            grid.add(ends[e].at->x, ends[e].at->y, static_cast<std::uint32_t>(e));
     }
     std::vector<std::pair<float, std::array<std::uint32_t, 2>>> pairs;
     for (std::uint32_t e = 0; e < ends.size(); ++e) {
@@ -63,7 +68,8 @@ std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float
         grid.for_each(ends[e].at->x, ends[e].at->y, [&](std::uint32_t other, float) {
             const bool own = other / 2 == e / 2;
             if (other <= e || (own && lines[e / 2].length_px < 4 * kMeet * px)) return;
-            if (const float cost = join_cost(ends[e], ends[other], px); cost < INFINITY) pairs.push_back({cost, {e, other}});
+            if (const float cost = join_cost(ends[e], ends[other], px); cost < INFINITY)
+                pairs.push_back({cost, {e, other}});
         });
     }
     std::sort(pairs.begin(), pairs.end());
@@ -75,8 +81,8 @@ std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float
 }
 
 /// The line that begins with end `first` and goes on over joined ends.
-FeatureLine chain_from(std::span<const FeatureLine> lines, std::span<const std::uint32_t> partner, std::uint32_t first,
-                       std::vector<std::uint8_t>& used) {
+FeatureLine chain_from(std::span<const FeatureLine> lines, std::span<const std::uint32_t> partner,
+                       std::uint32_t first, std::vector<std::uint8_t>& used) {
     FeatureLine out;
     out.kind = lines[first / 2].kind, out.closed = lines[first / 2].closed;
     for (std::uint32_t at = first; at != kNoEnd;) {
@@ -105,7 +111,8 @@ std::vector<FeatureLine> join_ends(std::vector<FeatureLine> lines, float px) {
     // Open chains from their ends, then what is left: loops.
     for (const bool open : {true, false})
         for (std::uint32_t e = 0; e < partner.size(); ++e)
-            if (!used[e / 2] && (!open || partner[e] == kNoEnd)) out.push_back(chain_from(lines, partner, e, used));
+            if (!used[e / 2] && (!open || partner[e] == kNoEnd))
+                out.push_back(chain_from(lines, partner, e, used));
     return out;
 }
 

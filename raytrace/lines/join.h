@@ -6,9 +6,9 @@
 
 namespace slim {
 
-/// Joins lines whose ends meet: 6 px apart or less, on one surface, and going on without a sharp turn (1.5 px
-/// apart, round corners too); the nearest and straightest first. Lines that meet themselves are closed. Lengths and
-/// strengths are not filled in.
+/// Joins lines whose ends meet: 6 px apart or less, on one surface, and going on without a sharp
+/// turn (1.5 px apart, round corners too); the nearest and straightest first. Lines that meet
+/// themselves are closed. Lengths and strengths are not filled in.
 ///
 /// px      a pixel of a picture 1000 high, in pixels; 1 at least
 /// cost    O(points + ends log ends)

@@ -31,7 +31,8 @@ constexpr bool is_crease(LineKind kind) {
     return kind == LineKind::convex_crease || kind == LineKind::concave_crease;
 }
 
-/// "contour", "suggestive", "ridge", "valley", "parabolic", "reflection", "convex_crease", "concave_crease".
+/// "contour", "suggestive", "ridge", "valley", "parabolic", "reflection", "convex_crease",
+/// "concave_crease".
 std::string_view line_name(LineKind kind);
 
 /// Least degree of a model whose derivatives tell these lines: 3 for crest lines, 2 where curvature

@@ -49,8 +49,10 @@ public:
         constexpr int kReach = 2;
         for (const FeatureLine& line : creases)
             for (const LinePoint& p : line.points)
-                for (int y = static_cast<int>(p.y) - kReach; y <= static_cast<int>(p.y) + kReach; ++y)
-                    for (int x = static_cast<int>(p.x) - kReach; x <= static_cast<int>(p.x) + kReach; ++x)
+                for (int y = static_cast<int>(p.y) - kReach; y <= static_cast<int>(p.y) + kReach;
+                     ++y)
+                    for (int x = static_cast<int>(p.x) - kReach;
+                         x <= static_cast<int>(p.x) + kReach; ++x)
                         numbers_.push_back(number(x, y));
     }
     void sort() {
@@ -58,7 +60,8 @@ public:
         numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
     }
     bool hold(const LinePoint& p) const {
-        return std::binary_search(numbers_.begin(), numbers_.end(), number(static_cast<int>(p.x), static_cast<int>(p.y)));
+        return std::binary_search(numbers_.begin(), numbers_.end(),
+                                  number(static_cast<int>(p.x), static_cast<int>(p.y)));
     }
 
 private:
@@ -78,11 +81,13 @@ LineSearch::LineSearch(std::span<const LineKind> kinds) : kinds_(kinds.begin(), 
 }
 
 int line_margin(int picture_width, int picture_height) {
-    // The blur of a pixel two rows on (slopes by differences), of the lower end of an edge, in the row after the last.
+    // The blur of a pixel two rows on (slopes by differences), of the lower end of an edge, in the
+    // row after the last.
     return static_cast<int>(blur_reach(picture_width, picture_height)) + 5;
 }
 
-void LineSearch::Found::append(const LineScene& scene, const CrossingField& field, const LineLinks& own, bool is_last) {
+void LineSearch::Found::append(const LineScene& scene, const CrossingField& field,
+                               const LineLinks& own, bool is_last) {
     // The first row's were found before, with the cells above them.
     SLIM_CHECK(n_next, <=, own.size());
     const std::size_t known = points.size() - n_next;
@@ -95,7 +100,8 @@ void LineSearch::Found::append(const LineScene& scene, const CrossingField& fiel
     for (std::size_t i = n_next; i < own.size(); ++i) {
         points.push_back(line_point(field.crossings[i]));
         links.push_back(moved(own[i]));
-        if (is_crest()) looks.push_back(crest_look(scene, field.crossings[i], kind == LineKind::ridge));
+        if (is_crest())
+            looks.push_back(crest_look(scene, field.crossings[i], kind == LineKind::ridge));
     }
     n_next = is_last ? 0 : field.crossings.size() - field.row_start[field.row_start.size() - 2];
 }
@@ -112,13 +118,15 @@ void LineSearch::Found::look_around(const CurvatureSamples& around) {
 
 std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double diagonal) {
     if (kind == LineKind::suggestive) {
-        const float scale = typical_curvature(std::move(curvatures), diagonal), per_sq = 1 / (scale * scale);
+        const float scale = typical_curvature(std::move(curvatures), diagonal),
+                    per_sq = 1 / (scale * scale);
         for (LinePoint& p : points) p.evidence *= per_sq;
     }
     std::vector<FeatureLine> lines = follow_links(points, links, kind);
     points = {}, links = {};
     if (kind == LineKind::contour)
-        lines = tidy_contours(std::move(lines), std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000));
+        lines = tidy_contours(std::move(lines),
+                              std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000));
     lines = select_lines(std::move(lines), line_rules(kind, width, height));
     for (FeatureLine& line : lines) {
         smooth_line(line, kSmoothingPasses);
@@ -131,7 +139,8 @@ void LineSearch::add(const LineScene& scene) {
     if (kinds_.empty()) return;
     const int end = scene.rows.top + static_cast<int>(scene.end_row());
     SLIM_CHECK(scene.rows.top + static_cast<int>(scene.first_row()), ==, next_row_);
-    width_ = scene.buffer.width, height_ = scene.picture_height(), next_row_ = end, diagonal_ = scene.diagonal;
+    width_ = scene.buffer.width, height_ = scene.picture_height(), next_row_ = end,
+    diagonal_ = scene.diagonal;
     const bool is_last = end == height_;
     for (CreaseSearch& creases : creases_) creases.add(scene);
     if (found_.empty()) return;
@@ -172,12 +181,14 @@ std::vector<FeatureLine> LineSearch::finish(std::span<const FeatureLine> creases
         if (found.is_crest()) found.look_around(samples_);
     leave_to_creases(creases);
     std::vector<std::vector<FeatureLine>> of(found_.size());
-    parallel_blocks(found_.size(), 1,
-                    [&](std::size_t k, std::size_t) { of[k] = found_[k].lines(width_, height_, diagonal_); });
+    parallel_blocks(found_.size(), 1, [&](std::size_t k, std::size_t) {
+        of[k] = found_[k].lines(width_, height_, diagonal_);
+    });
     std::vector<FeatureLine> out;
     std::size_t n_found = 0, n_creases = 0;
     for (const LineKind kind : kinds_) {
-        const std::vector<FeatureLine>& lines = is_crease(kind) ? creases_[n_creases++].lines() : of[n_found++];
+        const std::vector<FeatureLine>& lines =
+            is_crease(kind) ? creases_[n_creases++].lines() : of[n_found++];
         out.insert(out.end(), lines.begin(), lines.end());
     }
     return out;

@@ -37,23 +37,30 @@ Vec3f srgb_of(const Vec3f& linear) {
 
 /// What light lines are seen on, behind the whole picture.
 std::string background_of(const Background& background, int width, int height) {
-    const std::string top = hex_color(srgb_of(background.top)), bottom = hex_color(srgb_of(background.bottom));
+    const std::string top = hex_color(srgb_of(background.top)),
+                      bottom = hex_color(srgb_of(background.bottom));
     const std::string size = " width=\"" + mm(static_cast<float>(width)) + "\" height=\"" +
                              mm(static_cast<float>(height)) + "\" stroke=\"none\"";
     if (top == bottom) return "  <rect id=\"background\"" + size + " fill=\"" + top + "\"/>\n";
-    return "  <linearGradient id=\"shade\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" stop-color=\"" + top +
-           "\"/><stop offset=\"1\" stop-color=\"" + bottom + "\"/></linearGradient>\n  <rect id=\"background\"" + size +
-           " fill=\"url(#shade)\"/>\n";
+    return "  <linearGradient id=\"shade\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" "
+           "stop-color=\"" +
+           top + "\"/><stop offset=\"1\" stop-color=\"" + bottom +
+           "\"/></linearGradient>\n  <rect id=\"background\"" + size + " fill=\"url(#shade)\"/>\n";
 }
 
 }  // namespace
 
-std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width, int height,
-                      const PixelWindow& window, const Background& background) {
-    const std::string w = number(kMmPerPixel * window.width, 3), h = number(kMmPerPixel * window.height, 3);
-    const auto from = [](int px) { return px == 0 ? std::string("0") : number(kMmPerPixel * px, 3); };
+std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds,
+                      int width, int height, const PixelWindow& window,
+                      const Background& background) {
+    const std::string w = number(kMmPerPixel * window.width, 3),
+                      h = number(kMmPerPixel * window.height, 3);
+    const auto from = [](int px) {
+        return px == 0 ? std::string("0") : number(kMmPerPixel * px, 3);
+    };
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
-                      "mm\" height=\"" + h + "mm\" viewBox=\"" + from(window.x) + " " + from(window.y) + " " + w + " " + h +
+                      "mm\" height=\"" + h + "mm\" viewBox=\"" + from(window.x) + " " +
+                      from(window.y) + " " + w + " " + h +
                       "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
     const Ink ink = ink_on(background);
     if (ink == Ink::light) out += background_of(background, width, height);

@@ -16,8 +16,8 @@ constexpr float kNever = std::numeric_limits<float>::infinity();
 
 /// What it costs to link two crossings of a cell: their squared distance; never across sheets.
 /// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
-/// gap that no limb has counts as another sheet: the last pixel of one that bends by a radius of r footprints
-/// lies up to sqrt(2 r) before the limb, and has about its normal.
+/// gap that no limb has counts as another sheet: the last pixel of one that bends by a radius of r
+/// footprints lies up to sqrt(2 r) before the limb, and has about its normal.
 float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const Crossing& b) {
     constexpr float kLimbGap = 16, kWideLimbGap = 64;  // footprints
     constexpr float kLimbTurn = 0.9f;
@@ -29,7 +29,8 @@ float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const 
     return sq + 4;  // after any pair that is surely on one sheet
 }
 
-/// The crossings of one cell: top, left, right, bottom; of the upper two this cell is the second one.
+/// The crossings of one cell: top, left, right, bottom;
+/// of the upper two this cell is the second one.
 struct CellCrossings {
     std::array<std::int32_t, 4> id{};
     std::array<std::uint8_t, 4> slot{};
@@ -74,7 +75,8 @@ public:
     LineLinks run() {
         constexpr std::size_t kGrain = 32;
         const auto height = static_cast<std::size_t>(field_.height);
-        parallel_blocks(height > 0 ? height - 1 : 0, kGrain, [&](std::size_t begin, std::size_t end) {
+        const std::size_t n_rows = height > 0 ? height - 1 : 0;  // of cells
+        parallel_blocks(n_rows, kGrain, [&](std::size_t begin, std::size_t end) {
             const auto width = static_cast<std::size_t>(field_.width);
             RowIndex top(width), bottom(width);
             bottom.move_to(field_, begin);
@@ -88,7 +90,8 @@ public:
     }
 
 private:
-    /// Every cell with two crossings or more once: from its upper edge, or else its left, or else its right one.
+    /// Every cell with two crossings or more once: from its upper edge, or else its left,
+    /// or else its right one.
     void link_row(const RowIndex& top, const RowIndex& bottom) {
         const auto width = static_cast<std::size_t>(field_.width);
         const auto look = [&](std::size_t x) {
@@ -102,7 +105,8 @@ private:
             const std::size_t x = edge / 2;
             const bool down = edge & 1;
             if (!down || top.right[x] == kNobody) look(x);
-            if (down && x > 0 && top.right[x - 1] == kNobody && top.down[x - 1] == kNobody) look(x - 1);
+            if (down && x > 0 && top.right[x - 1] == kNobody && top.down[x - 1] == kNobody)
+                look(x - 1);
         }
     }
 
@@ -153,8 +157,8 @@ private:
 };
 
 /// Follows the links from a crossing on; marks what it passes.
-FeatureLine follow(std::span<const LinePoint> crossings, const LineLinks& links, std::int32_t start, LineKind kind,
-                   std::vector<std::uint8_t>& used) {
+FeatureLine follow(std::span<const LinePoint> crossings, const LineLinks& links, std::int32_t start,
+                   LineKind kind, std::vector<std::uint8_t>& used) {
     FeatureLine line;
     line.kind = kind;
     for (std::int32_t at = start; at != kNobody;) {
@@ -177,7 +181,8 @@ LineLinks link_cells(const LineScene& scene, const CrossingField& field, LineKin
     return Linker(scene, field, kind).run();
 }
 
-std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, const LineLinks& links, LineKind kind) {
+std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, const LineLinks& links,
+                                      LineKind kind) {
     std::vector<std::uint8_t> used(links.size(), 0);
     std::vector<FeatureLine> lines;
     // Open lines from their ends, then what is left: loops.
@@ -191,7 +196,8 @@ std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, cons
     return lines;
 }
 
-std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field, LineKind kind) {
+std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field,
+                                        LineKind kind) {
     std::vector<LinePoint> points;
     for (const Crossing& c : field.crossings) points.push_back(line_point(c));
     return follow_links(points, link_cells(scene, field, kind), kind);

@@ -10,8 +10,8 @@
 
 namespace slim {
 
-/// The two neighbours of every crossing on its line, -1 for none: first that in the upper or left one of its edge's
-/// two cells.
+/// The two neighbours of every crossing on its line, -1 for none: first that in the upper or left
+/// one of its edge's two cells.
 using LineLinks = std::vector<std::array<std::int32_t, 2>>;
 
 /// Links the crossings on the four edges of every cell of pixel centres, as marching squares does:
@@ -22,10 +22,12 @@ LineLinks link_cells(const LineScene& scene, const CrossingField& field, LineKin
 
 /// Lines along the links. Lengths and strengths are not filled in. Each crossing is a point of at
 /// most one line; lines come in the order of their first crossings.
-std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, const LineLinks& links, LineKind kind);
+std::vector<FeatureLine> follow_links(std::span<const LinePoint> crossings, const LineLinks& links,
+                                      LineKind kind);
 
 /// Both of a whole picture.
-std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field, LineKind kind);
+std::vector<FeatureLine> link_crossings(const LineScene& scene, const CrossingField& field,
+                                        LineKind kind);
 
 /// A crossing as a point of its line.
 LinePoint line_point(const Crossing& c);

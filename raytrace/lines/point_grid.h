@@ -7,7 +7,8 @@
 
 namespace slim {
 
-/// Places of a picture by squares as large as the reach. Adding and asking cost O(1) while places do not crowd.
+/// Places of a picture by squares as large as the reach. Adding and asking cost O(1) while places
+/// do not crowd.
 class PointGrid {
 public:
     /// n: about how many are added.
@@ -32,7 +33,8 @@ public:
             for (int i = column - 1; i <= column + 1; ++i)
                 for (std::uint32_t at = heads_[slot(i, j)]; at != kNone; at = places_[at].next) {
                     const Place& p = places_[at];
-                    if (square(p.x) != i || square(p.y) != j) continue;  // of another square, in the same slot
+                    // of another square, in the same slot
+                    if (square(p.x) != i || square(p.y) != j) continue;
                     const float sq = (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y);
                     if (sq <= reach_ * reach_) visit(p.value, sq);
                 }
@@ -46,7 +48,8 @@ private:
     };
     int square(float x) const { return static_cast<int>(std::floor(x / reach_)); }
     std::size_t slot(int i, int j) const {
-        const auto key = std::uint64_t{static_cast<std::uint32_t>(i)} << 32 | static_cast<std::uint32_t>(j);
+        const auto key =
+            std::uint64_t{static_cast<std::uint32_t>(i)} << 32 | static_cast<std::uint32_t>(j);
         return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> 24) & (heads_.size() - 1);
     }
 

@@ -27,13 +27,14 @@ CrossingField reflection_crossings(const LineScene& s, const Sheets& sheets) {
             if (s.hit(i)) stripe[i] = stripe_at(s, i);
     });
     const auto weight = static_cast<float>(1 / s.diagonal);
-    return find_on_sheets(s, sheets, [=, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+    const auto find = [=, &stripe](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
         // Half a stripe off, so that no edge lies where the angle jumps from pi to -pi.
         const float fa = stripe[a] + 0.5f, fb = stripe[b] + 0.5f;
         const float level = std::fmax(std::floor(fa), std::floor(fb));
         if (std::floor(fa) == std::floor(fb) || std::fabs(fa - fb) > 1) return std::nullopt;
         return EdgeHit{(level - fa) / (fb - fa), weight};
-    });
+    };
+    return find_on_sheets(s, sheets, find);
 }
 
 }  // namespace slim

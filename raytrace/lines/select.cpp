@@ -49,12 +49,14 @@ Verdict judge(const FeatureLine& line, const LineRules& rules) {
     if (line.length_px < rules.weak_px || line.strength < rules.weak_strength) return Verdict::drop;
     const bool strong = line.strength >= rules.strength && line.length_px >= rules.least_px;
     const float evidence = mean_evidence(line);
-    const bool clear = evidence >= rules.strong_evidence && line.strength * evidence >= rules.sharpness;
+    const bool clear =
+        evidence >= rules.strong_evidence && line.strength * evidence >= rules.sharpness;
     return strong && clear ? Verdict::keep : Verdict::weak;
 }
 
 /// Weak lines that continue kept ones, and those that continue these, become kept.
-void spread(const std::vector<FeatureLine>& lines, const LineRules& rules, std::vector<Verdict>& verdicts) {
+void spread(const std::vector<FeatureLine>& lines, const LineRules& rules,
+            std::vector<Verdict>& verdicts) {
     constexpr float kReach = 3;
     constexpr std::uint8_t kBothEnds = 3;
     PointGrid weak(kReach, 2 * lines.size());
@@ -75,7 +77,8 @@ void spread(const std::vector<FeatureLine>& lines, const LineRules& rules, std::
             weak.for_each(p.x, p.y, [&](std::uint32_t end, float) {
                 const std::size_t i = end / 2;
                 met[i] |= static_cast<std::uint8_t>(1u << end % 2);
-                if (verdicts[i] != Verdict::weak || (rules.meets_anywhere && met[i] != kBothEnds)) return;
+                if (verdicts[i] != Verdict::weak || (rules.meets_anywhere && met[i] != kBothEnds))
+                    return;
                 verdicts[i] = Verdict::keep;
                 fresh.push_back(i);
             });
@@ -93,7 +96,8 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
     const float scale = static_cast<float>(std::min(picture_width, picture_height)) / 1000;
     const auto px = [&](float at_1000) { return std::max(4.0f, at_1000 * scale); };
     switch (kind) {
-        // Junctions with other contours cut a limb into pieces, some of a few pixels, which meet these contours midway.
+        // Junctions with other contours cut a limb into pieces, some of a few pixels, which meet
+        // these contours midway.
         case LineKind::contour:
             return {0, 0, 0, 0, px(10), 0, true};
         case LineKind::suggestive:
@@ -109,7 +113,8 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
             return {0, 0, 2, 0.8f, px(16)};
         case LineKind::reflection:
             return {0, 0, 0, 0, px(8)};
-        // Strength is the angle by which the normal turns, degrees; lengths are those of whole edges.
+        // Strength is the angle by which the normal turns, degrees;
+        // lengths are those of whole edges.
         case LineKind::convex_crease:
         case LineKind::concave_crease:
             return {0, 0, 30, 15, px(20), 1};

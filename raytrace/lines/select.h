@@ -14,10 +14,11 @@ struct LineRules {
     float weak_strength = 0;    ///< and one this strong that continues a drawn one
     float least_px = 4;         ///< length in the picture
     float weak_px = 4;          ///< the same of one that continues a drawn one
-    /// Whether a weak line continues drawn ones if both its ends meet some, anywhere, or if one end meets an end.
+    /// Whether a weak line continues drawn ones if both its ends meet some, anywhere,
+    /// or if one end meets an end.
     bool meets_anywhere = false;
-    /// Strength times mean evidence that a drawn line must reach: of crest lines the integral of -k''/k^2, up to which
-    /// the fit of a noisy cloud makes some of its own.
+    /// Strength times mean evidence that a drawn line must reach: of crest lines the integral of
+    /// -k''/k^2, up to which the fit of a noisy cloud makes some of its own.
     float sharpness = 0;
 };
 
@@ -29,8 +30,9 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height);
 void measure_line(FeatureLine& line);
 
 /// Cuts lines where the evidence falls short and keeps the pieces by the rules, hysteresis
-/// included: a weak line stays if one of its ends lies within 3 pixels of an end of a line that stays, or, where the
-/// rules say so, if both lie as near to any points of such lines. cost O(points), while ends do not crowd
+/// included: a weak line stays if one of its ends lies within 3 pixels of an end of a line that
+/// stays, or, where the rules say so, if both lie as near to any points of such lines. cost
+/// O(points), while ends do not crowd
 std::vector<FeatureLine> select_lines(std::vector<FeatureLine> lines, const LineRules& rules);
 
 /// Moves points towards the mean of their neighbours, in the picture and in space alike; ends of

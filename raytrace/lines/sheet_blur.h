@@ -11,9 +11,10 @@
 
 namespace slim {
 
-/// Means over (2 r + 1)^2 pixels of the sheet around each hit, r = Sheets::reach: along rows, then along columns,
-/// up to where the sheet ends (joined). A NaN spoils the pixels around it. Rows pass by one after the other: of
-/// what is averaged, C numbers a pixel, 2 r + 1 rows are held at a time. cost O(pixels x r x C), in lanes
+/// Means over (2 r + 1)^2 pixels of the sheet around each hit, r = Sheets::reach: along rows, then
+/// along columns, up to where the sheet ends (joined). A NaN spoils the pixels around it. Rows pass
+/// by one after the other: of what is averaged, C numbers a pixel, 2 r + 1 rows are held at a time.
+/// cost O(pixels x r x C), in lanes
 template <std::size_t C>
 class RowBlur {
 public:
@@ -22,7 +23,9 @@ public:
     public:
         Row(std::size_t width, std::size_t pad)
             : pad_(pad), stride_(width + 2 * pad + kLanes), v_(C * stride_, 0.0f) {}
-        FloatV load(std::size_t c, std::ptrdiff_t x) const { return FloatV(place(c, x), stdx::element_aligned); }
+        FloatV load(std::size_t c, std::ptrdiff_t x) const {
+            return FloatV(place(c, x), stdx::element_aligned);
+        }
         void store(std::size_t c, std::ptrdiff_t x, const FloatV& lanes) {
             lanes.copy_to(const_cast<float*>(place(c, x)), stdx::element_aligned);
         }
@@ -41,8 +44,9 @@ public:
           rows_(window(), Row(sheets.width, sheets.reach)),
           around_(window()) {}
 
-    /// For each row y of [begin, end) in turn sink(y, mean), where mean(x) is an array of C FloatV, the means of
-    /// pixels x, x + 1, ...; source(y, x) gives what is averaged in the same form, and is asked where one is hit only.
+    /// For each row y of [begin, end) in turn sink(y, mean), where mean(x) is an array of C FloatV,
+    /// the means of pixels x, x + 1, ...; source(y, x) gives what is averaged in the same form, and
+    /// is asked where one is hit only.
     template <class Source, class Sink>
     void run(std::size_t begin, std::size_t end, const Source& source, const Sink& sink) {
         const std::size_t reach = sheets_.reach, first = begin > reach ? begin - reach : 0;
@@ -51,7 +55,9 @@ public:
             if (y < begin + reach) continue;
             const std::size_t done = y - reach;
             for (std::size_t k = 0; k < window(); ++k) around_[k] = &row(done + reach + 1 + k);
-            sink(done, [&](std::size_t x) __attribute__((always_inline)) { return mean_down(done, x); });
+            sink(
+                done, [&](std::size_t x)
+                          __attribute__((always_inline)) { return mean_down(done, x); });
         }
     }
 
@@ -89,11 +95,12 @@ private:
         const auto row = static_cast<Signed>(y), column = static_cast<Signed>(x);
         const Row* const* own = around_.data() + sheets_.reach;
         return means([&](Signed k) { return sheets_.down.joined.at(row + k, column); },
-                     [&](std::size_t c, Signed k) __attribute__((always_inline)) { return own[k]->load(c, column); });
+                     [&](std::size_t c, Signed k)
+                         __attribute__((always_inline)) { return own[k]->load(c, column); });
     }
 
-    /// joined(k): bits of the pixels k steps on that go on to the next; at(c, k): their values. The whole windows'
-    /// sums, and of those that the sheet's end cuts what there is of them.
+    /// joined(k): bits of the pixels k steps on that go on to the next; at(c, k): their values. The
+    /// whole windows' sums, and of those that the sheet's end cuts what there is of them.
     template <class Joined, class At>
     [[gnu::always_inline]] Means means(const Joined& joined, const At& at) const {
         const auto reach = static_cast<Signed>(sheets_.reach);
@@ -106,7 +113,8 @@ private:
             for (std::size_t c = 0; c < C; ++c) mean[c] += share * at(c, k);
         if (whole == kAllLanes) return mean;
         const Means part = parts(joined, at);
-        for (std::size_t c = 0; c < C; ++c) mean[c] = select<FloatV>(lanes_of_bits(whole), mean[c], part[c]);
+        for (std::size_t c = 0; c < C; ++c)
+            mean[c] = select<FloatV>(lanes_of_bits(whole), mean[c], part[c]);
         return mean;
     }
 
@@ -138,14 +146,18 @@ private:
 
     const Sheets& sheets_;
     Row raw_;
-    std::vector<Row> rows_;             ///< averaged along themselves; row y at y modulo their number
+    std::vector<Row> rows_;             ///< averaged along themselves; row y
+                                        ///< at y modulo their number
     std::vector<const Row*> around_;  ///< rows y - reach to y + reach
 };
 
 /// Rows that a RowBlur works on in one go: fewer would pass the rows around them again and again.
-inline std::size_t blur_band(const Sheets& sheets) { return std::max<std::size_t>(64, 8 * sheets.reach); }
+inline std::size_t blur_band(const Sheets& sheets) {
+    return std::max<std::size_t>(64, 8 * sheets.reach);
+}
 
-/// The means of a whole plane, of pixels without a hit 0. Parallel; the same for any number of threads.
+/// The means of a whole plane, of pixels without a hit 0. Parallel;
+/// the same for any number of threads.
 std::vector<float> blurred(const Sheets& sheets, const std::vector<float>& plane);
 
 }  // namespace slim

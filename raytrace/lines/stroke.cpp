@@ -21,7 +21,11 @@ struct Band {
     int x0, x1, y0, y1;  ///< what was touched
 
     Band(int a_left, int a_right, int a_begin, int an_end)
-        : left(a_left), right(a_right), begin(a_begin), end(an_end), coverage(index(left, end), 0.0f) {}
+        : left(a_left),
+          right(a_right),
+          begin(a_begin),
+          end(an_end),
+          coverage(index(left, end), 0.0f) {}
 
     void start() { x0 = right, x1 = left, y0 = end, y1 = begin; }
     float& at(int x, int y) { return coverage[index(x, y)]; }
@@ -96,7 +100,8 @@ struct StrokeBox {
     }
 };
 
-std::vector<StrokeBox> boxes_of(std::span<const FeatureLine> lines, int picture_width, int picture_height) {
+std::vector<StrokeBox> boxes_of(std::span<const FeatureLine> lines, int picture_width,
+                                int picture_height) {
     std::vector<StrokeBox> boxes;
     for (const FeatureLine& line : lines) boxes.emplace_back(line, picture_width, picture_height);
     return boxes;
@@ -108,7 +113,8 @@ Ink ink_on(const Background& background) {
     if (!(background.alpha > 0)) return Ink::dark;
     const auto contrast = [&](Ink ink) {
         const Vec3f& srgb = line_style(LineKind::contour, ink).srgb;
-        const float own = luminance({linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)});
+        const float own = luminance(
+            {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)});
         const auto with = [own](const Vec3f& linear) {
             const float other = luminance(linear);
             return (std::max(own, other) + kFlare) / (std::min(own, other) + kFlare);
@@ -156,7 +162,8 @@ void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink in
     const std::vector<StrokeBox> boxes = boxes_of(lines, canvas.width, canvas.height);
     const auto n_rows = static_cast<std::size_t>(canvas.part.height);
     parallel_blocks(n_rows, kBandRows, [&](std::size_t first, std::size_t last) {
-        const int begin = canvas.y0 + static_cast<int>(first), end = canvas.y0 + static_cast<int>(last);
+        const int begin = canvas.y0 + static_cast<int>(first),
+                  end = canvas.y0 + static_cast<int>(last);
         const PixelWindow window{canvas.x0, begin, canvas.part.width, end - begin};
         Band band(canvas.x0, canvas.x_end(), begin, end);
         for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -170,9 +177,11 @@ void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink in
     });
 }
 
-std::vector<float> strength_plane(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
-                                  int height, const PixelWindow& w) {
-    std::vector<float> plane(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height), 0.0f);
+std::vector<float> strength_plane(std::span<const FeatureLine> lines,
+                                  std::span<const LineKind> kinds, int width, int height,
+                                  const PixelWindow& w) {
+    std::vector<float> plane(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height),
+                             0.0f);
     const auto mark = [&](float x, float y, float strength) {
         const int px = std::clamp(static_cast<int>(x), 0, width - 1) - w.x;
         const int py = std::clamp(static_cast<int>(y), 0, height - 1) - w.y;

@@ -11,8 +11,8 @@
 
 namespace slim {
 
-/// What lines alone are drawn with, so that they stand out: dark on light backgrounds, light on dark ones. Over a
-/// drawn surface they are dark.
+/// What lines alone are drawn with, so that they stand out: dark on light backgrounds, light on
+/// dark ones. Over a drawn surface they are dark.
 enum class Ink : std::uint8_t { dark, light };
 
 /// The ink of more contrast with both ends of a background; dark where it is transparent.
@@ -28,17 +28,21 @@ LineStyle line_style(LineKind kind, Ink ink = Ink::dark);
 /// Stroke width in pixels: contours all alike, the others by the logarithm of their strength.
 float stroke_width(const FeatureLine& line, int picture_width, int picture_height);
 
-/// Draws lines over a picture or a part of one, anti-aliased (coverage by the distance from the pixel's centre to
-/// the stroke's edge), in the order given; points of the lines are in pixels of the whole. The picture stays
-/// premultiplied. Cost: O(points x stroke width); parallel over bands of rows.
+/// Draws lines over a picture or a part of one, anti-aliased (coverage by the distance from the
+/// pixel's centre to the stroke's edge), in the order given; points of the lines are in pixels of
+/// the whole. The picture stays premultiplied. Cost: O(points x stroke width);
+/// parallel over bands of rows.
 void draw_lines(std::span<const FeatureLine> lines, const Canvas& canvas, Ink ink = Ink::dark);
 
 /// Strength of the strongest line of the kinds wanted through each pixel, 0 where none passes: for
-/// data files, so neither blurred nor widened. Row by row, those of the window of a width x height picture.
-std::vector<float> strength_plane(std::span<const FeatureLine> lines, std::span<const LineKind> kinds, int width,
-                                  int height, const PixelWindow& window);
+/// data files, so neither blurred nor widened. Row by row,
+/// those of the window of a width x height picture.
+std::vector<float> strength_plane(std::span<const FeatureLine> lines,
+                                  std::span<const LineKind> kinds, int width, int height,
+                                  const PixelWindow& window);
 
-/// Those of the lines whose strokes may touch the window of a width x height picture, in their order.
+/// Those of the lines whose strokes may touch the window of a width x height picture,
+/// in their order.
 std::vector<FeatureLine> lines_within(std::span<const FeatureLine> lines, int width, int height,
                                       const PixelWindow& window);
 

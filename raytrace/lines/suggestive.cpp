@@ -106,10 +106,12 @@ private:
 
 void sample_curvature(const LineScene& scene, std::vector<float>& sample) {
     const GBuffer& g = scene.buffer;
-    const auto width = static_cast<std::size_t>(g.width), before = static_cast<std::size_t>(scene.rows.top) * width;
+    const auto width = static_cast<std::size_t>(g.width),
+               before = static_cast<std::size_t>(scene.rows.top) * width;
     const std::size_t stride =
         std::max<std::size_t>(1, width * static_cast<std::size_t>(scene.picture_height()) / 200000);
-    const std::size_t first = before + scene.first_row() * width, end = before + scene.end_row() * width;
+    const std::size_t first = before + scene.first_row() * width,
+                      end = before + scene.end_row() * width;
     for (std::size_t i = (first + stride - 1) / stride * stride; i < end; i += stride) {
         const std::size_t own = i - before;
         if (g.hit[own]) sample.push_back(std::fmax(std::fabs(g.k1[own]), std::fabs(g.k2[own])));
@@ -125,7 +127,8 @@ float typical_curvature(std::vector<float> sample, double diagonal) {
 }
 
 CrossingField suggestive_crossings(const LineScene& s, const Sheets& sheets) {
-    const std::vector<float> kappa = blurred(sheets, radial_curvature(s));  // seams between surfels make it jagged
+    // seams between surfels make it jagged
+    const std::vector<float> kappa = blurred(sheets, radial_curvature(s));
     const SlopeByDifferences differences(s, kappa);
     const bool exact = s.degree >= 3;
     return find_on_sheets(

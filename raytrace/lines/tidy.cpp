@@ -25,7 +25,8 @@ struct Run {
 
 float length_of(const std::vector<LinePoint>& points, const Run& run) {
     float px = 0;
-    for (std::size_t i = run.begin + 1; i < run.end; ++i) px += std::hypot(points[i].x - points[i - 1].x, points[i].y - points[i - 1].y);
+    for (std::size_t i = run.begin + 1; i < run.end; ++i)
+        px += std::hypot(points[i].x - points[i - 1].x, points[i].y - points[i - 1].y);
     return px;
 }
 
@@ -46,7 +47,8 @@ void open_at_mark(FeatureLine& line, std::vector<std::uint8_t>& marked) {
     std::ptrdiff_t first = 0;
     const auto n = static_cast<std::ptrdiff_t>(marked.size());
     const auto begins = [&](std::ptrdiff_t i) {
-        return marked[static_cast<std::size_t>(i)] != 0 && marked[static_cast<std::size_t>((i + n - 1) % n)] == 0;
+        return marked[static_cast<std::size_t>(i)] != 0 &&
+               marked[static_cast<std::size_t>((i + n - 1) % n)] == 0;
     };
     while (first < n && !begins(first)) ++first;
     if (first == n) return;
@@ -54,14 +56,16 @@ void open_at_mark(FeatureLine& line, std::vector<std::uint8_t>& marked) {
     std::rotate(marked.begin(), marked.begin() + first, marked.end());
 }
 
-/// What is left of a line without the runs that are marked; each rest takes `overlap` points of what it leaves.
+/// What is left of a line without the runs that are marked;
+/// each rest takes `overlap` points of what it leaves.
 void add_unmarked(FeatureLine line, const std::vector<std::uint8_t>& marked, std::size_t overlap,
                   std::vector<FeatureLine>& out) {
     const std::vector<Run> runs = runs_of(marked);
     if (runs.size() == 1 && !marked[0]) return out.push_back(std::move(line));
     for (const Run& run : runs) {
         if (marked[run.begin]) continue;
-        const std::size_t begin = run.begin - std::min(run.begin, overlap), end = std::min(marked.size(), run.end + overlap);
+        const std::size_t begin = run.begin - std::min(run.begin, overlap),
+                          end = std::min(marked.size(), run.end + overlap);
         if (end - begin < 2) continue;
         FeatureLine piece;
         piece.kind = line.kind;
@@ -81,7 +85,8 @@ std::vector<FeatureLine> clear_parts(std::vector<FeatureLine> lines, float px) {
         const std::vector<Run> runs = runs_of(unclear);
         for (const Run& run : runs) {
             const bool at_end = !line.closed && (run.begin == 0 || run.end == unclear.size());
-            if (unclear[run.begin] && runs.size() > 1 && !at_end && length_of(line.points, run) < kUnclear * px)
+            if (unclear[run.begin] && runs.size() > 1 && !at_end &&
+                length_of(line.points, run) < kUnclear * px)
                 std::fill(unclear.begin() + static_cast<std::ptrdiff_t>(run.begin),
                           unclear.begin() + static_cast<std::ptrdiff_t>(run.end), std::uint8_t{0});
         }
@@ -95,8 +100,9 @@ std::vector<std::size_t> by_length(std::vector<FeatureLine>& lines) {
     for (FeatureLine& line : lines) measure_line(line);
     std::vector<std::size_t> order(lines.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return lines[a].length_px > lines[b].length_px; });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return lines[a].length_px > lines[b].length_px;
+    });
     return order;
 }
 

@@ -6,9 +6,11 @@
 
 namespace slim {
 
-/// Makes one line of what the search for contours has cut or doubled, before short ones are dropped:
+/// Makes one line of what the search for contours has cut or doubled,
+/// before short ones are dropped:
 ///
-/// - parts whose evidence says that the surface does not end there, ends of a line or longer than a few pixels, go;
+/// - parts whose evidence says that the surface does not end there,
+///   ends of a line or longer than a few pixels, go;
 /// - what runs beside a longer line, within 1.5 pixels, is left to that line;
 /// - ends that meet are joined (join_ends).
 ///

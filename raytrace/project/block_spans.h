@@ -22,7 +22,8 @@ public:
         const auto put = [&](float x) { numbers_[field++][lane] = x; };
         put(o.b0), put(o.b1), put(o.c0), put(o.c1), put(o.c2), put(o.left_t), put(o.right_t);
         put(f.pixel_x), put(f.pixel_y), put(f.base_x), put(f.base_y), put(f.step);
-        sides_[0][lane] = f.rect.x0, sides_[1][lane] = f.rect.y0, sides_[2][lane] = f.rect.x1, sides_[3][lane] = f.rect.y1;
+        sides_[0][lane] = f.rect.x0, sides_[1][lane] = f.rect.y0, sides_[2][lane] = f.rect.x1,
+        sides_[3][lane] = f.rect.y1;
     }
 
     /// Of all lanes.
@@ -30,27 +31,35 @@ public:
         constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
         const Curve o(numbers_);
         // s = start_s + x step, t = start_t + y step, x and y counted from the tile's first pixel.
-        const FloatV pixel_x = number(7), pixel_y = number(8), step = number(11), to_px = 1.0f / step;
+        const FloatV pixel_x = number(7), pixel_y = number(8), step = number(11),
+                     to_px = 1.0f / step;
         const FloatV start_s = number(9) + (static_cast<float>(t.x0) - pixel_x) * step;
         const FloatV start_t = number(10) + (static_cast<float>(t.y0) - pixel_y) * step;
-        const Ints x_begin = stdx::max(side(0), Ints(t.clip.x0)) - t.x0, y_begin = stdx::max(side(1), Ints(t.clip.y0)) - t.y0;
-        const Ints x_end = stdx::min(side(2), Ints(t.clip.x1)) - t.x0, y_end = stdx::min(side(3), Ints(t.clip.y1)) - t.y0;
+        const Ints x_begin = stdx::max(side(0), Ints(t.clip.x0)) - t.x0,
+                   y_begin = stdx::max(side(1), Ints(t.clip.y0)) - t.y0;
+        const Ints x_end = stdx::min(side(2), Ints(t.clip.x1)) - t.x0,
+                   y_end = stdx::min(side(3), Ints(t.clip.y1)) - t.y0;
         const auto empty = x_begin >= x_end;
-        const FloatV begin = stdx::static_simd_cast<FloatV>(x_begin), last = stdx::static_simd_cast<FloatV>(x_end) - 1.0f;
+        const FloatV begin = stdx::static_simd_cast<FloatV>(x_begin),
+                     last = stdx::static_simd_cast<FloatV>(x_end) - 1.0f;
         for (int part = 0; part < kParts; ++part) {
             Ints bits(0);
             for (int k = 0; k < 4; ++k) {
                 const int y = (4 * part + k) * kBlockHeight;
-                const FloatV t_0 = static_cast<float>(y) * step + start_t, t_1 = t_0 + (kBlockHeight - 1) * step;
+                const FloatV t_0 = static_cast<float>(y) * step + start_t,
+                             t_1 = t_0 + (kBlockHeight - 1) * step;
                 const Reach left(o, o.left_t, t_0, t_1), right(o, o.right_t, t_0, t_1);
                 const FloatV lo = (left.middle - left.half() - start_s) * to_px + (1 - kGuard);
                 FloatV hi = (right.middle + right.half() - start_s) * to_px + kGuard;
                 stdx::where(right.sq_half < 0.0f, hi) = -1.0f;
-                // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is known
-                // (NaN) all is in.
-                const auto x_0 = stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
-                const auto x_1 = stdx::static_simd_cast<Ints>(stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
-                const Ints first = x_0 >> kShift, end = stdx::max(first, (x_1 + (kBlockWidth - 1)) >> kShift);
+                // Bounded on both sides: a pixel far beyond the picture is no int. Where nothing is
+                // known (NaN) all is in.
+                const auto x_0 =
+                    stdx::static_simd_cast<Ints>(stdx::min(stdx::max(begin, lo), last + 1.0f));
+                const auto x_1 = stdx::static_simd_cast<Ints>(
+                    stdx::max(stdx::min(last, hi), begin - 1.0f) + 1.0f);
+                const Ints first = x_0 >> kShift,
+                           end = stdx::max(first, (x_1 + (kBlockWidth - 1)) >> kShift);
                 Ints columns = (Ints(1) << end) - (Ints(1) << first);
                 stdx::where(empty || y_begin >= y + kBlockHeight || y_end <= y, columns) = 0;
                 bits |= columns << (8 * k);
@@ -68,7 +77,8 @@ public:
 private:
     using Ints = stdx::rebind_simd_t<int, FloatV>;
     static_assert(kBlockColumns == 8 && kBlockRows % 4 == 0);
-    static constexpr int kParts = kBlockRows / 4, kShift = std::countr_zero(static_cast<unsigned>(kBlockWidth));
+    static constexpr int kParts = kBlockRows / 4,
+                         kShift = std::countr_zero(static_cast<unsigned>(kBlockWidth));
     using Numbers = float[12][kLanes];
     alignas(64) Numbers numbers_{};
     alignas(64) int sides_[4][kLanes]{};
@@ -82,20 +92,24 @@ private:
         FloatV b0, b1, c0, c1, c2, left_t, right_t;
         [[gnu::always_inline]] explicit Curve(const Numbers& n) {
             std::size_t k = 0;
-            for (FloatV* x : {&b0, &b1, &c0, &c1, &c2, &left_t, &right_t}) x->copy_from(n[k++], stdx::vector_aligned);
+            for (FloatV* x : {&b0, &b1, &c0, &c1, &c2, &left_t, &right_t})
+                x->copy_from(n[k++], stdx::vector_aligned);
         }
     };
-    /// The most that the outline reaches to one side over some rows of pixels: where it is widest, or at the row nearest
-    /// to there. Beyond the outline's own rows no column is in.
+    /// The most that the outline reaches to one side over some rows of pixels: where it is widest,
+    /// or at the row nearest to there. Beyond the outline's own rows no column is in.
     struct Reach {
         FloatV middle, sq_half;
-        [[gnu::always_inline]] Reach(const Curve& o, const FloatV& widest, const FloatV& t_0, const FloatV& t_1) {
+        [[gnu::always_inline]] Reach(const Curve& o, const FloatV& widest, const FloatV& t_0,
+                                     const FloatV& t_1) {
             const FloatV t = stdx::min(stdx::max(widest, t_0), t_1);
             const FloatV b = o.b0 + o.b1 * t;
             middle = -b;
             sq_half = b * b - (o.c0 + t * (2.0f * o.c1 + o.c2 * t));
         }
-        [[gnu::always_inline]] FloatV half() const { return stdx::sqrt(stdx::max(sq_half, FloatV(0.0f))); }
+        [[gnu::always_inline]] FloatV half() const {
+            return stdx::sqrt(stdx::max(sq_half, FloatV(0.0f)));
+        }
     };
 };
 

@@ -14,17 +14,22 @@
 namespace slim {
 namespace {
 
-/// The entries with a rectangle in stable order of their keys: least significant digit first, 11 bits at a time.
-std::vector<std::uint32_t> sorted_order(std::span<const std::uint32_t> keys, std::span<const ScreenRect> rects) {
+/// The entries with a rectangle in stable order of their keys: least significant digit first,
+/// 11 bits at a time.
+std::vector<std::uint32_t> sorted_order(std::span<const std::uint32_t> keys,
+                                        std::span<const ScreenRect> rects) {
     constexpr int kBits = 11, kPasses = 3;
     constexpr std::uint32_t kDigits = 1u << kBits;
-    const auto digit = [](std::uint32_t key, int pass) { return (key >> (kBits * pass)) & (kDigits - 1); };
+    const auto digit = [](std::uint32_t key, int pass) {
+        return (key >> (kBits * pass)) & (kDigits - 1);
+    };
     std::vector<std::uint32_t> order, start(kPasses * (kDigits + 1), 0);
     order.reserve(keys.size());
     for (std::uint32_t i = 0; i < keys.size(); ++i) {
         if (rects[i].empty()) continue;
         order.push_back(i);
-        for (int pass = 0; pass < kPasses; ++pass) ++start[static_cast<std::uint32_t>(pass) * (kDigits + 1) + digit(keys[i], pass) + 1];
+        for (int pass = 0; pass < kPasses; ++pass)
+            ++start[static_cast<std::uint32_t>(pass) * (kDigits + 1) + digit(keys[i], pass) + 1];
     }
     std::vector<std::uint32_t> other(order.size());
     for (int pass = 0; pass < kPasses; ++pass) {
@@ -83,8 +88,10 @@ DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t shee
     DrawRecord r{};
     r.pixel_x = static_cast<float>(px);
     r.pixel_y = static_cast<float>(py);
-    r.base_x = static_cast<float>(((px + 0.5 - view.center_x) * grid.unit_per_px - c.x) * inv_radius);
-    r.base_y = static_cast<float>(((py + 0.5 - view.center_y) * grid.unit_per_px - c.y) * inv_radius);
+    r.base_x =
+        static_cast<float>(((px + 0.5 - view.center_x) * grid.unit_per_px - c.x) * inv_radius);
+    r.base_y =
+        static_cast<float>(((py + 0.5 - view.center_y) * grid.unit_per_px - c.y) * inv_radius);
     r.base_z = static_cast<float>((grid.z_base - c.z) * inv_radius);
     r.step = static_cast<float>(grid.unit_per_px * inv_radius);
     r.radius = static_cast<float>(s.support_radius);
@@ -100,7 +107,8 @@ DrawRecord sheet_record(const PixelView& view, const Surfel& s, std::size_t shee
     return r;
 }
 
-/// Near the eye or beyond 64 degrees off the axis, where what a PixelRecord adds up is no longer of the order of 1.
+/// Near the eye or beyond 64 degrees off the axis, where what a PixelRecord adds up is no longer of
+/// the order of 1.
 bool is_extreme(const PixelView& view, const Vec3d& c, double radius) {
     constexpr double kSqSlope = 4;
     if (view.orthographic) return false;
@@ -124,7 +132,8 @@ public:
     RecordBatch(const PixelView& view, const PixelWindow& window, DrawList<Degree>& list)
         : view_(view), window_(window), list_(list) {}
 
-    /// Entry i of the list, which is a node of the tree; `c` is the surfel's centre in camera coordinates.
+    /// Entry i of the list, which is a node of the tree;
+    /// `c` is the surfel's centre in camera coordinates.
     void add(const Vec3d& c, const SurfelTree& tree, std::uint32_t node, std::size_t i) {
         entry_[batch_.size()] = i;
         const float* record = tree.record(node);
@@ -132,9 +141,11 @@ public:
         const auto n = static_cast<std::size_t>(floats_per_surfel(tree.record_degree(node)) - 6);
         if (drawn_scale(tree.node(node)) != 1) {
             const Surfel s = drawn_surfel(tree, node);
-            batch_.add(c, s.support_radius, normal, std::span<const double, kStored>(s.polynomial.a.data(), kStored));
+            batch_.add(c, s.support_radius, normal,
+                       std::span<const double, kStored>(s.polynomial.a.data(), kStored));
         } else if (n == kStored) {
-            batch_.add(c, double{record[3]}, normal, std::span<const float, kStored>(record + 6, kStored));
+            batch_.add(c, double{record[3]}, normal,
+                       std::span<const float, kStored>(record + 6, kStored));
         } else {
             std::array<float, kStored> a{};
             std::copy_n(record + 6, std::min(n, kStored), a.begin());
@@ -169,14 +180,16 @@ private:
     /// Coefficients that a record of the model's own degree has.
     static constexpr auto kStored = static_cast<std::size_t>(floats_per_surfel(Degree) - 6);
 
-    void put_depths(const SurfelLanes& s, const RayForm& form, const PatchBounds& whole, const PatchBounds& core) const {
+    void put_depths(const SurfelLanes& s, const RayForm& form, const PatchBounds& whole,
+                    const PatchBounds& core) const {
         const Heading toward(s.e_w);
         // q^ lies in the ball and no farther than kBelongs from the surface.
         const auto blended = [&](bool forth) {
             return stdx::min(s.radius, whole.support(toward, forth) + kBelongs * s.radius);
         };
         const DoubleV& z = s.center.z;
-        alignas(64) double near_hit[kSurfelLanes], near_blend[kSurfelLanes], far_blend[kSurfelLanes];
+        alignas(64) double near_hit[kSurfelLanes], near_blend[kSurfelLanes],
+            far_blend[kSurfelLanes];
         (z - core.support(toward, false)).copy_to(near_hit, stdx::vector_aligned);
         (z - blended(false)).copy_to(near_blend, stdx::vector_aligned);
         (z + blended(true)).copy_to(far_blend, stdx::vector_aligned);
@@ -186,7 +199,8 @@ private:
         for (std::size_t k = 0; k < batch_.size(); ++k) {
             DrawItem& item = list_.items[entry_[k]];
             item.radius = radius[k], item.kappa = kappa[k];
-            item.near_hit = near_hit[k], item.near_blend = near_blend[k], item.far_blend = far_blend[k];
+            item.near_hit = near_hit[k], item.near_blend = near_blend[k],
+            item.far_blend = far_blend[k];
         }
     }
 
@@ -199,7 +213,8 @@ private:
 
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                std::uint32_t node, std::size_t i, DrawList<Degree>& list, RecordBatch<Degree>& batch) {
+                std::uint32_t node, std::size_t i, DrawList<Degree>& list,
+                RecordBatch<Degree>& batch) {
     const Vec3d c = view.camera_from_local(tree.center(node));
     const std::uint8_t flags = tree.node(node).flags;
     const double radius = tree.support_radius(node) * drawn_scale(tree.node(node));
@@ -248,14 +263,16 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         RecordBatch<Degree> batch(view, window, list);
-        for (std::size_t i = begin; i < end; ++i) fill_entry(view, window, tree, cut[i], i, list, batch);
+        for (std::size_t i = begin; i < end; ++i)
+            fill_entry(view, window, tree, cut[i], i, list, batch);
         batch.work_out();
         for (std::size_t i = begin; i < end; ++i) {
             list.rects[i] = list.whole[i].rect;
             double& near = list.items[i].near_hit;
             const float key = float_below(near - z_root);
             keys[i] = ordered_bits(key);
-            near = z_root + static_cast<double>(key);  // the order is that of near_hit to the last bit
+            // the order is that of near_hit to the last bit
+            near = z_root + static_cast<double>(key);
             if (list.items[i].general != kFast) any_general = true;
         }
     });

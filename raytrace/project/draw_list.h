@@ -60,11 +60,13 @@ struct DrawList {
 
     Entries<DrawItem> items;
     Entries<ScreenRect> rects;             ///< those of `whole`
-    Entries<Footprint> whole, core;  ///< of the surface in the support ball, and in the ball shrunken by kHitTrim
+    Entries<Footprint> whole, core;  ///< of the surface in the support ball, and
+                                     ///< in the ball shrunken by kHitTrim
     Entries<PixelRecord<Degree>> records;  ///< of what is on the screen and not general
     /// Sharp surfels, and those near the eye or far off the axis.
     std::vector<SharpRecord> general;
-    std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit, ties in the cut's order
+    std::vector<std::uint32_t> order;  ///< entries on the screen, by near_hit,
+                                       ///< ties in the cut's order
 };
 
 template <int Degree>

@@ -2,7 +2,8 @@
 
 #include "raytrace/project/lod_cut.h"
 #include "raytrace/project/tile_resolve.h"
-#include "raytrace/project/tile_stages.h"
+#include "raytrace/project/tile_stage_1.h"
+#include "raytrace/project/tile_stage_2.h"
 #include "slim/base/parallel.h"
 
 #include <chrono>
@@ -55,7 +56,8 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
-    resolve_tile(scene.view, scene.window, scene.tree, scene.list.items.span(), entries, scene.sums, t, out);
+    resolve_tile(scene.view, scene.window, scene.tree, scene.list.items.span(), entries, scene.sums,
+                 t, out);
 }
 
 template <int Degree>
@@ -65,7 +67,8 @@ using DrawTile = void (*)(const Scene<Degree>&, std::size_t, TileBuffers&, GBuff
 template <int Degree>
 DrawTile<Degree> choose(const TileSums& sums, bool sharp) {
     if constexpr (Degree == 3)
-        if (sums.third) return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
+        if (sums.third)
+            return sharp ? draw_tile<3, true, true, true> : draw_tile<3, true, false, true>;
     if (sums.hessian) return sharp ? draw_tile<Degree, true, true> : draw_tile<Degree, true, false>;
     return sharp ? draw_tile<Degree, false, true> : draw_tile<Degree, false, false>;
 }
@@ -80,7 +83,8 @@ std::vector<TileRun> tile_runs(const TileBins& bins) {
     std::vector<TileRun> runs;
     for (std::size_t tile = 0; tile < bins.n_tiles(); ++tile) {
         const bool begins_row = tile % static_cast<std::size_t>(bins.columns) == 0;
-        const bool goes_on = !begins_row && bins.of(tile).empty() && bins.of(runs.back().first).empty();
+        const bool goes_on =
+            !begins_row && bins.of(tile).empty() && bins.of(runs.back().first).empty();
         if (goes_on) ++runs.back().n;
         else runs.push_back({tile, 1});
     }
@@ -133,9 +137,10 @@ void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& 
     stats.tile_entries = bins.entries.size();
     stats.bin_ms = clock.lap_ms();
     const bool with_directions = !list.general.empty() || out.has(kPositionChannel);
-    put_counts(draw_tiles<Degree>({tree, view, window, grid, list, bins, TileSums(out.channels), with_directions},
-                                  out),
-               stats);
+    put_counts(
+        draw_tiles<Degree>(
+            {tree, view, window, grid, list, bins, TileSums(out.channels), with_directions}, out),
+        stats);
     stats.draw_ms = clock.lap_ms();
 }
 

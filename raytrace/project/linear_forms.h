@@ -9,8 +9,8 @@
 
 namespace slim {
 
-/// Polynomials of degree D in (s, t, tau), one per lane; their coefficients in the order of PixelRecord::f; of degree 1 those of
-/// 1, s, t, tau.
+/// Polynomials of degree D in (s, t, tau), one per lane; their coefficients in the order of
+/// PixelRecord::f; of degree 1 those of 1, s, t, tau.
 template <int D>
 struct Form {
     static constexpr std::size_t kSize = power_start(D, D + 1);
@@ -39,14 +39,16 @@ template <int D>
 constexpr std::array<std::array<std::uint8_t, 4>, Form<D>::kSize> product_places() {
     std::array<std::array<std::uint8_t, 4>, Form<D>::kSize> places{};
     const auto place = [](int p, int i, int j) {
-        return static_cast<std::uint8_t>(power_start(D + 1, p) + n_planar(i + j - 1) + static_cast<std::size_t>(j));
+        return static_cast<std::uint8_t>(power_start(D + 1, p) + n_planar(i + j - 1) +
+                                         static_cast<std::size_t>(j));
     };
     std::size_t at = 0;
     for (int p = 0; p <= D; ++p)
         for (int degree = 0; degree <= D - p; ++degree)
             for (int j = 0; j <= degree; ++j) {
                 const int i = degree - j;
-                places[at++] = {place(p, i, j), place(p, i + 1, j), place(p, i, j + 1), place(p + 1, i, j)};
+                places[at++] = {place(p, i, j), place(p, i + 1, j), place(p, i, j + 1),
+                                place(p + 1, i, j)};
             }
     return places;
 }

@@ -61,10 +61,10 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 
 namespace {
 
-/// Whether an internal surfel of that radius and diameter in pixels is drawn for all below it: one of
-/// at most lod_px, or one that kStandsIn says it of, up to three levels larger, where its children
-/// have less than (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A leaf may be
-/// three levels finer than the ball above it.
+/// Whether an internal surfel of that radius and diameter in pixels is drawn for all below it: one
+/// of at most lod_px, or one that kStandsIn says it of, up to three levels larger, where its
+/// children have less than (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A
+/// leaf may be three levels finer than the ball above it.
 bool is_enough(const TreeNode& node, double radius, double diameter, double lod_px) {
     if (node.n_children == 0) return false;
     if (diameter <= lod_px) return true;
@@ -76,13 +76,14 @@ bool is_enough(const TreeNode& node, double radius, double diameter, double lod_
 }
 
 /// The window with a margin for what stands in, which is drawn in a larger ball than its own
-/// (stand_in): subtrees are left out by the balls in them. It sticks out by less than lod_px, turned
-/// by the tilt of the ray to the picture's corner.
+/// (stand_in): subtrees are left out by the balls in them. It sticks out by less than lod_px,
+/// turned by the tilt of the ray to the picture's corner.
 PixelWindow with_margin(const PixelView& view, PixelWindow w, double lod_px) {
     const auto farthest = [](double center, int begin, int n) {
         return std::max(std::abs(begin - center), std::abs(begin + n - center));
     };
-    const double x = farthest(view.center_x, w.x, w.width), y = farthest(view.center_y, w.y, w.height);
+    const double x = farthest(view.center_x, w.x, w.width),
+                 y = farthest(view.center_y, w.y, w.height);
     const double tilt = view.orthographic ? 0 : (x * x + y * y) / (view.focal_px * view.focal_px);
     const int margin = static_cast<int>(std::min(std::ceil(lod_px * (1 + tilt)), 1e6));
     return {w.x - margin, w.y - margin, w.width + 2 * margin, w.height + 2 * margin};
@@ -91,8 +92,8 @@ PixelWindow with_margin(const PixelView& view, PixelWindow w, double lod_px) {
 /// Walks down from some nodes.
 class CutWalk {
 public:
-    CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume, const CutRules& rules,
-            bool keep_visited)
+    CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume,
+            const CutRules& rules, bool keep_visited)
         : tree_(tree), view_(view), volume_(volume), rules_(rules), keep_visited_(keep_visited) {}
 
     std::vector<std::uint32_t> cut, visited;  ///< visited: only if asked for
@@ -100,7 +101,8 @@ public:
 
     const SurfelTree& tree() const { return tree_; }
 
-    /// A node to enter; `within`: all of its parent's ball is seen, so that no test of the volume is needed.
+    /// A node to enter; `within`: all of its parent's ball is seen,
+    /// so that no test of the volume is needed.
     struct Node {
         std::uint32_t index;
         bool within;
@@ -113,10 +115,12 @@ public:
             stack.pop_back();
             const TreeNode& node = tree_.node(n.index);
             if (enters(n))
-                for (std::uint32_t c = node.n_children; c-- > 0;) stack.push_back({node.first_child + c, n.within});
+                for (std::uint32_t c = node.n_children; c-- > 0;)
+                    stack.push_back({node.first_child + c, n.within});
         }
     }
-    /// Takes a node to the cut, or says whether to go on to its children, and whether those are within.
+    /// Takes a node to the cut, or says whether to go on to its children,
+    /// and whether those are within.
     bool enters(Node& n) {
         const std::uint32_t i = n.index;
         if (n_visited >= tree_.n_nodes())
@@ -127,10 +131,13 @@ public:
         if (n.within && node.is_leaf()) return take(i), false;
         const Vec3d center = view_.camera_from_local(tree_.center(i));
         const double radius = tree_.support_radius(i);
-        const double depth = n.within ? std::numeric_limits<double>::infinity() : volume_.depth_within(center);
+        const double depth =
+            n.within ? std::numeric_limits<double>::infinity() : volume_.depth_within(center);
         const double all_below = std::max<double>(node.bound_radius, radius);
         if (depth < -all_below) return false;
-        if (node.is_leaf() || (i != 0 && is_enough(node, radius, projected_diameter(view_, center, radius), rules_.lod_px))) {
+        if (node.is_leaf() ||
+            (i != 0 &&
+             is_enough(node, radius, projected_diameter(view_, center, radius), rules_.lod_px))) {
             if (depth >= -radius) take(i);
             return false;
         }
@@ -208,7 +215,8 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
         const CutWalk& walk = b.walk;
         cut.insert(cut.end(), walk.cut.begin(), walk.cut.end());
         counts.loose_hidden += walk.loose_hidden;
-        if (counts.visited) counts.visited->insert(counts.visited->end(), walk.visited.begin(), walk.visited.end());
+        if (counts.visited)
+            counts.visited->insert(counts.visited->end(), walk.visited.begin(), walk.visited.end());
     }
     return cut;
 }

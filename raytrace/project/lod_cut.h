@@ -15,7 +15,9 @@ public:
     ViewVolume(const PixelView& view, const PixelWindow& window);
 
     /// False only if no point of the ball is seen (conservative).
-    bool may_see(const Vec3d& center, double radius) const { return depth_within(center) >= -radius; }
+    bool may_see(const Vec3d& center, double radius) const {
+        return depth_within(center) >= -radius;
+    }
     /// How far a point lies within the plane that it is least within; negative outside.
     double depth_within(const Vec3d& center) const;
 
@@ -42,12 +44,12 @@ struct CutCounts {
 };
 
 /// The surfels to draw (Ohtake 2005, sec. 3, "view dependent refinement"): from the root down while
-/// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever they
-/// are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below it; where
-/// that is finer than the picture, a larger one may (project/notes/0005).
-/// Order: depth first, children in order; branches in parallel. Adds to the counts. Throws FormatError on a child that
-/// does not come after its parent (a cycle) or lies outside the tree, and where nodes are met
-/// twice.
+/// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever
+/// they are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below
+/// it; where that is finer than the picture, a larger one may (project/notes/0005).
+/// Order: depth first, children in order; branches in parallel. Adds to the counts. Throws
+/// FormatError on a child that does not come after its parent (a cycle) or lies outside the tree,
+/// and where nodes are met twice.
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
                                    const PixelWindow& window, const CutRules& rules,
                                    CutCounts& counts);

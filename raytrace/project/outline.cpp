@@ -13,20 +13,25 @@ struct Ellipsoid {
     DoubleV middle, ratio, sq_across;
 };
 
-/// Holds u^2 + v^2 <= r^2, |w - middle| <= h, whose half axes are r sqrt(1 + k) and h sqrt(1 + 1 / k) for any k > 0: the one
-/// whose outline has the least area where the normal makes an angle of this squared cosine with the view.
-Ellipsoid least_ellipsoid(const DoubleV& low, const DoubleV& high, const DoubleV& radius, const DoubleV& sq_cos) {
+/// Holds u^2 + v^2 <= r^2, |w - middle| <= h, whose half axes are r sqrt(1 + k) and h sqrt(1 + 1 /
+/// k) for any k > 0: the one whose outline has the least area where the normal makes an angle of
+/// this squared cosine with the view.
+Ellipsoid least_ellipsoid(const DoubleV& low, const DoubleV& high, const DoubleV& radius,
+                          const DoubleV& sq_cos) {
     const DoubleV middle = 0.5 * (low + high), half = stdx::max(0.5 * (high - low), DoubleV(1e-4));
     const DoubleV nearest = stdx::max(stdx::max(DoubleV(0.0), low), -high);
-    const DoubleV sq_r = stdx::max(radius * radius - nearest * nearest, DoubleV(1e-6)), sq_sin = 1.0 - sq_cos;
+    const DoubleV sq_r = stdx::max(radius * radius - nearest * nearest, DoubleV(1e-6)),
+                  sq_sin = 1.0 - sq_cos;
     // The area's square is r^2 (1 + k)^2 (r^2 cos^2 + h^2 sin^2 / k).
     const DoubleV thick = half * half * sq_sin / (sq_r * sq_cos + 1e-6);
-    const DoubleV k = 2.0 * thick / (thick + stdx::sqrt(thick * thick + 8.0 * thick) + 1e-12) + 1e-3;
+    const DoubleV k =
+        2.0 * thick / (thick + stdx::sqrt(thick * thick + 8.0 * thick) + 1e-12) + 1e-3;
     const DoubleV ratio = k * sq_r / (half * half), sq_across = sq_r * (1.0 + k);
     // Of a thick patch the ball's own outline is the lesser one.
     const DoubleV sq_ball = radius * radius;
     const auto is_thick = sq_across * sq_across * (sq_cos + sq_sin / ratio) > sq_ball * sq_ball;
-    return {select<DoubleV>(is_thick, DoubleV(0.0), middle), select<DoubleV>(is_thick, DoubleV(1.0), ratio),
+    return {select<DoubleV>(is_thick, DoubleV(0.0), middle),
+            select<DoubleV>(is_thick, DoubleV(1.0), ratio),
             select<DoubleV>(is_thick, sq_ball, sq_across)};
 }
 
@@ -52,13 +57,18 @@ Quadric seen(const RayForm& f, const Vec3D& n, const Ellipsoid& e) {
             sq_length(f.mu) + b * d * d - w * w - e.sq_across * f.kappa * f.kappa};
 }
 
-/// Rays that touch it: those along which the discriminant in tau is zero. a s^2 + 2 (b0 + b1 t) s + c0 + 2 c1 t + c2 t^2.
+/// Rays that touch it: those along which the discriminant in tau is zero. a s^2 + 2 (b0 + b1 t) s +
+/// c0 + 2 c1 t + c2 t^2.
 struct Conic {
     DoubleV a, b0, b1, c0, c1, c2;
 
     explicit Conic(const Quadric& q)
-        : a(q.tau2 * q.mss - q.ts * q.ts), b0(q.tau2 * q.m0s - q.t0 * q.ts), b1(q.tau2 * q.mst - q.ts * q.tt),
-          c0(q.tau2 * q.m00 - q.t0 * q.t0), c1(q.tau2 * q.m0t - q.t0 * q.tt), c2(q.tau2 * q.mtt - q.tt * q.tt) {}
+        : a(q.tau2 * q.mss - q.ts * q.ts),
+          b0(q.tau2 * q.m0s - q.t0 * q.ts),
+          b1(q.tau2 * q.mst - q.ts * q.tt),
+          c0(q.tau2 * q.m00 - q.t0 * q.t0),
+          c1(q.tau2 * q.m0t - q.t0 * q.tt),
+          c2(q.tau2 * q.mtt - q.tt * q.tt) {}
 };
 
 /// Middle and half width of an interval.
@@ -71,39 +81,47 @@ struct Extents {
     Extent s, t;
     explicit Extents(const Conic& c) {
         const DoubleV inverse = 1.0 / (c.a * c.c2 - c.b1 * c.b1);
-        s.middle = (c.b1 * c.c1 - c.c2 * c.b0) * inverse, t.middle = (c.b1 * c.b0 - c.a * c.c1) * inverse;
+        s.middle = (c.b1 * c.c1 - c.c2 * c.b0) * inverse,
+        t.middle = (c.b1 * c.b0 - c.a * c.c1) * inverse;
         // f there: minus the squared half widths over those of s^2 and t^2 alone.
         const DoubleV deepest = -(c.c0 + c.b0 * s.middle + c.c1 * t.middle) * inverse;
         const DoubleV zero(0.0);
-        s.half = stdx::sqrt(stdx::max(zero, c.c2 * deepest)), t.half = stdx::sqrt(stdx::max(zero, c.a * deepest));
+        s.half = stdx::sqrt(stdx::max(zero, c.c2 * deepest)),
+        t.half = stdx::sqrt(stdx::max(zero, c.a * deepest));
     }
 };
 
 using Ints = LanesOfDouble<int>;
 
-/// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end): first ones and
-/// those after the last.
-void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints& first, Ints& last) {
+/// Pixel indices whose centres lie in some intervals of pixel coordinates, clipped to [begin, end):
+/// first ones and those after the last.
+void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints& first,
+                  Ints& last) {
     const auto within = [&](const DoubleV& x) {
-        return stdx::static_simd_cast<Ints>(stdx::min(stdx::max(x, DoubleV(double(begin))), DoubleV(double(end))));
+        return stdx::static_simd_cast<Ints>(
+            stdx::min(stdx::max(x, DoubleV(double(begin))), DoubleV(double(end))));
     };
-    first = within(stdx::ceil(lo - 0.5 - kPixelGuard)), last = within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0);
+    first = within(stdx::ceil(lo - 0.5 - kPixelGuard)),
+    last = within(stdx::floor(hi - 0.5 + kPixelGuard) + 1.0);
 }
 
 }  // namespace
 
-[[gnu::flatten]] Footprints::Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid,
-                                        const SurfelLanes& s, const PatchBounds& p) {
+[[gnu::flatten]] Footprints::Footprints(const PixelWindow& window, const RayForm& form,
+                                        const PixelGrid& grid, const SurfelLanes& s,
+                                        const PatchBounds& p) {
     const DoubleV inverse_radius = 1.0 / s.radius, w = dot(s.e_w, form.mu);
     const DoubleV sq_cos = w * w / sq_length(form.mu);
     const Conic c(seen(form, s.e_w, least_ellipsoid(p.low * inverse_radius, p.high * inverse_radius,
                                                     p.radius * inverse_radius, sq_cos)));
     const Extents e(c);
     const DoubleV inverse = 1.0 / c.a;
-    // The places of the extremes in s lie on the line through the middle where the derivative in t is zero.
+    // The places of the extremes in s lie on the line through the middle where the derivative in t
+    // is zero.
     const DoubleV shift = c.b1 / c.c2 * e.s.half;
-    const std::array<DoubleV, 7> numbers{c.b0 * inverse, c.b1 * inverse, c.c0 * inverse, c.c1 * inverse,
-                                         c.c2 * inverse, e.t.middle + shift, e.t.middle - shift};
+    const std::array<DoubleV, 7> numbers{c.b0 * inverse,    c.b1 * inverse, c.c0 * inverse,
+                                         c.c1 * inverse,    c.c2 * inverse, e.t.middle + shift,
+                                         e.t.middle - shift};
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers_[k] = floats_of(numbers[k]);
     numbers_[7] = grid.pixel_x, numbers_[8] = grid.pixel_y;
     numbers_[9] = grid.base_x, numbers_[10] = grid.base_y, numbers_[11] = grid.step;
@@ -114,7 +132,8 @@ void pixel_ranges(const DoubleV& lo, const DoubleV& hi, int begin, int end, Ints
 }
 
 void Footprints::put(const std::array<Footprint*, kSurfelLanes>& out) const {
-    static_assert(sizeof(Footprint) == 16 * sizeof(float) && offsetof(Footprint, rect) == 12 * sizeof(float));
+    static_assert(sizeof(Footprint) == 16 * sizeof(float) &&
+                  offsetof(Footprint, rect) == 12 * sizeof(float));
     const auto& n = numbers_;
     for (std::size_t k = 0; k < n.size(); k += 4)
         store_fours(n[k], n[k + 1], n[k + 2], n[k + 3],

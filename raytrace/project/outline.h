@@ -9,8 +9,8 @@
 
 namespace slim {
 
-/// An ellipse of the screen that holds a patch, in the (s, t) of its PixelRecord (project/notes/0002):
-/// s^2 + 2 (b0 + b1 t) s + c0 + 2 c1 t + c2 t^2 < 0 inside.
+/// An ellipse of the screen that holds a patch, in the (s, t) of its PixelRecord
+/// (project/notes/0002): s^2 + 2 (b0 + b1 t) s + c0 + 2 c1 t + c2 t^2 < 0 inside.
 struct Outline {
     float b0, b1, c0, c1, c2;
     float left_t, right_t;  ///< t where it reaches farthest to either side
@@ -26,9 +26,10 @@ struct alignas(64) Footprint {
 /// The footprints of some patches.
 class Footprints {
 public:
-    /// Of the least ellipsoids of revolution about the patches, as seen. For centres farther off than 4 radii.
-    Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid, const SurfelLanes& surfels,
-               const PatchBounds& patches);
+    /// Of the least ellipsoids of revolution about the patches,
+    /// as seen. For centres farther off than 4 radii.
+    Footprints(const PixelWindow& window, const RayForm& form, const PixelGrid& grid,
+               const SurfelLanes& surfels, const PatchBounds& patches);
     /// Lane k to *out[k].
     void put(const std::array<Footprint*, kSurfelLanes>& out) const;
 

@@ -11,8 +11,8 @@ struct Heading {
     explicit Heading(const Vec3D& normal);
 };
 
-/// What surfels' surfaces can reach: the parts of balls between two planes across their normals. A surfel is a
-/// pancake, so this is much less than the ball where it is seen from the side.
+/// What surfels' surfaces can reach: the parts of balls between two planes across their normals. A
+/// surfel is a pancake, so this is much less than the ball where it is seen from the side.
 struct PatchBounds {
     DoubleV radius;
     DoubleV low, high;  ///< along the normal, from the centre

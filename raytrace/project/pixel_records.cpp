@@ -29,7 +29,9 @@ void put_grid(const RayForm& form, const PixelGrid& grid, Record& r) {
     r.ball_tau = floats_of(sq_length(form.mu));
 }
 
-std::array<Floats, 3> floats(const Vec3D& v) { return {floats_of(v.x), floats_of(v.y), floats_of(v.z)}; }
+std::array<Floats, 3> floats(const Vec3D& v) {
+    return {floats_of(v.x), floats_of(v.y), floats_of(v.z)};
+}
 
 /// The surfels' coordinates times h as functions of (s, t, tau), and h.
 struct LocalForm {
@@ -55,7 +57,9 @@ Form<Degree> height_form(const LocalForm& p) {
         const Linear plane = p.w - a[0] * p.h - a[1] * p.u - a[2] * p.v;
         const Form<2> quadric = p.h * plane - p.u * (a[3] * p.u + a[4] * p.v) - p.v * (a[5] * p.v);
         if constexpr (Degree == 2) return quadric;
-        else return p.h * quadric - p.u * (p.u * (a[6] * p.u + a[7] * p.v)) - p.v * (p.v * (a[8] * p.u + a[9] * p.v));
+        else
+            return p.h * quadric - p.u * (p.u * (a[6] * p.u + a[7] * p.v)) -
+                   p.v * (p.v * (a[8] * p.u + a[9] * p.v));
     }
 }
 
@@ -71,13 +75,16 @@ void put_gradient(const LocalForm& p, RecordLanes<2>& r) {
 }
 
 /// Second derivatives along the surfels' axes, over -rho, in the camera's.
-std::array<Floats, 6> turned(const SurfelLanes& s, const DoubleV& uu, const DoubleV& uv, const DoubleV& vv) {
+std::array<Floats, 6> turned(const SurfelLanes& s, const DoubleV& uu, const DoubleV& uv,
+                             const DoubleV& vv) {
     const DoubleV scale = -1.0 / s.radius;
-    const Vec3D along_u = (s.e_u * uu + s.e_v * uv) * scale, along_v = (s.e_u * uv + s.e_v * vv) * scale;
+    const Vec3D along_u = (s.e_u * uu + s.e_v * uv) * scale,
+                along_v = (s.e_u * uv + s.e_v * vv) * scale;
     std::array<Floats, 6> out;
     std::size_t at = 0;
     for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = i; j < 3; ++j) out[at++] = floats_of(along_u[i] * s.e_u[j] + along_v[i] * s.e_v[j]);
+        for (std::size_t j = i; j < 3; ++j)
+            out[at++] = floats_of(along_u[i] * s.e_u[j] + along_v[i] * s.e_v[j]);
     return out;
 }
 
@@ -93,9 +100,12 @@ void put_hessian(const SurfelLanes& s, RecordLanes<Degree>& r) {
 
 /// Lane k to *out[k], unless that is null.
 template <int Degree>
-void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
-    // Records of floats and of lanes have the same members in the same order, and room for some more.
-    constexpr std::size_t kNumbers = sizeof(PixelRecord<Degree>) / sizeof(float), kMembers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
+void scatter(const RecordLanes<Degree>& lanes,
+             const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
+    // Records of floats and of lanes have the same members in the same order,
+    // and room for some more.
+    constexpr std::size_t kNumbers = sizeof(PixelRecord<Degree>) / sizeof(float),
+                          kMembers = sizeof(RecordLanes<Degree>) / sizeof(Floats);
     static_assert(kNumbers % 4 == 0 && sizeof(Floats) == kSurfelLanes * sizeof(float));
     PixelRecord<Degree> nowhere;
     std::array<float*, kSurfelLanes> to;
@@ -103,12 +113,14 @@ void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degr
         to[lane] = reinterpret_cast<float*>(out[lane] ? out[lane] : &nowhere);
     const auto member = [&](std::size_t k) {
         Floats x(0.0f);
-        if (k < kMembers) std::memcpy(&x, reinterpret_cast<const char*>(&lanes) + k * sizeof(Floats), sizeof x);
+        if (k < kMembers)
+            std::memcpy(&x, reinterpret_cast<const char*>(&lanes) + k * sizeof(Floats), sizeof x);
         return x;
     };
 #pragma GCC unroll 64
     for (std::size_t k = 0; k < kNumbers; k += 4)
-        store_fours(member(k), member(k + 1), member(k + 2), member(k + 3), [&](std::size_t lane) { return to[lane] + k; });
+        store_fours(member(k), member(k + 1), member(k + 2), member(k + 3),
+                    [&](std::size_t lane) { return to[lane] + k; });
 }
 
 }  // namespace
@@ -116,10 +128,16 @@ void scatter(const RecordLanes<Degree>& lanes, const std::array<PixelRecord<Degr
 RayForm ray_form(const PixelView& view, const SurfelLanes& s) {
     const Vec3D& c = s.center;
     if (view.orthographic)
-        return {{DoubleV(0.0), DoubleV(0.0), DoubleV(1.0)}, DoubleV(0.0), view.center_x + c.x * view.px_per_unit,
-                view.center_y + c.y * view.px_per_unit, 1.0 / (view.px_per_unit * s.radius)};
+        return {{DoubleV(0.0), DoubleV(0.0), DoubleV(1.0)},
+                DoubleV(0.0),
+                view.center_x + c.x * view.px_per_unit,
+                view.center_y + c.y * view.px_per_unit,
+                1.0 / (view.px_per_unit * s.radius)};
     const DoubleV x = c.x / c.z, y = c.y / c.z;
-    return {{x, y, DoubleV(1.0)}, s.radius / c.z, view.center_x + x * view.focal_px, view.center_y + y * view.focal_px,
+    return {{x, y, DoubleV(1.0)},
+            s.radius / c.z,
+            view.center_x + x * view.focal_px,
+            view.center_y + y * view.focal_px,
             c.z / (view.focal_px * s.radius)};
 }
 
@@ -132,13 +150,15 @@ PixelGrid::PixelGrid(const RayForm& form) {
 }
 
 template <int Degree>
-[[gnu::flatten]] void fill_pixel_records(const SurfelLanes& s, const RayForm& form, const PixelGrid& grid,
-                                         const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
+[[gnu::flatten]] void fill_pixel_records(
+    const SurfelLanes& s, const RayForm& form, const PixelGrid& grid,
+    const std::array<PixelRecord<Degree>*, kSurfelLanes>& out) {
     RecordLanes<Degree> r;
     put_grid(form, grid, r);
     r.radius = floats_of(s.radius);
     r.inv_radius = floats_of(1.0 / s.radius);
-    if constexpr (Degree != 2) r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
+    if constexpr (Degree != 2)
+        r.u_axis = floats(s.e_u), r.v_axis = floats(s.e_v), r.normal = floats(s.e_w);
     for (std::size_t k = 0; k < r.a.size(); ++k) r.a[k] = floats_of(s.a[k]);
     const LocalForm local(s, form);
     for (std::size_t k = 0; k < 3; ++k) {

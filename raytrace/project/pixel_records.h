@@ -24,8 +24,8 @@ struct PixelGrid {
     explicit PixelGrid(const RayForm& form);
 };
 
-/// Surfels as functions of the pixel, lane k to *out[k] unless that is null: doubles inside, floats out.
-/// Cost: about 150 products a surfel for degree 2, 400 for degree 3.
+/// Surfels as functions of the pixel, lane k to *out[k] unless that is null: doubles inside, floats
+/// out. Cost: about 150 products a surfel for degree 2, 400 for degree 3.
 template <int Degree>
 void fill_pixel_records(const SurfelLanes& surfels, const RayForm& form, const PixelGrid& grid,
                         const std::array<PixelRecord<Degree>*, kSurfelLanes>& out);

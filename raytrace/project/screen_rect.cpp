@@ -13,7 +13,8 @@ void slope_bounds(double x, double z, double radius, double& lo, double& hi) {
     hi = (x * l + radius * z) / (z * l - radius * x);
 }
 
-/// Pixel indices [first, last) whose centres lie in an interval of pixel coordinates, clipped to [begin, end).
+/// Pixel indices [first, last) whose centres lie in an interval of pixel coordinates,
+/// clipped to [begin, end).
 void pixel_range(double lo, double hi, int begin, int end, int& first, int& last) {
     lo = std::clamp(std::ceil(lo - 0.5 - kPixelGuard), double(begin), double(end));
     hi = std::clamp(std::floor(hi - 0.5 + kPixelGuard) + 1, double(begin), double(end));

@@ -14,8 +14,9 @@ struct ScreenRect {
 /// Pixels whose centre lies no farther outside of what is bounded than this belong to it.
 inline constexpr double kPixelGuard = 1e-3;
 
-/// Pixels of the window whose centre's ray may meet the ball in front of the near plane: exact bounds
-/// per axis for a ball in front of the eye's plane (NUMERICS 7.2), the whole window otherwise.
+/// Pixels of the window whose centre's ray may meet the ball in front of the near plane: exact
+/// bounds per axis for a ball in front of the eye's plane (NUMERICS 7.2),
+/// the whole window otherwise.
 ScreenRect screen_rect(const PixelView& view, const PixelWindow& window, const Vec3d& center,
                        double radius);
 

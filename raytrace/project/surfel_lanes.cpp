@@ -20,7 +20,8 @@ Vec3D normals_from_octahedral(const DoubleV& s, const DoubleV& t) {
 /// frame_from_normal.
 Frame<DoubleV> frames_from_normals(const Vec3D& n) {
     const DoubleV sign = sign_of(n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-    return {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+    return {
+        {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
 }  // namespace
@@ -35,7 +36,9 @@ Frame<DoubleV> frames_from_normals(const Vec3D& n) {
         return Vec3D{x, y, z};
     };
     const auto turned = [&](const Vec3D& d) {
-        const auto along = [&](const Vec3d& axis) { return axis.x * d.x + axis.y * d.y + axis.z * d.z; };
+        const auto along = [&](const Vec3d& axis) {
+            return axis.x * d.x + axis.y * d.y + axis.z * d.z;
+        };
         return Vec3D{along(view.right), along(view.down), along(view.forward)};
     };
     SurfelLanes s;

@@ -36,9 +36,11 @@ public:
     std::size_t size() const { return n_; }
     bool full() const { return n_ == kSurfelLanes; }
     void clear() { n_ = 0; }
-    /// `c` is the surfel's centre in camera coordinates; coefficients beyond those given are zero, as many for all. Not when full.
+    /// `c` is the surfel's centre in camera coordinates; coefficients beyond those given are zero,
+    /// as many for all. Not when full.
     template <class Float, std::size_t N>
-    void add(const Vec3d& c, double radius, const Octahedral& normal, std::span<const Float, N> coefficients) {
+    void add(const Vec3d& c, double radius, const Octahedral& normal,
+             std::span<const Float, N> coefficients) {
         std::size_t field = 0;
         const auto put = [&](double x) { v_[field++][n_] = x; };
         put(c.x), put(c.y), put(c.z), put(radius), put(double{normal.s}), put(double{normal.t});

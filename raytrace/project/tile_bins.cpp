@@ -23,8 +23,8 @@ struct TileRect {
         first = row * row_length + column;
         columns = tile(r.x1 - 1 - window.x) - column, rows = tile(r.y1 - 1 - window.y) - row;
     }
-    /// visit(tile, whether it is in) for the tiles. Of up to two by two all four are visited, in or not: most are such,
-    /// and there is no telling which.
+    /// visit(tile, whether it is in) for the tiles. Of up to two by two all four are visited, in or
+    /// not: most are such, and there is no telling which.
     template <class Visit>
     [[gnu::always_inline]] void for_each(std::size_t row_length, Visit&& visit) const {
         if (columns <= 1 && rows <= 1) {
@@ -35,7 +35,8 @@ struct TileRect {
             return;
         }
         for (std::size_t row = 0; row <= rows; ++row)
-            for (std::size_t column = 0; column <= columns; ++column) visit(first + row * row_length + column, true);
+            for (std::size_t column = 0; column <= columns; ++column)
+                visit(first + row * row_length + column, true);
     }
 };
 
@@ -63,11 +64,15 @@ TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
             const std::size_t part = begin / grain * part_length;
             for (const std::uint32_t i : order.subspan(begin, end - begin))
                 TileRect(window, row_length, rects[i])
-                    .for_each(row_length, [&](std::size_t t, bool in) __attribute__((always_inline)) { visit(part + t, in, i); });
+                    .for_each(
+                        row_length, [&](std::size_t t, bool in)
+                                        __attribute__((always_inline)) { visit(part + t, in, i); });
         });
     };
-    std::vector<std::uint32_t> next(n_parts * part_length, 0);  // of a part in a tile: first how many, then where
-    for_parts([&](std::size_t at, bool in, std::uint32_t) __attribute__((always_inline)) { next[at] += in; });
+    // of a part in a tile: first how many, then where
+    std::vector<std::uint32_t> next(n_parts * part_length, 0);
+    for_parts([&](std::size_t at, bool in, std::uint32_t)
+                  __attribute__((always_inline)) { next[at] += in; });
     bins.start.assign(n_tiles + 1, 0);
     for (std::size_t t = 0; t < n_tiles; ++t) {
         std::size_t start = bins.start[t];
@@ -75,7 +80,8 @@ TileBins tile_bins(const PixelWindow& window, std::span<const ScreenRect> rects,
             start += std::exchange(next[part * part_length + t], static_cast<std::uint32_t>(start));
         bins.start[t + 1] = start;
     }
-    SLIM_CHECK(bins.start.back(), <=, std::numeric_limits<std::uint32_t>::max());  // places of `next`
+    // places of `next`
+    SLIM_CHECK(bins.start.back(), <=, std::numeric_limits<std::uint32_t>::max());
     bins.entries.resize(bins.start.back());
     for_parts([&](std::size_t at, bool in, std::uint32_t i) __attribute__((always_inline)) {
         std::uint32_t nowhere;

@@ -24,8 +24,8 @@ struct TileBins {
     }
 };
 
-/// The window grown to whole tiles of the picture's grid, so that a tile and the surfels in it are the
-/// same for any window: a window's pixels then have the bytes of the whole picture's.
+/// The window grown to whole tiles of the picture's grid, so that a tile and the surfels in it are
+/// the same for any window: a window's pixels then have the bytes of the whole picture's.
 PixelWindow whole_tiles(const PixelWindow& window);
 
 /// `order` names the rectangles to sort in, none of them empty.

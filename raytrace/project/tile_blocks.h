@@ -7,12 +7,13 @@
 
 namespace slim {
 
-/// A group of lanes is a block of pixels, as square as may be: a disc of a few pixels touches fewer of them than of rows.
-/// A tile holds its pixels block by block, a block's row by row.
+/// A group of lanes is a block of pixels, as square as may be: a disc of a few pixels touches fewer
+/// of them than of rows. A tile holds its pixels block by block, a block's row by row.
 inline constexpr int kBlockWidth = 4, kBlockHeight = kLanes / kBlockWidth;
 inline constexpr int kBlockColumns = kTileSize / kBlockWidth, kBlockRows = kTileSize / kBlockHeight;
 inline constexpr std::size_t kTilePixels = static_cast<std::size_t>(kTileSize) * kTileSize;
-static_assert(kLanes % kBlockWidth == 0 && kTileSize % kBlockHeight == 0 && kTileSize % kBlockWidth == 0);
+static_assert(kLanes % kBlockWidth == 0 && kTileSize % kBlockHeight == 0 &&
+              kTileSize % kBlockWidth == 0);
 
 inline constexpr int kTileBlocks = kBlockColumns * kBlockRows;
 static_assert(kTileBlocks <= 256);
@@ -35,15 +36,18 @@ inline FloatV lane_rows() {
     return FloatV([](auto k) { return static_cast<float>(static_cast<int>(k) / kBlockWidth); });
 }
 
-/// Columns and rows of every block's lanes in their tile: a load instead of a number made a float and spread to the lanes.
+/// Columns and rows of every block's lanes in their tile: a load instead of a number made a float
+/// and spread to the lanes.
 struct alignas(64) LanePlaces {
     float column[kBlockColumns][kLanes], row[kBlockRows][kLanes];
 };
 inline constexpr LanePlaces kLanePlaces = [] {
     LanePlaces places{};
     for (int k = 0; k < kLanes; ++k) {
-        for (int c = 0; c < kBlockColumns; ++c) places.column[c][k] = static_cast<float>(c * kBlockWidth + k % kBlockWidth);
-        for (int r = 0; r < kBlockRows; ++r) places.row[r][k] = static_cast<float>(r * kBlockHeight + k / kBlockWidth);
+        for (int c = 0; c < kBlockColumns; ++c)
+            places.column[c][k] = static_cast<float>(c * kBlockWidth + k % kBlockWidth);
+        for (int r = 0; r < kBlockRows; ++r)
+            places.row[r][k] = static_cast<float>(r * kBlockHeight + k / kBlockWidth);
     }
     return places;
 }();

@@ -20,7 +20,8 @@ void fill_depth(TileBuffers& t) {
     fill(t.z, whole ? kInfinity : -kInfinity);
     if (whole) return;
     for (int y = t.clip.y0; y < t.clip.y1; ++y)
-        for (int x = t.clip.x0; x < t.clip.x1; ++x) t.z.v[pixel_entry(x - t.x0, y - t.y0)] = kInfinity;
+        for (int x = t.clip.x0; x < t.clip.x1; ++x)
+            t.z.v[pixel_entry(x - t.x0, y - t.y0)] = kInfinity;
 }
 
 /// Of as many blocks as there are lanes.
@@ -39,7 +40,8 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
     clip = {std::max(x0, window.x), std::max(y0, window.y),
             std::min(x0 + kTileSize, window.x + window.width),
             std::min(y0 + kTileSize, window.y + window.height)};
-    const double z_ref = view.orthographic ? reference_depth : std::max(reference_depth, view.near_plane);
+    const double z_ref =
+        view.orthographic ? reference_depth : std::max(reference_depth, view.near_plane);
     depths = {z_ref, view.orthographic ? 0 : 1 / z_ref, view.near_plane - z_ref};
     near_z = static_cast<float>(depths.near);
     fill_depth(*this);
@@ -60,7 +62,8 @@ void TileBuffers::fill_directions(const PixelView& view) {
     const DoubleV lane([](auto k) { return static_cast<double>(static_cast<int>(k)); });
     const double per_px = view.orthographic ? 0 : 1 / view.focal_px;
     for (std::size_t part = 0; part < kLanes; part += kHalf) {  // of every block
-        const DoubleV k = lane + static_cast<double>(part), row = stdx::floor(k / double{kBlockWidth});
+        const DoubleV k = lane + static_cast<double>(part),
+                      row = stdx::floor(k / double{kBlockWidth});
         const DoubleV x = k - row * double{kBlockWidth} + (x0 + 0.5 - view.center_x);
         const DoubleV y = row + (y0 + 0.5 - view.center_y);
         for (int block = 0; block < kTileBlocks; ++block) {
@@ -79,7 +82,8 @@ void TileBuffers::fill_directions(const PixelView& view) {
 float TileBuffers::bound_pixels() {
     FloatV most(-kInfinity);
     for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
-        const FloatV of_block = reduce_each(depths_of(z, k), [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
+        const FloatV of_block = reduce_each(
+            depths_of(z, k), [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
         of_block.copy_to(block_far + k, stdx::vector_aligned);
         most = stdx::max(most, of_block);
     }
@@ -91,10 +95,13 @@ bool TileBuffers::bound_hits() {
     for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
         auto depth = depths_of(z, k);
         for (FloatV& d : depth) d = select<FloatV>(has_hit(d), d, FloatV(kInfinity));
-        const FloatV first = reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::min(a, b); });
+        const FloatV first =
+            reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::min(a, b); });
         for (FloatV& d : depth) d = select<FloatV>(has_hit(d), d, FloatV(-kInfinity));
-        const FloatV last = reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
-        first.copy_to(block_near + k, stdx::vector_aligned), last.copy_to(block_far + k, stdx::vector_aligned);
+        const FloatV last =
+            reduce_each(depth, [](const FloatV& a, const FloatV& b) { return stdx::max(a, b); });
+        first.copy_to(block_near + k, stdx::vector_aligned),
+            last.copy_to(block_far + k, stdx::vector_aligned);
         least = stdx::min(least, first), most = stdx::max(most, last);
     }
     near = stdx::hmin(least), far = stdx::hmax(most);

@@ -18,8 +18,12 @@ namespace slim {
 struct alignas(64) TilePlane {
     float v[kTilePixels];
 
-    [[gnu::always_inline]] FloatV load(std::size_t i) const { return FloatV(v + i, stdx::vector_aligned); }
-    [[gnu::always_inline]] void store(std::size_t i, const FloatV& x) { x.copy_to(v + i, stdx::vector_aligned); }
+    [[gnu::always_inline]] FloatV load(std::size_t i) const {
+        return FloatV(v + i, stdx::vector_aligned);
+    }
+    [[gnu::always_inline]] void store(std::size_t i, const FloatV& x) {
+        x.copy_to(v + i, stdx::vector_aligned);
+    }
     [[gnu::always_inline]] void add(std::size_t i, const FloatV& x) { store(i, load(i) + x); }
 };
 
@@ -33,14 +37,17 @@ struct TileCounts {
 struct TileSums {
     bool hessian, third, depth, count, node;
     explicit TileSums(Channels wanted)
-        : hessian((wanted & kHessianChannels) != 0), third((wanted & kThirdOrderChannel) != 0),
-          depth((wanted & (kDepthChannel | kPositionChannel)) != 0), count((wanted & kCountChannel) != 0),
+        : hessian((wanted & kHessianChannels) != 0),
+          third((wanted & kThirdOrderChannel) != 0),
+          depth((wanted & (kDepthChannel | kPositionChannel)) != 0),
+          count((wanted & kCountChannel) != 0),
           node((wanted & (kSurfelIdChannel | kFitErrorChannel | kLevelChannel)) != 0) {}
 };
 
-/// The depths of a tile: its own coordinate is affine in that of every surfel (PixelRecord), in perspective views
-/// zeta = (z - z_ref) z_ref / z, in orthographic ones z - z_ref. Floats resolve a small surfel on a far model: their
-/// error at z is 2^-24 |z / z_ref - 1| z, so that z_ref is to be the far end of what is seen.
+/// The depths of a tile: its own coordinate is affine in that of every surfel (PixelRecord), in
+/// perspective views zeta = (z - z_ref) z_ref / z, in orthographic ones z - z_ref. Floats resolve a
+/// small surfel on a far model: their error at z is 2^-24 |z / z_ref - 1| z, so that z_ref is to be
+/// the far end of what is seen.
 struct TileDepths {
     double z_ref = 0;
     double per_ref = 0;  ///< 1 / z_ref; 0 in orthographic views
@@ -70,11 +77,14 @@ struct TileBuffers {
     TilePlane gx, gy, gz;                ///< gradient of the surfel that set it
     TilePlane weight;                    ///< sum G
     TilePlane sum_x, sum_y, sum_z;       ///< sum G grad f
-    TilePlane hessian[6];                ///< sum G Hess f, only if curvature or what needs it is wanted
+    TilePlane hessian[6];                ///< sum G Hess f, only if curvature or
+                                         ///< what needs it is wanted
     TilePlane third[10];                 ///< sum G D3 f, only if third derivatives are wanted
     TilePlane offset;                    ///< sum G (z_i - z), only if depths are
-    TilePlane winner, count;             ///< position in the tile's list; number of supporters; only if wanted
-    TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes; only with sharp surfels or positions
+    TilePlane winner, count;             ///< position in the tile's list; number of
+                                         ///< supporters; only if wanted
+    TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes; only with sharp
+                                         ///< surfels or positions
     TileCounts counts;
 
     /// Depths and sums of a tile before stage 1.
@@ -82,15 +92,18 @@ struct TileBuffers {
                double reference_depth, const TileSums& sums);
     void fill_directions(const PixelView& view);
 
-    /// The part of a rectangle of the picture on the tile and in the window, in the tile's own pixels.
+    /// The part of a rectangle of the picture on the tile and in the window,
+    /// in the tile's own pixels.
     ScreenRect on_tile(const ScreenRect& r) const {
-        return {std::max(r.x0, clip.x0) - x0, std::max(r.y0, clip.y0) - y0, std::min(r.x1, clip.x1) - x0,
-                std::min(r.y1, clip.y1) - y0};
+        return {std::max(r.x0, clip.x0) - x0, std::max(r.y0, clip.y0) - y0,
+                std::min(r.x1, clip.x1) - x0, std::min(r.y1, clip.y1) - y0};
     }
     PixelRays<FloatV> rays(int block_row, int block_column) const;
-    /// Fills block_far with the greatest zeta of all pixels, +inf as long as one has no hit; returns that of the tile.
+    /// Fills block_far with the greatest zeta of all pixels, +inf as long as one has no hit;
+    /// returns that of the tile.
     float bound_pixels();
-    /// Fills near and far from q^, of the tile and of its blocks. Returns whether the tile has a hit.
+    /// Fills near and far from q^, of the tile and of its blocks. Returns whether the tile has a
+    /// hit.
     bool bound_hits();
     /// Blocks in which something is farther than this, and those in which something lies between.
     BlockMask beyond(float zeta) const;
@@ -111,7 +124,8 @@ struct TileBuffers {
 [[gnu::always_inline]] inline BlockMask TileBuffers::within(float least, float most) const {
     BlockMask blocks;
     for (std::size_t k = 0; k < kTileBlocks; k += kLanes) {
-        const FloatV block_least(block_near + k, stdx::vector_aligned), block_most(block_far + k, stdx::vector_aligned);
+        const FloatV block_least(block_near + k, stdx::vector_aligned),
+            block_most(block_far + k, stdx::vector_aligned);
         blocks.add(k, lane_bits(block_most >= least && block_least <= most));
     }
     return blocks;

@@ -9,15 +9,16 @@
 
 namespace slim {
 
-[[gnu::always_inline]] inline void store_where(TilePlane& plane, std::size_t i, const FloatV::mask_type& where,
-                                               const FloatV& x) {
+[[gnu::always_inline]] inline void store_where(TilePlane& plane, std::size_t i,
+                                               const FloatV::mask_type& where, const FloatV& x) {
     stdx::where(where, x).copy_to(plane.v + i, stdx::element_aligned);
 }
 
 /// Writes hits that are nearer than what some lanes have.
 [[gnu::always_inline]] inline void keep_nearer(TileBuffers& t, std::size_t i, float entry,
                                                const FloatV::mask_type& nearer, const FloatV& z,
-                                               const GradientLanes<FloatV>& g, const TileSums& sums) {
+                                               const GradientLanes<FloatV>& g,
+                                               const TileSums& sums) {
     store_where(t.z, i, nearer, z);
     store_where(t.gx, i, nearer, g.x);
     store_where(t.gy, i, nearer, g.y);
@@ -25,11 +26,11 @@ namespace slim {
     if (sums.node) store_where(t.winner, i, nearer, FloatV(entry));
 }
 
-/// Lanes whose gradient agrees with that of q^ (NUMERICS 4.4), in a model with sharp surfels closely (Gate in
-/// slim/blend/blend.h).
+/// Lanes whose gradient agrees with that of q^ (NUMERICS 4.4), in a model with sharp surfels
+/// closely (Gate in slim/blend/blend.h).
 template <bool kSharpModel>
-[[gnu::always_inline]] inline FloatV::mask_type admitted(const GradientLanes<FloatV>& g, std::size_t i,
-                                                         const TileBuffers& t) {
+[[gnu::always_inline]] inline FloatV::mask_type admitted(const GradientLanes<FloatV>& g,
+                                                         std::size_t i, const TileBuffers& t) {
     const FloatV x = t.gx.load(i), y = t.gy.load(i), z = t.gz.load(i);
     const FloatV agreement = g.x * x + g.y * y + g.z * z;
     if constexpr (!kSharpModel) return agreement > 0.0f;
@@ -37,11 +38,12 @@ template <bool kSharpModel>
     return agreement > static_cast<float>(kSharpGate) * size;
 }
 
-/// Adds the roots of some lanes to the sums, each with its share of G; depths are averaged as differences from q^,
-/// where floats are finest.
+/// Adds the roots of some lanes to the sums, each with its share of G; depths are averaged as
+/// differences from q^, where floats are finest.
 template <class Hessian>
-[[gnu::always_inline]] inline void add_to_sums(TileBuffers& t, std::size_t i, const FloatV::mask_type& taken,
-                                               const FloatV& share, const FloatV& sq_distance, const FloatV& dz,
+[[gnu::always_inline]] inline void add_to_sums(TileBuffers& t, std::size_t i,
+                                               const FloatV::mask_type& taken, const FloatV& share,
+                                               const FloatV& sq_distance, const FloatV& dz,
                                                const GradientLanes<FloatV>& g, const TileSums& sums,
                                                Hessian&& add_hessian) {
     const FloatV zero(0.0f);

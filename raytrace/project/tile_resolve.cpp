@@ -46,25 +46,30 @@ struct Target {
             return;
         }
         for (int py = y_0; py < y_1; ++py)
-            for (int px = x_0; px < x_1; ++px) to[in_buffer(px, py)] = lanes[(py - y) * kBlockWidth + px - x];
+            for (int px = x_0; px < x_1; ++px)
+                to[in_buffer(px, py)] = lanes[(py - y) * kBlockWidth + px - x];
     }
 
     /// visit(block row, block column, entry in the tile) for all blocks.
     template <class Visit>
     static void for_each_block(Visit&& visit) {
         for (int row = 0; row < kBlockRows; ++row)
-            for (int column = 0; column < kBlockColumns; ++column) visit(row, column, block_start(row, column));
+            for (int column = 0; column < kBlockColumns; ++column)
+                visit(row, column, block_start(row, column));
     }
 
     void copy(const TilePlane& from, std::vector<float>& to) const {
-        for_each_block([&](int row, int column, std::size_t i) { put_block(row, column, from.v + i, to.data()); });
+        for_each_block([&](int row, int column, std::size_t i) {
+            put_block(row, column, from.v + i, to.data());
+        });
     }
 
     /// visit(entry in the tile, entry in the G-buffer) for each pixel of the window.
     template <class Visit>
     void for_each_pixel(Visit&& visit) const {
         for (int y = t.clip.y0; y < t.clip.y1; ++y)
-            for (int x = t.clip.x0; x < t.clip.x1; ++x) visit(pixel_entry(x - t.x0, y - t.y0), in_buffer(x, y));
+            for (int x = t.clip.x0; x < t.clip.x1; ++x)
+                visit(pixel_entry(x - t.x0, y - t.y0), in_buffer(x, y));
     }
 };
 
@@ -79,8 +84,8 @@ struct TileInWindow {
 
 bool is_hit(float z) { return std::abs(z) < std::numeric_limits<float>::infinity(); }
 
-/// Averages: z becomes the blended depth, z - z_ref, if one is wanted, sum_* the blended gradient (that of q^ without weight). Infinite
-/// depths go on meaning no hit. Returns through the counts.
+/// Averages: z becomes the blended depth, z - z_ref, if one is wanted, sum_* the blended gradient
+/// (that of q^ without weight). Infinite depths go on meaning no hit. Returns through the counts.
 void average(const TileSums& sums, TileBuffers& t) {
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
         const FloatV z = t.z.load(i);
@@ -90,7 +95,8 @@ void average(const TileSums& sums, TileBuffers& t) {
         t.counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
         t.counts.unblended += static_cast<std::uint64_t>(stdx::popcount(hit && !blended));
         if (sums.depth) {
-            const FloatV depth = t.depths.relative<FloatV>(z) + select<FloatV>(blended, t.offset.load(i) / w, FloatV(0.0f));
+            const FloatV depth = t.depths.relative<FloatV>(z) +
+                                 select<FloatV>(blended, t.offset.load(i) / w, FloatV(0.0f));
             t.z.store(i, select<FloatV>(hit, depth, z));
         }
         if (stdx::all_of(blended)) continue;
@@ -105,7 +111,8 @@ void write_hits(const Target& target, const TileBuffers& t, GBuffer& out) {
         std::array<std::uint8_t, kLanes> hit;
         const auto bits = lane_bits(has_hit(t.z.load(i)));
         for (std::size_t k = 0; k < kLanes; k += 4) {  // bit j of four to byte j
-            const auto bytes = static_cast<std::uint32_t>((bits >> k & 15) * 0x00204081u & 0x01010101u);
+            const auto bytes =
+                static_cast<std::uint32_t>((bits >> k & 15) * 0x00204081u & 0x01010101u);
             std::memcpy(hit.data() + k, &bytes, 4);
         }
         target.put_block(row, column, hit.data(), out.hit.data());
@@ -115,7 +122,8 @@ void write_hits(const Target& target, const TileBuffers& t, GBuffer& out) {
 void write_depth(const Target& target, const TileBuffers& t, GBuffer& out) {
     target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
         const bool hit = is_hit(t.z.v[i]);
-        out.depth[pixel] = hit ? static_cast<float>(t.depths.z_ref + static_cast<double>(t.z.v[i])) : 0.0f;
+        out.depth[pixel] =
+            hit ? static_cast<float>(t.depths.z_ref + static_cast<double>(t.z.v[i])) : 0.0f;
     });
 }
 
@@ -130,22 +138,25 @@ struct Rotation {
 };
 
 /// Blended gradients, unit.
-void write_normals(const PixelView& view, const Target& target, const TileBuffers& t, GBuffer& out) {
+void write_normals(const PixelView& view, const Target& target, const TileBuffers& t,
+                   GBuffer& out) {
     const Rotation rotation(view);
     target.for_each_block([&](int row, int column, std::size_t i) {
         const FloatV x = t.sum_x.load(i), y = t.sum_y.load(i), z = t.sum_z.load(i);
-        const FloatV scale = select<FloatV>(has_hit(t.z.load(i)), inverse_sqrt(x * x + y * y + z * z), FloatV(0.0f));
+        const FloatV scale =
+            select<FloatV>(has_hit(t.z.load(i)), inverse_sqrt(x * x + y * y + z * z), FloatV(0.0f));
         for (std::size_t axis = 0; axis < 3; ++axis) {
             alignas(64) std::array<float, kLanes> n;
             const FloatV turned = rotation.component(axis, scale * x, scale * y, scale * z);
-            select<FloatV>(has_hit(t.z.load(i)), turned, FloatV(0.0f)).copy_to(n.data(), stdx::vector_aligned);
+            select<FloatV>(has_hit(t.z.load(i)), turned, FloatV(0.0f))
+                .copy_to(n.data(), stdx::vector_aligned);
             target.put_block(row, column, n.data(), out.normal[axis].data());
         }
     });
 }
 
-/// P = point of the ray at z_ref + direction (z - z_ref): the first part is affine in the pixel, and all
-/// terms are of the size of the model, however far the camera.
+/// P = point of the ray at z_ref + direction (z - z_ref): the first part is affine in the pixel,
+/// and all terms are of the size of the model, however far the camera.
 void write_positions(const PixelView& view, const Target& target, TileBuffers& t, GBuffer& out) {
     const Rotation rotation(view);
     const Vec3d corner = view.point_at(t.x0 + 0.5, t.y0 + 0.5, t.depths.z_ref);
@@ -178,7 +189,8 @@ void write_directions(const PixelView& view, const Target& target, bool cubic, T
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
         std::array<FloatV, 6> h;
         for (std::size_t k = 0; k < 6; ++k) h[k] = t.hessian[k].load(i);
-        const auto p = principal_lanes<FloatV>(t.sum_x.load(i), t.sum_y.load(i), t.sum_z.load(i), h);
+        const auto p =
+            principal_lanes<FloatV>(t.sum_x.load(i), t.sum_y.load(i), t.sum_z.load(i), h);
         const auto known = t.weight.load(i) > 0.0f;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const FloatV along = rotation.component(axis, p.t1[0], p.t1[1], p.t1[2]);
@@ -202,7 +214,8 @@ void write_curvature(const Target& target, TileBuffers& t, GBuffer& out) {
     for (std::size_t i = 0; i < kTilePixels; i += kLanes) {
         std::array<FloatV, 6> h;
         for (std::size_t k = 0; k < 6; ++k) h[k] = t.hessian[k].load(i);
-        const auto k = curvature_lanes<FloatV>(t.sum_x.load(i), t.sum_y.load(i), t.sum_z.load(i), h);
+        const auto k =
+            curvature_lanes<FloatV>(t.sum_x.load(i), t.sum_y.load(i), t.sum_z.load(i), h);
         const auto known = t.weight.load(i) > 0.0f;
         const FloatV zero(0.0f);
         t.hessian[0].store(i, select<FloatV>(known, k.k1, zero));
@@ -221,9 +234,11 @@ void write_fit(const Target& target, const SurfelTree& tree, std::span<const Dra
                std::span<const std::uint32_t> entries, const TileBuffers& t, GBuffer& out) {
     target.for_each_pixel([&](std::size_t i, std::size_t pixel) {
         const bool hit = is_hit(t.z.v[i]);
-        const std::uint32_t node = hit ? items[entries[static_cast<std::size_t>(t.winner.v[i])]].node : 0;
+        const std::uint32_t node =
+            hit ? items[entries[static_cast<std::size_t>(t.winner.v[i])]].node : 0;
         if (out.has(kSurfelIdChannel)) out.surfel_id[pixel] = node;
-        if (out.has(kFitErrorChannel)) out.fit_error[pixel] = hit ? tree.node(node).fit_error : 0.0f;
+        if (out.has(kFitErrorChannel))
+            out.fit_error[pixel] = hit ? tree.node(node).fit_error : 0.0f;
         if (out.has(kLevelChannel)) out.level[pixel] = hit ? tree.node(node).level : 0.0f;
     });
 }
@@ -260,7 +275,8 @@ void fetch_tile(const PixelWindow& window, int first_x, int first_y, GBuffer& ou
         if (plane.empty() || on.x0 >= on.x1) return;
         for (int y = on.y0; y < on.y1; ++y) {
             const auto* first = reinterpret_cast<const char*>(plane.data() + out.index(on.x0, y));
-            const auto* last = reinterpret_cast<const char*>(plane.data() + out.index(on.x1 - 1, y));
+            const auto* last =
+                reinterpret_cast<const char*>(plane.data() + out.index(on.x1 - 1, y));
             for (; first < last; first += kLine) __builtin_prefetch(first, 1, 2);
             __builtin_prefetch(last, 1, 2);
         }
@@ -275,7 +291,8 @@ void clear_tiles(const PixelWindow& window, int first_x, int first_y, int n_tile
     const auto clear = [&](auto& plane) {
         if (plane.empty()) return;
         for (int y = on.y0; y < on.y1; ++y)
-            std::fill_n(plane.begin() + static_cast<std::ptrdiff_t>(out.index(on.x0, y)), on.x1 - on.x0, 0);
+            std::fill_n(plane.begin() + static_cast<std::ptrdiff_t>(out.index(on.x0, y)),
+                        on.x1 - on.x0, 0);
     };
     clear(out.hit);
     out.for_each_plane(clear);

@@ -8,13 +8,15 @@
 
 namespace slim {
 
-/// Along a polygon's normal (right-handed), twice its area long: by triangles about its first corner. Zero for fewer than
-/// three corners; of a polygon that is not flat the sum of its triangles.
+/// Along a polygon's normal (right-handed), twice its area long: by triangles about its first
+/// corner. Zero for fewer than three corners; of a polygon that is not flat the sum of its
+/// triangles.
 /// corner  indices into `position`
 inline Vec3d area_vector(std::span<const Vec3d> position, std::span<const std::uint32_t> corner) {
     Vec3d sum;
     for (std::size_t k = 2; k < corner.size(); ++k)
-        sum += cross(position[corner[k - 1]] - position[corner[0]], position[corner[k]] - position[corner[0]]);
+        sum += cross(position[corner[k - 1]] - position[corner[0]],
+                     position[corner[k]] - position[corner[0]]);
     return sum;
 }
 

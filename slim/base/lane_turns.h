@@ -19,24 +19,31 @@ template <class Op>
 #pragma GCC unroll 16
         for (std::size_t k = 0; k < n; ++k) {
             const Raw a = std::bit_cast<Raw>(v[2 * k]), b = std::bit_cast<Raw>(v[2 * k + 1]);
-            v[k] = [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
-                return op(std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane)...))),
-                          std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane + 1)...))));
-            }(std::make_integer_sequence<int, kLanes>{});
+            v[k] = [&]<int... Lane>(std::integer_sequence<int, Lane...>)
+                __attribute__((always_inline)) {
+                return op(
+                    std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane)...))),
+                    std::bit_cast<FloatV>(Raw(__builtin_shufflevector(a, b, (2 * Lane + 1)...))));
+            }
+            (std::make_integer_sequence<int, kLanes>{});
         }
     return v[0];
 }
 
 /// Writes a[k] b[k] c[k] d[k] to to(k), a place for four floats, for every lane k.
 template <class To>
-[[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a, const LanesOfDouble<float>& b,
-                                               const LanesOfDouble<float>& c, const LanesOfDouble<float>& d, const To& to) {
+[[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a,
+                                               const LanesOfDouble<float>& b,
+                                               const LanesOfDouble<float>& c,
+                                               const LanesOfDouble<float>& d, const To& to) {
     // Intrinsics outside simd.h: no std::simd turns four rows into eight columns in registers.
 #ifdef __AVX512VL__
-    const auto lo = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+    const auto lo = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y)
+        __attribute__((always_inline)) {
         return _mm256_castps_pd(_mm256_unpacklo_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
     };
-    const auto hi = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y) __attribute__((always_inline)) {
+    const auto hi = [](const LanesOfDouble<float>& x, const LanesOfDouble<float>& y)
+        __attribute__((always_inline)) {
         return _mm256_castps_pd(_mm256_unpackhi_ps(static_cast<__m256>(x), static_cast<__m256>(y)));
     };
     const __m256d ab_lo = lo(a, b), ab_hi = hi(a, b), cd_lo = lo(c, d), cd_hi = hi(c, d);

@@ -8,8 +8,9 @@
 
 namespace slim {
 
-/// Counts of values >= 0 in bins of equal ratio, for percentiles of any number of values in constant memory
-/// (64 KiB): exact counts, so that the order of values and of threads does not matter.
+/// Counts of values >= 0 in bins of equal ratio, for percentiles of any number of values in
+/// constant memory (64 KiB): exact counts, so that the order of values and of threads does not
+/// matter.
 class LogHistogram {
 public:
     /// Bins an octave: a percentile is good to 0.3 %.

@@ -25,7 +25,8 @@ int threads_from(const char* variable) {
     const char* end = text + std::strlen(text);
     const auto result = std::from_chars(text, end, n);
     if (result.ec != std::errc() || result.ptr != end || n < 1 || n > kMostThreads)
-        throw ConfigError(std::string(variable) + "=" + text + ": expected a count of threads from 1 to " +
+        throw ConfigError(std::string(variable) + "=" + text +
+                          ": expected a count of threads from 1 to " +
                           std::to_string(kMostThreads));
     return n;
 }

@@ -10,7 +10,8 @@ namespace slim {
 inline constexpr int kMostThreads = 4096;
 
 /// Number of threads to use: `wanted` > 0, else SLIM_THREADS, else SLURM_CPUS_PER_TASK, else what
-/// TBB sees of this process (CONVENTIONS 2.2). Throws ConfigError on a variable that is no count up to kMostThreads.
+/// TBB sees of this process (CONVENTIONS 2.2). Throws ConfigError on a variable that is no count up
+/// to kMostThreads.
 int resolve_threads(int wanted);
 
 /// Bounds TBB to n threads while alive; one at a time, in main.

@@ -11,7 +11,9 @@ void parallel_batches(std::size_t n, std::size_t grain, const EachBatch& each_ba
     constexpr std::size_t kBatch = 4096;
     for (std::size_t first = 0; first < n; first += kBatch) {
         const std::size_t count = std::min(kBatch, n - first);
-        parallel_blocks(count, grain, [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
+        parallel_blocks(count, grain, [&](std::size_t begin, std::size_t end) {
+            body(first + begin, first + end);
+        });
         if (each_batch) each_batch(first + count, n);
     }
 }

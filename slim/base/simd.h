@@ -39,23 +39,26 @@ template <class V>
 inline float select(bool mask, float a, float b) { return mask ? a : b; }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
 
-/// a b + c, rounded once, and size (>= 0) with the sign of the other (-0 counts as 0), always inline: g++ 12 leaves stdx's own out of
-/// large kernels, with the lanes through memory.
+/// a b + c, rounded once, and size (>= 0) with the sign of the other (-0 counts as 0), always
+/// inline: g++ 12 leaves stdx's own out of large kernels, with the lanes through memory.
 template <class V>
 [[gnu::always_inline]] inline V lanes_fma(const V& a, const V& b, const V& c) {
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
-        return V(_mm512_fmadd_ps(static_cast<__m512>(a), static_cast<__m512>(b), static_cast<__m512>(c)));
+        return V(_mm512_fmadd_ps(static_cast<__m512>(a), static_cast<__m512>(b),
+                                 static_cast<__m512>(c)));
     else
 #endif
         return stdx::fma(a, b, c);
 }
-/// a b - c, rounded once; beside lanes_fma because g++ 12 makes an instruction of its own of a sign that two products share.
+/// a b - c, rounded once; beside lanes_fma because g++ 12 makes an instruction of its own of a sign
+/// that two products share.
 template <class V>
 [[gnu::always_inline]] inline V lanes_fms(const V& a, const V& b, const V& c) {
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
-        return V(_mm512_fmsub_ps(static_cast<__m512>(a), static_cast<__m512>(b), static_cast<__m512>(c)));
+        return V(_mm512_fmsub_ps(static_cast<__m512>(a), static_cast<__m512>(b),
+                                 static_cast<__m512>(c)));
     else
 #endif
         return stdx::fma(a, b, -c);
@@ -66,12 +69,14 @@ template <class V>
 [[gnu::always_inline]] inline V lanes_fnma(const V& a, const V& b, const V& c) {
 #ifdef __AVX512VL__
     if constexpr (std::is_same_v<V, stdx::native_simd<float>> && sizeof(V) == 64)
-        return V(_mm512_fnmadd_ps(static_cast<__m512>(a), static_cast<__m512>(b), static_cast<__m512>(c)));
+        return V(_mm512_fnmadd_ps(static_cast<__m512>(a), static_cast<__m512>(b),
+                                  static_cast<__m512>(c)));
     else
 #endif
         return stdx::fma(-a, b, c);
 }
-/// 1 / sqrt(x) and 1 / x of normal floats, relative error up to 2^-14 where the target has such estimates.
+/// 1 / sqrt(x) and 1 / x of normal floats, relative error up to 2^-14 where the target has such
+/// estimates.
 template <class V>
 [[gnu::always_inline]] inline V inverse_sqrt_estimate(const V& x) {
 #ifdef __AVX512VL__
@@ -90,8 +95,9 @@ template <class V>
 #endif
         return 1.0f / x;
 }
-/// 1 / sqrt(x) and 1 / x of normal floats to a few units in the last place, by the target's estimates and one step of
-/// Newton: a third of the time of exact ones, which share one slow unit. No finite number comes of x = 0 (nor of a square root below).
+/// 1 / sqrt(x) and 1 / x of normal floats to a few units in the last place, by the target's
+/// estimates and one step of Newton: a third of the time of exact ones, which share one slow unit.
+/// No finite number comes of x = 0 (nor of a square root below).
 template <class V>
 [[gnu::always_inline]] inline V inverse_sqrt(const V& x) {
 #ifdef __AVX512VL__
@@ -146,7 +152,8 @@ inline std::uint32_t bits_of_bytes(const std::uint8_t* bytes, std::size_t n) {
 }
 
 /// Writes a[0] b[0] c[0] d[0] a[1] b[1] ...: 4 kLanes floats.
-inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c, const FloatV& d, float* out) {
+inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c, const FloatV& d,
+                              float* out) {
 #ifdef __AVX512VL__
     const auto lo = [](const FloatV& x, const FloatV& y) {
         return _mm512_castps_pd(_mm512_unpacklo_ps(static_cast<__m512>(x), static_cast<__m512>(y)));
@@ -160,8 +167,10 @@ inline void store_interleaved(const FloatV& a, const FloatV& b, const FloatV& c,
     const __m512 p_1 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_lo, cd_lo));
     const __m512 p_2 = _mm512_castpd_ps(_mm512_unpacklo_pd(ab_hi, cd_hi));
     const __m512 p_3 = _mm512_castpd_ps(_mm512_unpackhi_pd(ab_hi, cd_hi));
-    const __m512 even_01 = _mm512_shuffle_f32x4(p_0, p_1, 0x88), even_23 = _mm512_shuffle_f32x4(p_2, p_3, 0x88);
-    const __m512 odd_01 = _mm512_shuffle_f32x4(p_0, p_1, 0xdd), odd_23 = _mm512_shuffle_f32x4(p_2, p_3, 0xdd);
+    const __m512 even_01 = _mm512_shuffle_f32x4(p_0, p_1, 0x88),
+                 even_23 = _mm512_shuffle_f32x4(p_2, p_3, 0x88);
+    const __m512 odd_01 = _mm512_shuffle_f32x4(p_0, p_1, 0xdd),
+                 odd_23 = _mm512_shuffle_f32x4(p_2, p_3, 0xdd);
     _mm512_storeu_ps(out, _mm512_shuffle_f32x4(even_01, even_23, 0x88));
     _mm512_storeu_ps(out + 16, _mm512_shuffle_f32x4(odd_01, odd_23, 0x88));
     _mm512_storeu_ps(out + 32, _mm512_shuffle_f32x4(even_01, even_23, 0xdd));

@@ -78,12 +78,13 @@ bool belongs(const SheetRoot& root, double t_guess, const Surfel& s) {
     return std::abs(root.t - (t_guess - root.t_base) / s.support_radius) <= kBelongs;
 }
 
-/// Weight below which a supporter, near its ball's or its rim's end, does not say which face is seen
-/// (slim/fit/notes/0013).
+/// Weight below which a supporter, near its ball's or its rim's end, does not say which face is
+/// seen (slim/fit/notes/0013).
 constexpr double kLeastSay = 0.002;
 
-/// What is seen from p along n: the gradient of the supporter whose root is nearest p, of those that have a say
-/// if there are any. n itself where no supporter is sharp: there every one on n's side counts.
+/// What is seen from p along n: the gradient of the supporter whose root is nearest p, of those
+/// that have a say if there are any. n itself where no supporter is sharp:
+/// there every one on n's side counts.
 Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supporters) {
     Gate gate(n), fringe(n);
     const auto is_sharp = [](const Surfel* s) { return s->sharp != nullptr; };
@@ -105,7 +106,8 @@ Gate gate_at(const Vec3d& p, const Vec3d& n, std::span<const Surfel* const> supp
     return nearest < INFINITY ? gate : fringe;
 }
 
-/// A point that lies beyond the rims of all its supporters still has them: its own surface was left out.
+/// A point that lies beyond the rims of all its supporters still has them:
+/// its own surface was left out.
 void add_beyond_rims(const Ray& ray, const Gate& gate, std::span<const Surfel* const> supporters,
                      Derivatives wanted, BlendSums& sums) {
     for (const Surfel* s : supporters) {

@@ -23,8 +23,9 @@ struct BlendSums {
     int count = 0;              ///< supporters that took part
 };
 
-/// Cosine that two gradients must have where an edge or a corner is near: less than the least angle between
-/// the sheets of a surfel (slim/fit/sharp_clusters.h), so that faces are not blended over their edge.
+/// Cosine that two gradients must have where an edge or a corner is near: less than the least angle
+/// between the sheets of a surfel (slim/fit/sharp_clusters.h),
+/// so that faces are not blended over their edge.
 inline constexpr double kSharpGate = 0.866;
 
 /// Which supporters belong to what is seen: those whose gradient agrees with this one (NUMERICS
@@ -41,19 +42,21 @@ struct Gate {
     }
 };
 
-/// Adds one surfel to the blend around the ray point of parameter t_guess. The surfel takes part if the
-/// guess lies in its ball, if f has a root on the ray inside the *full* ball (the one nearest the guess
-/// counts; of a sharp surfel on the joined surface) no farther than 0.3 rho from the guess, and if
-/// the gate admits its gradient there, this side of its rim. G at |q_i - c_i| / rho_i, less towards the
-/// rim. Returns whether it took part.
-/// Departs from the paper, which blends any root: where a ball holds another sheet or its polynomial runs out
-/// of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to 3.3e-4 L, maximum 1.8e-2 to
-/// 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such points to others by the same measure.
+/// Adds one surfel to the blend around the ray point of parameter t_guess. The surfel takes part if
+/// the guess lies in its ball, if f has a root on the ray inside the *full* ball (the one nearest
+/// the guess counts; of a sharp surfel on the joined surface) no farther than 0.3 rho from the
+/// guess, and if the gate admits its gradient there, this side of its rim. G at |q_i - c_i| /
+/// rho_i, less towards the rim. Returns whether it took part.
+/// Departs from the paper, which blends any root: where a ball holds another sheet or its
+/// polynomial runs out of its data, the mean was drawn far off (nefertiti, T 0.005: L2 4.0e-4 to
+/// 3.3e-4 L, maximum 1.8e-2 to 4.6e-3; happy_stand_raw L2 7.9e-4 to 6.4e-4). The cover leaves such
+/// points to others by the same measure.
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
                    Derivatives wanted, BlendSums& sums);
 
 /// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
-/// t >= t_min; nothing if that lies beyond its rim. `gradient` receives that of f at the root (world, times rho).
+/// t >= t_min; nothing if that lies beyond its rim. `gradient` receives that of f at the root
+/// (world, times rho).
 std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_min, double trim,
                                 Vec3d& gradient);
 
@@ -68,18 +71,18 @@ struct Projection {
     Curvature curvature;     ///< only if asked; zeros otherwise
 };
 
-/// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over the
-/// supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient there has
-/// n . grad f > 0; rims count unless they leave nobody. Where one of them is sharp, the root nearest p says which
-/// face counts (Gate), of supporters with a weight of 0.002 and more if there are any.
-/// `supporters` may hold more surfels than support p; order fixes the last bits.
+/// Projects p along the unit direction n onto the model (NUMERICS 5.5): t = sum G t_i / sum G over
+/// the supporters, |p - c| < rho, whose root nearest t = 0 lies in their ball and whose gradient
+/// there has n . grad f > 0; rims count unless they leave nobody. Where one of them is sharp, the
+/// root nearest p says which face counts (Gate), of supporters with a weight of 0.002 and more if
+/// there are any. `supporters` may hold more surfels than support p; order fixes the last bits.
 /// Nothing if no surfel takes part (count the point as missed). Cost: O(supporters), no allocation.
 std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         std::span<const Surfel* const> supporters,
                                         bool want_curvature = false);
 
-/// The model's own outward unit normal around p: gradients of the supporters' functions at p, weighted
-/// by G at |p - c| / rho. For points that bring no normal. Nothing if p has no supporter.
+/// The model's own outward unit normal around p: gradients of the supporters' functions at p,
+/// weighted by G at |p - c| / rho. For points that bring no normal. Nothing if p has no supporter.
 std::optional<Vec3d> normal_at(const Vec3d& p, std::span<const Surfel* const> supporters);
 
 }  // namespace slim

@@ -8,7 +8,8 @@
 
 namespace slim {
 
-/// Curvatures of a level set, 1 / length; convex is positive (a sphere of radius r: k1 = k2 = 1 / r).
+/// Curvatures of a level set, 1 / length; convex is positive (a sphere of radius r:
+/// k1 = k2 = 1 / r).
 struct Curvature {
     double k1 = 0, k2 = 0;  ///< k1 >= k2
     double mean = 0, gauss = 0;
@@ -58,8 +59,8 @@ struct ThirdOrder {
 };
 
 /// From gradient, Hessian and third derivatives of an implicit function, all to one scale (NUMERICS
-/// 5.3: Q(a, b, c) = [C(a, b, c) - S(a, b) h.c - S(b, c) h.a - S(c, a) h.b] / |g|, h = P H N). Where k1 =
-/// k2 the directions are any. A zero gradient gives NaN.
+/// 5.3: Q(a, b, c) = [C(a, b, c) - S(a, b) h.c - S(b, c) h.a - S(c, a) h.b] / |g|, h = P H N).
+/// Where k1 = k2 the directions are any. A zero gradient gives NaN.
 inline ThirdOrder third_order_from(const Vec3d& gradient, const SymmetricMatrix& hessian,
                                    const SymmetricTensor& third) {
     const double len = length(gradient);
@@ -74,7 +75,8 @@ inline ThirdOrder third_order_from(const Vec3d& gradient, const SymmetricMatrix&
     const Curvature k = curvature_from(gradient, hessian);
     const Vec3d hn = times(hessian, normal);
     const double h1 = dot(hn, out.t1), h2 = dot(hn, out.t2);
-    const Vec3d c11 = times(times(third, out.t1), out.t1), c22 = times(times(third, out.t2), out.t2);
+    const Vec3d c11 = times(times(third, out.t1), out.t1),
+                c22 = times(times(third, out.t2), out.t2);
     out.e1 = (dot(c11, out.t1) - 3 * k.k1 * h1) / len;
     out.k1_along_t2 = (dot(c11, out.t2) - k.k1 * h2) / len;
     out.k2_along_t1 = (dot(c22, out.t1) - k.k2 * h1) / len;

@@ -14,8 +14,8 @@ struct Ray {
     Vec3d direction;
 };
 
-/// A ray in a surfel's own coordinates (relative to the centre, over rho): base + t direction, |t| in
-/// units of rho, `base` the point of the ray closest to the centre.
+/// A ray in a surfel's own coordinates (relative to the centre, over rho): base + t direction, |t|
+/// in units of rho, `base` the point of the ray closest to the centre.
 struct LocalRay {
     Vec3d base;
     Vec3d direction;
@@ -31,7 +31,8 @@ struct LocalRay {
     }
 };
 
-/// Set-up of a ray against a sheet of a surfel (NUMERICS 4.1), in doubles. Error about 1e-16 |o - c| / rho.
+/// Set-up of a ray against a sheet of a surfel (NUMERICS 4.1),
+/// in doubles. Error about 1e-16 |o - c| / rho.
 inline LocalRay local_ray(const Ray& ray, const Surfel& s, std::size_t sheet = 0) {
     const Vec3d to_center = s.center - ray.origin;
     const double t_base = dot(to_center, ray.direction);

@@ -90,8 +90,8 @@ T bracketed_root(const RayPolynomial<T>& k, T a, T b) {
 }
 
 /// Roots of the cubic k in [lo, hi]: the interval is cut at the real roots of f', each piece with a
-/// change of sign holds one (NUMERICS 4.2; the textbook formula finds wrong roots in float). Where f
-/// touches zero at a cut, within rounding, the cut is the root.
+/// change of sign holds one (NUMERICS 4.2; the textbook formula finds wrong roots in float). Where
+/// f touches zero at a cut, within rounding, the cut is the root.
 template <class T>
 RootList<T> cubic_roots(const RayPolynomial<T>& k, T lo, T hi) {
     if (k[3] == 0) return quadratic_roots(k[0], k[1], k[2], lo, hi);

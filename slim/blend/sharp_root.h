@@ -20,8 +20,8 @@ inline bool on_joined_surface(const Ray& ray, const Surfel& s, std::size_t i, do
     return s.sharp->on_surface(i, s.sheet_values(x));
 }
 
-/// The root of the joined function F of a sharp surfel inside the ball of `trim` rho, at t >= t_lo, for which
-/// `cost(t)` is least. F is zero where a sheet is and the others agree (SharpSheets).
+/// The root of the joined function F of a sharp surfel inside the ball of `trim` rho, at t >= t_lo,
+/// for which `cost(t)` is least. F is zero where a sheet is and the others agree (SharpSheets).
 template <class Cost>
 std::optional<SheetRoot> best_joined_root(const Ray& ray, const Surfel& s, double trim, double t_lo,
                                           Cost&& cost) {

@@ -13,16 +13,18 @@
 namespace slim {
 namespace {
 
-/// Of the variance that a fit of K coefficients to n_eff independent residuals has: the leaf's own residuals are
-/// orthogonal to it already, and the blend averages its neighbours'.
+/// Of the variance that a fit of K coefficients to n_eff independent residuals has: the leaf's own
+/// residuals are orthogonal to it already, and the blend averages its neighbours'.
 constexpr double kChance = 0.3;
 constexpr double kLeastFreedom = 0.25;  // eps^2 grows fourfold at most by its correction (LocalFit)
-constexpr double kOutside = 2;          // squared distance of a point that takes no part (BallPoints)
+constexpr double kOutside = 2;          // squared distance of a point that
+                                        // takes no part (BallPoints)
 
-/// Puts the ball's points where the leaf must add height: at (u, v, off / rho). Points that are no part of its
-/// surface, by place or normal, are left out. Returns the mean square of the heights under G.
-double aim_at_blend(const PointTree& points, const Surfel& s, std::span<const BlendResidual> residuals,
-                    BallPoints<double>& ball) {
+/// Puts the ball's points where the leaf must add height: at (u, v, off / rho). Points that are no
+/// part of its surface, by place or normal, are left out. Returns the mean square of the heights
+/// under G.
+double aim_at_blend(const PointTree& points, const Surfel& s,
+                    std::span<const BlendResidual> residuals, BallPoints<double>& ball) {
     double weight = 0, square = 0;
     for (std::size_t i = 0; i < ball.n; ++i) {
         const Vec3d x{ball.x[i], ball.y[i], ball.z[i]};
@@ -42,14 +44,15 @@ double aim_at_blend(const PointTree& points, const Surfel& s, std::span<const Bl
     return weight > 0 ? square / weight : 0;
 }
 
-/// What a fit explains of a mean square, over rho squared, and the share of it that is believed when chance is taken off
-/// (James and Stein's positive part).
+/// What a fit explains of a mean square, over rho squared, and the share of it that is believed
+/// when chance is taken off (James and Stein's positive part).
 struct Belief {
     double explained = 0, share = 0;
 };
 Belief believed(const LocalFit& fit, double radius, double mean_square) {
     const double k = n_coefficients(fit.degree);
-    const double rest = fit.sq_error / (radius * radius) * std::max(1 - k / fit.n_effective, kLeastFreedom);
+    const double rest =
+        fit.sq_error / (radius * radius) * std::max(1 - k / fit.n_effective, kLeastFreedom);
     const double explained = mean_square - rest;
     if (!(explained > 0)) return {};
     return {explained, std::max(0.0, 1 - kChance * k * rest / (fit.n_effective * explained))};
@@ -66,11 +69,13 @@ bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Fi
     const Belief belief = believed(fit, s.support_radius, mean_square);
     if (!(belief.share > 0)) return false;
     Polynomial<double> moved = s.polynomial;
-    for (std::size_t k = 0; k < moved.a.size(); ++k) moved.a[k] += belief.share * fit.polynomial.a[k];
+    for (std::size_t k = 0; k < moved.a.size(); ++k)
+        moved.a[k] += belief.share * fit.polynomial.a[k];
     if (too_steep(moved)) return false;
     s.polynomial = moved;
     // Its own residuals are orthogonal to what it may move by.
-    leaf.fit_error = std::hypot(leaf.fit_error, belief.share * std::sqrt(belief.explained) * s.support_radius);
+    leaf.fit_error =
+        std::hypot(leaf.fit_error, belief.share * std::sqrt(belief.explained) * s.support_radius);
     return true;
 }
 

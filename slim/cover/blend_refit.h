@@ -8,8 +8,9 @@
 
 namespace slim {
 
-/// How far a point stands off the blend of the leaves that cover it: off() = sum G_i h_i / sum G_i, h_i its height above
-/// leaf i; to first order the distance of eq. (6), Ohtake 2005, without its sign.
+/// How far a point stands off the blend of the leaves that cover it: off() = sum G_i h_i / sum G_i,
+/// h_i its height above leaf i; to first order the distance of eq. (6), Ohtake 2005,
+/// without its sign.
 struct BlendResidual {
     float weight = 0;  ///< sum G
     float height = 0;  ///< sum G h, length
@@ -17,12 +18,12 @@ struct BlendResidual {
     double off() const { return weight > 0 ? height / weight : 0; }
 };
 
-/// Fits smooth leaves a second time, to what their blend leaves over (notes/0010; twicing, Tukey 1977): a
-/// polynomial of the leaf's own degree to off() over its ball under G, added to its own, less the share of it that
-/// chance explains. What neighbours err alike shrinks; what single points err stays. fit_error grows by what a leaf
-/// is moved off its own points; sharp leaves stay as they are.
-/// residuals: of the block's points. Returns how many leaves moved; the same for any number of threads.
-/// Cost: a visit a point and ball that holds it, a fit a leaf.
+/// Fits smooth leaves a second time, to what their blend leaves over (notes/0010; twicing, Tukey
+/// 1977): a polynomial of the leaf's own degree to off() over its ball under G, added to its own,
+/// less the share of it that chance explains. What neighbours err alike shrinks; what single points
+/// err stays. fit_error grows by what a leaf is moved off its own points; sharp leaves stay as they
+/// are. residuals: of the block's points. Returns how many leaves moved; the same for any number of
+/// threads. Cost: a visit a point and ball that holds it, a fit a leaf.
 std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
                            std::span<FittedSurfel> leaves);
 

@@ -24,7 +24,8 @@ CoverStates::CoverStates(const PointBlock& points, const CoverRules& rules)
     std::sort(dropped.begin(), dropped.end());
     parallel_blocks(points.size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i])) states_[i].flags = kClosed;
+            if (std::binary_search(dropped.begin(), dropped.end(), points.id[i]))
+                states_[i].flags = kClosed;
     });
 }
 
@@ -62,7 +63,8 @@ void CoverStates::remember(const LeafCandidate& c) {
     PointState& s = states_[c.point];
     s.degree = static_cast<std::uint8_t>(c.choice.degree);
     if (c.choice.forced) s.flags |= kForced;
-    s.flags = static_cast<std::uint16_t>(s.flags & ~(kSaturatedTop | kWidened));  // a smaller radius is neither
+    // a smaller radius is neither
+    s.flags = static_cast<std::uint16_t>(s.flags & ~(kSaturatedTop | kWidened));
     if (c.choice.saturated) s.flags |= kSaturatedTop;
     if (c.choice.limited) s.flags |= kLimited;
     if (c.choice.widened) s.flags |= kWidened;

@@ -30,7 +30,8 @@ public:
     std::uint64_t open_of_bucket(const PointTree& tree, std::size_t first) const {
         std::uint64_t bits = 0;
         const std::size_t n = std::min(PointTree::kBucket, tree.size() - first);
-        for (std::size_t k = 0; k < n; ++k) bits |= std::uint64_t{is_open(tree.source(first + k))} << k;
+        for (std::size_t k = 0; k < n; ++k)
+            bits |= std::uint64_t{is_open(tree.source(first + k))} << k;
         return bits;
     }
     /// Open, and under no internal surfel of that level.
@@ -50,8 +51,8 @@ public:
     void close(std::uint32_t p) { states_[p].flags |= kClosed; }
     /// Says that an internal surfel of that level covers a point.
     void stamp(std::uint32_t p, int level) { states_[p].stamp = static_cast<std::uint8_t>(level); }
-    /// Adds a leaf at the points that it covers. `is_steady`: it is not doubtful, so that doubtful ones
-    /// beside it give way.
+    /// Adds a leaf at the points that it covers. `is_steady`: it is not doubtful, so that doubtful
+    /// ones beside it give way.
     void mark(const CoveringSurfel& leaf, bool is_steady);
 
     /// Has the state of a point that is looked at soon fetched: points by priority lie anywhere in

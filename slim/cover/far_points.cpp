@@ -24,17 +24,21 @@ constexpr std::size_t kPieces = 64;     // of the places, for threads
 constexpr std::size_t kLeastPiece = 1024;
 
 constexpr double kNearEnough = 0.7;  // of what is far: first order is not exact
-constexpr double kSurelyOut = 0.6;   // over rho, twice kBelongs: no root is near enough to take part
-constexpr double kGrazing = 0.2;     // cosine of a normal and a surface: first order says nothing of where they meet
+constexpr double kSurelyOut = 0.6;   // over rho, twice kBelongs: no root
+                                     // is near enough to take part
+constexpr double kGrazing = 0.2;     // cosine of a normal and a surface: first
+                                     // order says nothing of where they meet
 constexpr double kSurelyIn = 0.5;    // of its weight left by its rims
-constexpr double kOutermost = 0.72;  // squared, over rho: beyond it G is less than 1e-3 and moves no blend of a core's
+constexpr double kOutermost = 0.72;  // squared, over rho: beyond it G is less than
+                                     // 1e-3 and moves no blend of a core's
 
 /// What a smooth leaf is to a point in its ball.
 enum class Part { none, near, doubtful };
 
 Part part_of(const Surfel& s, const Vec3d& x, const Vec3d& normal, double farthest) {
     const Vec3d local = s.frame.local_from_world(x), n = s.frame.local_from_world(normal);
-    const double slope_u = s.polynomial.d_u(local.x, local.y), slope_v = s.polynomial.d_v(local.x, local.y);
+    const double slope_u = s.polynomial.d_u(local.x, local.y),
+                 slope_v = s.polynomial.d_v(local.x, local.y);
     const double along = n.z - n.x * slope_u - n.y * slope_v;  // n . grad f
     const double grazing = kGrazing * std::sqrt(1 + slope_u * slope_u + slope_v * slope_v);
     if (along < -grazing) return Part::none;
@@ -50,7 +54,9 @@ struct Marks {
     std::vector<std::uint8_t> met, doubtful;
 
     explicit Marks(std::size_t n) : met(n), doubtful(n) {}
-    static void set(std::uint8_t& mark) { std::atomic_ref(mark).store(1, std::memory_order_relaxed); }
+    static void set(std::uint8_t& mark) {
+        std::atomic_ref(mark).store(1, std::memory_order_relaxed);
+    }
     /// Marks the points of a leaf's ball.
     void add(const PointTree& points, const Surfel& s, double farthest, BallPoints<double>& ball) {
         gather_ball(points, s.center, s.support_radius, ball);
@@ -58,7 +64,8 @@ struct Marks {
             const Vec3d x{ball.x[i], ball.y[i], ball.z[i]}, n{ball.nx[i], ball.ny[i], ball.nz[i]};
             const Part part = s.sharp ? Part::doubtful : part_of(s, x, n, farthest);
             if (part == Part::near && ball.sq[i] < kTrim * kTrim) set(met[ball.index[i]]);
-            if (part == Part::doubtful && (s.sharp || ball.sq[i] < kOutermost)) set(doubtful[ball.index[i]]);
+            if (part == Part::doubtful && (s.sharp || ball.sq[i] < kOutermost))
+                set(doubtful[ball.index[i]]);
         }
     }
 };
@@ -85,7 +92,8 @@ private:
     static Leaves meeting(const Bbox& box, const Leaves& leaves) {
         Leaves near;
         for (const Surfel* s : leaves)
-            if (box.sq_distance(s->center) < s->support_radius * s->support_radius) near.push_back(s);
+            if (box.sq_distance(s->center) < s->support_radius * s->support_radius)
+                near.push_back(s);
         return near;
     }
     void look_at(std::uint32_t place, const Leaves& leaves, std::vector<FarPoint>& out) const {
@@ -104,11 +112,13 @@ private:
 
 }  // namespace
 
-std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leaves, double farthest) {
+std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leaves,
+                                     double farthest) {
     Marks marks(points.size());
     tbb::enumerable_thread_specific<BallPoints<double>> balls;
     parallel_blocks(leaves.size(), kLeavesTogether, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) marks.add(points, *leaves[i], farthest, balls.local());
+        for (std::size_t i = begin; i < end; ++i)
+            marks.add(points, *leaves[i], farthest, balls.local());
     });
     std::vector<std::uint32_t> out;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -116,7 +126,8 @@ std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leav
     return out;
 }
 
-std::vector<FarPoint> far_points(const PointTree& points, Places places, const Leaves& leaves, double farthest) {
+std::vector<FarPoint> far_points(const PointTree& points, Places places, const Leaves& leaves,
+                                 double farthest) {
     const FarSearch search(points, farthest);
     const std::size_t piece = std::max(kLeastPiece, (places.size() + kPieces - 1) / kPieces);
     std::vector<std::vector<FarPoint>> found((places.size() + piece - 1) / piece);

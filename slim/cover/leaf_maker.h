@@ -19,7 +19,8 @@ namespace slim {
 struct LeafCandidate {
     std::uint32_t point = 0;
     int level = 1;              ///< that looks at it: where the paper's windows begin
-    std::uint32_t center = 0;   ///< where the leaf is centred: at `point`, or at one further inwards
+    std::uint32_t center = 0;   ///< where the leaf is centred: at
+                                ///< `point`, or at one further inwards
     bool leaf = false;
     RadiusChoice choice;
     std::size_t n_sheets = 1;
@@ -36,8 +37,9 @@ struct LeafWork {
     std::size_t searches = 0;
 };
 
-/// Makes leaves: searches a centre's radius, fits, and mends what stands at borders or among strays.
-/// Depends on the points alone, never on leaves made before. Holds references to all it is given.
+/// Makes leaves: searches a centre's radius, fits, and mends what stands at borders or among
+/// strays. Depends on the points alone, never on leaves made before. Holds references to all it is
+/// given.
 class LeafMaker {
 public:
     LeafMaker(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid);
@@ -51,14 +53,15 @@ public:
     /// Whether a forced ball holds so few points that are_few_in_noise().
     bool is_few_in_noise(const LeafCandidate& c) const;
 
-    /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf becomes
-    /// false if that is less than `lower`: the point waits. Sparse leaves are as small as their few points, whatever the
-    /// level. Strays become choice.isolated.
+    /// The leaf of a centre at its radius; at a border, one further inwards or smaller. c.leaf
+    /// becomes false if that is less than `lower`: the point waits. Sparse leaves are as small as
+    /// their few points, whatever the level. Strays become choice.isolated.
     void make(LeafCandidate& c, double lower, LeafWork& work) const;
 
-    /// A leaf of a point's own, that passes near it along its normal: of the finest ball about it, or of a smaller one. Where
-    /// it has n_before such leaves already, of a ball as many rungs smaller, and through the point itself. Nothing if there is
-    /// none, as about strays. leaf_maker_own.cpp.
+    /// A leaf of a point's own, that passes near it along its normal: of the finest ball about it,
+    /// or of a smaller one. Where it has n_before such leaves already, of a ball as many rungs
+    /// smaller, and through the point itself. Nothing if there is none, as about strays.
+    /// leaf_maker_own.cpp.
     std::optional<CoveringSurfel> make_own(std::uint32_t point, int n_before, LeafWork& work) const;
 
 private:
@@ -75,17 +78,21 @@ private:
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work, Lists lists) const;
-    void list_with_air(const RadiusChoice& choice, const LeafWork& work, CoveringSurfel& leaf) const;
-    CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
-                                LeafWork& work) const;
+    void list_with_air(const RadiusChoice& choice, const LeafWork& work,
+                       CoveringSurfel& leaf) const;
+    CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal,
+                                const RadiusChoice& choice, LeafWork& work) const;
     /// Takes the largest of a few larger balls that is accepted. leaf_maker_wider.cpp.
     template <class Accepts>
-    void take_wider(LeafCandidate& c, const Vec3d& center, double n_wanted, LeafWork& work, const Accepts& accepts) const;
+    void take_wider(LeafCandidate& c, const Vec3d& center, double n_wanted, LeafWork& work,
+                    const Accepts& accepts) const;
     void widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
-    void widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    void widen_over_plate(LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
+                          LeafWork& work) const;
     /// What a sample of a sparse leaf's ball says already. leaf_maker_glance.cpp.
     enum class Glance : std::uint8_t { undecided, scatter, unexplained };
-    Glance glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal, LeafWork& work) const;
+    Glance glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
+                  LeafWork& work) const;
     bool leaves_center(const LeafCandidate& c) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);

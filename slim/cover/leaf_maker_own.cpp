@@ -13,7 +13,8 @@ namespace slim {
 namespace {
 
 constexpr int kMostRungs = 3;        // that it may be smaller than the finest ball
-constexpr double kNearEnough = 0.5;  // of what no point may be off: so near its point a leaf must pass
+constexpr double kNearEnough = 0.5;  // of what no point may be off: so
+                                     // near its point a leaf must pass
 
 }  // namespace
 
@@ -27,10 +28,12 @@ bool LeafMaker::passes_over(const CoveringSurfel& leaf) const {
 
 /// Whether it does though its search admits a smaller ball.
 bool LeafMaker::is_too_large(const LeafCandidate& c) const {
-    return !c.choice.forced && kGoldenRatio * c.choice.radius >= c.choice.finest && passes_over(c.surfel);
+    return !c.choice.forced && kGoldenRatio * c.choice.radius >= c.choice.finest &&
+           passes_over(c.surfel);
 }
 
-std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_before, LeafWork& work) const {
+std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_before,
+                                                  LeafWork& work) const {
     const Vec3d p = block_.position[point], normal = normalized(to_double(block_.normal[point]));
     RadiusChoice choice = choose_radius(place_[point], normal, rules_.last_level, work);
     if (choice.isolated) return {};
@@ -43,7 +46,8 @@ std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_bef
         s.rims = rims_of(leaf);
         s = level_linear(s);  // as the file's
         if (n_before > 0) {
-            leaf.fitted.fit_error = std::hypot(leaf.fitted.fit_error, s.polynomial.a[0] * s.support_radius);
+            leaf.fitted.fit_error =
+                std::hypot(leaf.fitted.fit_error, s.polynomial.a[0] * s.support_radius);
             s.polynomial.a[0] = 0;
         }
         leaf.fitted.point_id = block_.id[point];

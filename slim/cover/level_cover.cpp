@@ -2,129 +2,32 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/batch_places.h"
-#include "slim/cover/cover_states.h"
-#include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
-#include "slim/cover/own_leaves.h"
-#include "slim/cover/scatter.h"
-#include "slim/cover/second_fit.h"
+#include "slim/cover/level_cover_run.h"
 #include "slim/model/surfel_tree.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <numbers>
 #include <numeric>
-#include <span>
-#include <vector>
 
 namespace slim {
 namespace {
 
 /// Centres far from the leaves so far come first: passes of a level, by the most overlap a centre
 /// may have. In one pass, of random order, many leaves stand just outside another's reach and cover
-/// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458, 5,837,
-/// 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
+/// little that is new (leaves of igea at T 0.02, bunny_raw and happy_stand_raw at 0.01: 6,458,
+/// 5,837, 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
 constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
 constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
-constexpr std::size_t kMarkedAtOnce = 8;    // leaves of levels before whose points are listed at the same time
-constexpr std::size_t kMarkedShare = 8;     // of the points held, one in so many: lists take 24 bytes a point
-constexpr double kConflict = 0.5;           // share of rho_r within which a centre likely forestalls another
+constexpr double kConflict = 0.5;           // share of rho_r within which a
+                                            // centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
 
-/// One centre of a batch and what its search found.
-struct Candidate : LeafCandidate {
-    bool few_in_noise = false;           // a forced ball of so few points that it gives way to a leaf beside it
-    FittedSurfel internal;               // if it is no leaf
-    std::vector<std::uint32_t> stamped;  // points that the internal surfel keeps from becoming centres
-};
-
-/// The state of one run; each method is one step of it.
-class LevelCover {
-public:
-    LevelCover(const PointBlock& points, const CoverRules& rules)
-        : block_(points),
-          rules_(rules),
-          pyramid_(points, box_of(points), rules.seed, rules.share),
-          leaves_(points, rules, pyramid_),
-          states_(points, rules),
-          second_(rules.fits_again() ? points.size() : 0),
-          open_(points.size()),
-          work_([&rules] {
-              LeafWork w;
-              w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
-              w.ladder.ball.normals_count = w.exact.ball.normals_count = rules.follow_normals;
-              return w;
-          }) {
-        std::iota(open_.begin(), open_.end(), 0u);
-    }
-
-    Cover run(Reporter& reporter) {
-        if (rules_.done) mark_done();
-        std::size_t open = states_.count_open();
-        for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
-            run_level(level);
-            open = states_.count_open();
-            out_.counts.levels = static_cast<std::uint64_t>(level);
-            reporter.progress("fit", block_.size() - open, block_.size());
-        }
-        if (rules_.fits_again()) finish_leaves();
-        for (const LeafWork& w : work_) {
-            out_.counts.rungs += w.ladder.rungs;
-            out_.counts.sharp_rungs += w.ladder.sharp_rungs;
-            out_.counts.refinements += w.ladder.refinements;
-            out_.counts.point_visits += w.ladder.point_visits;
-            out_.counts.evaluated += w.searches;
-        }
-        return std::move(out_);
-    }
-
-private:
-    static Bbox box_of(const PointBlock& points);
-    bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
-    bool is_kept(const FittedSurfel& f) const {
-        const bool is_provisional = f.level == rules_.last_level &&
-                                    f.surfel.support_radius <= rules_.provisional;
-        return !is_provisional && owns(f.surfel.center);
-    }
-    void mark_done();
-    void mark_again(std::span<const FittedSurfel> leaves);
-    void keep(const FittedSurfel& f) {
-        if (rules_.keep)
-            rules_.keep(f);
-        else
-            out_.surfels.push_back(f);
-    }
-    std::size_t thinning_for(double radius) const;
-    void run_level(int level);
-    void run_pass(int level, std::size_t thinning, float most_overlap,
-                  std::vector<std::uint32_t>& waiting);
-    void search(Candidate& c, int level, std::size_t thinning);
-    void make_internal(Candidate& c, double radius, std::size_t thinning, LeafWork& work) const;
-    void finish_leaves();
-    void accept(Candidate& c, int level);
-    void accept_leaf(Candidate& c, int level);
-    bool drop(std::uint32_t point);
-    void mark(const CoveringSurfel& leaf);
-    bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
-
-    const PointBlock& block_;
-    const CoverRules& rules_;
-    PointPyramid pyramid_;
-    LeafMaker leaves_;
-    CoverStates states_;
-    SecondFit second_;
-    std::vector<std::uint64_t> strays_;  // their ids
-    std::vector<std::uint32_t> open_;   // places in by_priority() of points that may be open, rising
-    tbb::enumerable_thread_specific<LeafWork> work_;
-    Cover out_;
-};
-
-Bbox LevelCover::box_of(const PointBlock& points) {
+/// The box of points.
+Bbox box_of(const PointBlock& points) {
     constexpr std::size_t kGrain = 65536;
     std::vector<Bbox> parts((points.size() + kGrain - 1) / kGrain);
     parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -137,32 +40,43 @@ Bbox LevelCover::box_of(const PointBlock& points) {
     return box;
 }
 
-/// Marks the leaves of the levels before. Their sums are taken one after the other, whatever finds their points.
-void LevelCover::mark_done() {
-    std::vector<FittedSurfel> some;
-    std::size_t n_points = 0;  // that they cover, in all slices
-    rules_.done([&](const FittedSurfel& s) {
-        if (!(s.flags & kLeaf)) return;
-        some.push_back(s);
-        n_points += s.n_points;
-        if (some.size() < kMarkedAtOnce && kMarkedShare * n_points < block_.size()) return;
-        mark_again(some);
-        some.clear();
-        n_points = 0;
-    });
-    mark_again(some);
+}  // namespace
+
+LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules)
+    : block_(points),
+      rules_(rules),
+      pyramid_(points, box_of(points), rules.seed, rules.share),
+      leaves_(points, rules, pyramid_),
+      states_(points, rules),
+      second_(rules.fits_again() ? points.size() : 0),
+      open_(points.size()),
+      work_([&rules] {
+          LeafWork w;
+          w.ladder.ball.weight = w.exact.ball.weight = rules.weight;
+          w.ladder.ball.normals_count = w.exact.ball.normals_count = rules.follow_normals;
+          return w;
+      }) {
+    std::iota(open_.begin(), open_.end(), 0u);
 }
 
-/// Nobody asks what else lies over a point that is closed, unless leaves are fitted to what their blend leaves over.
-void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
-    WantedOfBucket open;
-    if (!rules_.fits_again()) open = [&](std::size_t first) { return states_.open_of_bucket(pyramid_.all(), first); };
-    std::vector<CoveringSurfel> covering(leaves.size());
-    parallel_blocks(leaves.size(), 1, [&](std::size_t i, std::size_t) {
-        covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance,
-                                  work_.local().exact.ball, open);
-    });
-    for (const CoveringSurfel& leaf : covering) mark(leaf);
+Cover LevelCover::run(Reporter& reporter) {
+    if (rules_.done) mark_done();
+    std::size_t open = states_.count_open();
+    for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
+        run_level(level);
+        open = states_.count_open();
+        out_.counts.levels = static_cast<std::uint64_t>(level);
+        reporter.progress("fit", block_.size() - open, block_.size());
+    }
+    if (rules_.fits_again()) finish_leaves();
+    for (const LeafWork& w : work_) {
+        out_.counts.rungs += w.ladder.rungs;
+        out_.counts.sharp_rungs += w.ladder.sharp_rungs;
+        out_.counts.refinements += w.ladder.refinements;
+        out_.counts.point_visits += w.ladder.point_visits;
+        out_.counts.evaluated += w.searches;
+    }
+    return std::move(out_);
 }
 
 /// The coarsest thinning that still has enough points in a usual ball of this radius.
@@ -178,7 +92,9 @@ std::size_t LevelCover::thinning_for(double radius) const {
 void LevelCover::run_level(int level) {
     const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
     // Only all of them are sifted for good: the coarse levels look at few.
-    const auto is_closed = [&](std::uint32_t rank) { return !states_.is_open(pyramid_.by_priority()[rank]); };
+    const auto is_closed = [&](std::uint32_t rank) {
+        return !states_.is_open(pyramid_.by_priority()[rank]);
+    };
     if (thinning == 0) parallel_erase_if(open_, is_closed);
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting(open_.begin(), end);
@@ -190,9 +106,9 @@ void LevelCover::run_level(int level) {
     }
 }
 
-/// Searches and accepts centres among the waiting points of a level whose overlap is not above a limit; those
-/// above it are left in `waiting`. A point that lies in no core is open whatever its overlap: the last pass
-/// takes them all.
+/// Searches and accepts centres among the waiting points of a level whose overlap is not above a
+/// limit; those above it are left in `waiting`. A point that lies in no core is open whatever its
+/// overlap: the last pass takes them all.
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
                           std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= rules_.coverage();
@@ -201,7 +117,7 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
 
     BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
     std::vector<std::uint32_t> passed, later;
-    std::vector<Candidate> batch;
+    std::vector<CoverCandidate> batch;
     for (std::size_t next = 0; next < waiting.size();) {
         batch.clear();
         passed.clear();
@@ -219,7 +135,7 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
         });
-        for (Candidate& c : batch) {
+        for (CoverCandidate& c : batch) {
             if (may_lead(c.point) && is_free(c.point))
                 accept(c, level);
             else
@@ -231,7 +147,7 @@ void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
     waiting.swap(later);
 }
 
-void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
+void LevelCover::search(CoverCandidate& c, int level, std::size_t thinning) {
     LeafWork& work = work_.local();
     c.center = c.point;
     c.level = level;
@@ -244,101 +160,21 @@ void LevelCover::search(Candidate& c, int level, std::size_t thinning) {
     if (c.few_in_noise && states_.is_beside(c.point)) return;
     if (c.leaf) leaves_.make(c, lower, work);
     if (c.leaf && c.surfel.explains_center) c.surfel.fitted.surfel.rims = rims_of(c.surfel);
-    if (!c.leaf && !c.choice.isolated) make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
+    if (!c.leaf && !c.choice.isolated)
+        make_internal(c, level_radius(rules_.diagonal, level), thinning, work);
 }
 
-void LevelCover::make_internal(Candidate& c, double radius, std::size_t thinning,
+void LevelCover::make_internal(CoverCandidate& c, double radius, std::size_t thinning,
                                LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     const PointTree& tree = pyramid_.level(thinning);
-    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false, rules_.noise_variance,
-                            work.exact.ball, Edges::ignored, Lists::left_out).fitted;
+    c.internal = fit_surfel(tree, center, normal, radius, rules_.usual_degree(), false,
+                            rules_.noise_variance, work.exact.ball, Edges::ignored, Lists::left_out)
+                     .fitted;
     for (std::size_t i = 0; i < work.exact.ball.n; ++i)
         c.stamped.push_back(tree.source(work.exact.ball.index[i]));
 }
-
-void LevelCover::accept(Candidate& c, int level) {
-    states_.remember(c);
-    if (c.choice.isolated) {
-        strays_.push_back(block_.id[c.point]);
-        out_.counts.isolated += drop(c.point);
-        return;
-    }
-    if (!c.leaf) {
-        c.internal.level = static_cast<std::uint8_t>(level);
-        c.internal.point_id = block_.id[c.point];
-        if (is_kept(c.internal)) {
-            keep(c.internal);
-            ++out_.counts.internals;
-        }
-        for (const std::uint32_t p : c.stamped) states_.stamp(p, level);
-        states_.stamp(c.point, level);
-        return;
-    }
-    accept_leaf(c, level);
-}
-
-void LevelCover::accept_leaf(Candidate& c, int level) {
-    if (c.few_in_noise && states_.is_beside(c.point)) {
-        out_.counts.beside += drop(c.point);
-        return;
-    }
-    if (!c.surfel.explains_center) {
-        out_.counts.unexplained += drop(c.point);
-        return;
-    }
-    FittedSurfel& f = c.surfel.fitted;
-    f.level = static_cast<std::uint8_t>(level);
-    // The largest radius of fine levels is that of the halo: reaching it says nothing of E.
-    const bool saturated = c.choice.saturated && rules_.first_level == 1;
-    f.flags = static_cast<std::uint8_t>(kLeaf | (saturated ? kSaturated : 0) |
-                                        (c.choice.forced ? kForced : 0) |
-                                        (c.choice.limited ? kLimited : 0));
-    f.point_id = block_.id[c.center];
-    if (is_raw() && states_.is_beside(c.point) && is_doubtful(f, rules_.noise_variance)) {
-        out_.counts.beside += drop(c.point);
-        return;
-    }
-    states_.close(c.point);
-    mark(c.surfel);
-    if (rules_.fits_again()) second_.wait(f);
-    if (!is_kept(f)) return;
-    out_.counts.recentred += c.center != c.point;
-    out_.counts.add_leaf(c.surfel);
-    out_.counts.contrary += c.choice.limited;
-    if (!rules_.fits_again()) keep(f);
-}
-
-/// Once all leaves are known. Those of coarse levels, of whose points a slice sees a part only, stay as they are.
-void LevelCover::finish_leaves() {
-    out_.counts.refitted += second_.run(pyramid_.all());
-    const auto own = own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
-    second_.hand_over([&](const FittedSurfel& leaf) {
-        if (is_kept(leaf)) keep(leaf);
-    });
-    for (const CoveringSurfel& leaf : own) {
-        if (!is_kept(leaf.fitted)) continue;
-        ++out_.counts.own;
-        out_.counts.add_leaf(leaf);
-        keep(leaf.fitted);
-    }
-}
-
-/// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its neighbours.
-bool LevelCover::drop(std::uint32_t point) {
-    states_.close(point);
-    if (rules_.is_sample() || !owns(block_.position[point])) return false;
-    out_.dropped.push_back(block_.id[point]);
-    return true;
-}
-
-void LevelCover::mark(const CoveringSurfel& leaf) {
-    states_.mark(leaf, is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance));
-    if (rules_.fits_again()) second_.blend(leaf);
-}
-
-}  // namespace
 
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
     return LevelCover(points, rules).run(reporter);

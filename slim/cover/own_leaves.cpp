@@ -15,18 +15,26 @@ namespace {
 
 constexpr int kRounds = 6;
 constexpr int kTries = 2;       // of a point
-constexpr double kApart = 0.5;  // over rho: a leaf of the same round may have mended what is so near
+constexpr double kApart = 0.5;  // over rho: a leaf of the same round
+                                // may have mended what is so near
 
 class OwnLeaves {
 public:
-    OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules, const LeafMaker& maker,
-              const SecondFit& others, std::span<const std::uint64_t> strays, LeafWork& work)
-        : points_(points), block_(block), rules_(rules), maker_(maker), work_(work),
-          mended_in_(points.size(), 0), dropped_(rules.dropped.begin(), rules.dropped.end()) {
+    OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules,
+              const LeafMaker& maker, const SecondFit& others,
+              std::span<const std::uint64_t> strays, LeafWork& work)
+        : points_(points),
+          block_(block),
+          rules_(rules),
+          maker_(maker),
+          work_(work),
+          mended_in_(points.size(), 0),
+          dropped_(rules.dropped.begin(), rules.dropped.end()) {
         dropped_.insert(strays.begin(), strays.end());
         if (rules.done)
             rules.done([&](const FittedSurfel& f) {
-                if (f.flags & kLeaf) leaves_.push_back(&copies_.emplace_back(level_linear(f.surfel)));
+                if (f.flags & kLeaf)
+                    leaves_.push_back(&copies_.emplace_back(level_linear(f.surfel)));
             });
         others.for_each([&](const FittedSurfel& f) { blend(f.surfel); });
     }
@@ -35,17 +43,23 @@ public:
         std::vector<std::uint32_t> places = first_places();
         for (int round = 0; round < kRounds && !places.empty(); ++round) {
             auto far = far_points(points_, places, leaves_, rules_.farthest());
-            std::stable_sort(far.begin(), far.end(), [](const auto& a, const auto& b) { return a.off > b.off; });
+            std::stable_sort(far.begin(), far.end(),
+                             [](const auto& a, const auto& b) { return a.off > b.off; });
             places = mend(far, static_cast<std::uint8_t>(round + 1));
         }
         return std::move(own_);
     }
 
 private:
-    /// Adds a leaf as the file will hold it, which turns the axes of linear ones, and so their rims a little.
-    void blend(const Surfel& s) { leaves_.push_back(s.degree < 2 ? &copies_.emplace_back(level_linear(s)) : &s); }
+    /// Adds a leaf as the file will hold it, which turns the axes of linear ones,
+    /// and so their rims a little.
+    void blend(const Surfel& s) {
+        leaves_.push_back(s.degree < 2 ? &copies_.emplace_back(level_linear(s)) : &s);
+    }
 
-    bool owns(std::uint32_t place) const { return !rules_.owns || rules_.owns(points_.position(place)); }
+    bool owns(std::uint32_t place) const {
+        return !rules_.owns || rules_.owns(points_.position(place));
+    }
 
     std::vector<std::uint32_t> first_places() const {
         std::vector<std::uint32_t> out = maybe_far(points_, leaves_, rules_.farthest());
@@ -101,15 +115,17 @@ private:
         int made = 0, leaves = 0;
     };
     std::unordered_map<std::uint32_t, Tries> tries_;  // of places
-    std::vector<std::uint8_t> mended_in_;             // the last round in which a leaf came near a place
+    std::vector<std::uint8_t> mended_in_;             // the last round in which a
+                                                      // leaf came near a place
     std::unordered_set<std::uint64_t> dropped_;
 };
 
 }  // namespace
 
-std::deque<CoveringSurfel> own_leaves(const PointTree& points, const PointBlock& block, const CoverRules& rules,
-                                      const LeafMaker& maker, const SecondFit& others, std::span<const std::uint64_t> strays,
-                                      LeafWork& work) {
+std::deque<CoveringSurfel> own_leaves(const PointTree& points, const PointBlock& block,
+                                      const CoverRules& rules, const LeafMaker& maker,
+                                      const SecondFit& others,
+                                      std::span<const std::uint64_t> strays, LeafWork& work) {
     return OwnLeaves(points, block, rules, maker, others, strays, work).run();
 }
 

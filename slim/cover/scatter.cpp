@@ -14,18 +14,21 @@ constexpr double kThickOfSparse = 0.03;  // noise is small against so large a le
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;  // breadth of a leaf whose points are a line (0.5 on a surface)
 constexpr double kThick = 0.15;  // eps / rho of one whose points fill a volume (0.25 at random)
-constexpr double kThickest = 0.25;  // eps / rho of points at random, which no energy makes a surface
+// eps / rho of points at random, which no energy makes a surface
+constexpr double kThickest = 0.25;
 constexpr double kClump = 0.9;  // share of the points within half of the radius (0.25 on a surface)
 constexpr std::uint32_t kFewOfThick = 60;
 constexpr double kThickOfDoubtful = 0.12;
-// A ball with two sheets in it, where scans disagree, up to the points and down to the noise it may hold.
+// A ball with two sheets in it, where scans disagree, up to the points and down to the noise it may
+// hold.
 constexpr double kTwoSheets = 0.2;
 constexpr std::uint32_t kFewOfTwoSheets = 200;
 constexpr double kNoisyTwoSheets = 0.04;
 // sqrt(lambda) / rho, below it a few points are a detail; of the usual finest ball it is 0.10 and
 // 0.27 on bunny_raw and happy_stand_raw, 0.02 to 0.03 on clean meshes, 0.06 on autzen_stadium.
 constexpr double kNoisy = 0.07;
-constexpr std::size_t kFewOfGap = 8;  // points that a leaf in a gap covers: fewer do not fill its ball
+constexpr std::size_t kFewOfGap = 8;  // points that a leaf in a gap covers:
+                                      // fewer do not fill its ball
 constexpr double kBeyondLast = 1.15;  // times the farthest of them: so far their leaf reaches
 constexpr double kLeastOfGap = 0.1;
 
@@ -38,7 +41,8 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean
     // of noise.
     const double narrow = f.n_points > kMany ? kNarrow : kNarrowOfFew;
     const bool is_thick = is_thicker(leaf, forced, sparse, clean, 1);
-    const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;  // strays' normals agree on nothing
+    // strays' normals agree on nothing
+    const bool is_torn = sparse && 2 * leaf.n_aside > f.n_points;
     // A scan line on a surface is a line too, but its normals agree; those about a pole do not.
     const bool is_line = leaf.breadth < narrow && 5 * leaf.n_aside > f.n_points;
     // In the air a clump has no more points in a larger ball, and the larger is the cheaper.
@@ -56,7 +60,8 @@ double share_of_few(const CoveringSurfel& leaf) {
     if (leaf.covered.size() < 2 || leaf.covered.size() >= kFewOfGap) return 1;
     double farthest = 0;
     for (const Covered& p : leaf.covered)
-        farthest = std::max(farthest, std::hypot(static_cast<double>(p.u), static_cast<double>(p.v)));
+        farthest =
+            std::max(farthest, std::hypot(static_cast<double>(p.u), static_cast<double>(p.v)));
     return std::clamp(kBeyondLast * farthest, kLeastOfGap, 1.0);
 }
 

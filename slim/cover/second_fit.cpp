@@ -28,7 +28,8 @@ void SecondFit::wait(const FittedSurfel& leaf) {
 
 std::size_t SecondFit::run(const PointTree& points) {
     std::size_t moved = 0;
-    for (std::vector<FittedSurfel>& leaves : waiting_) moved += refit_to_blend(points, blend_, leaves);
+    for (std::vector<FittedSurfel>& leaves : waiting_)
+        moved += refit_to_blend(points, blend_, leaves);
     std::vector<BlendResidual>().swap(blend_);
     return moved;
 }

@@ -10,14 +10,15 @@
 
 namespace slim {
 
-/// Leaves that wait until all are known to be fitted a second time, and what their blend leaves over
-/// (blend_refit.h).
+/// Leaves that wait until all are known to be fitted a second time, and what their blend leaves
+/// over (blend_refit.h).
 class SecondFit {
 public:
     /// Of so many points.
     explicit SecondFit(std::size_t n_points) : blend_(n_points) {}
 
-    /// Adds a leaf to what the blend leaves over at its points: those that are not fitted again too.
+    /// Adds a leaf to what the blend leaves over at its points:
+    /// those that are not fitted again too.
     void blend(const CoveringSurfel& leaf);
     void wait(const FittedSurfel& leaf);
     /// Fits all that wait; returns how many moved.

@@ -10,10 +10,12 @@ namespace slim {
 namespace {
 
 constexpr int kTries = 4;
-constexpr double kMoreThanWanted = 1.3;  // times as many points are gathered at first, if they are spread evenly
+// times as many points are gathered at first, if they are spread evenly
+constexpr double kMoreThanWanted = 1.3;
 constexpr double kWellFitted = 0.06;  // eps / rho
 constexpr std::size_t kFewSigns = 4;  // of an edge: single normals that noise turned
-/// Of its weight: rims have 32 directions, and an edge between two of them must not count as air along its ends.
+/// Of its weight: rims have 32 directions, and an edge between two of them must not count as air
+/// along its ends.
 constexpr double kHardlyThere = 0.4;
 
 }  // namespace
@@ -53,19 +55,24 @@ double share_sideways(const BallPoints<double>& ball, const Vec3d& normal) {
         const double cosine = dot(normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
         if (cosine < kLeastCos) ++(cosine < kOtherSideCos ? away : sideways);
     }
-    return static_cast<double>(sideways) / static_cast<double>(std::max<std::size_t>(ball.n - away, 1));
+    return static_cast<double>(sideways) /
+           static_cast<double>(std::max<std::size_t>(ball.n - away, 1));
 }
 
 bool is_well_fitted(const CoveringSurfel& leaf) {
-    return leaf.explains_center && leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
+    return leaf.explains_center &&
+           leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
 }
 
-bool has_edge_signs(const CoveringSurfel& leaf) { return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty(); }
+bool has_edge_signs(const CoveringSurfel& leaf) {
+    return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty();
+}
 
 bool ends_before_air(const CoveringSurfel& leaf) {
     const PackedRims rims = rims_of(leaf);
     return std::none_of(leaf.air.begin(), leaf.air.end(), [&](const AirPlace& p) {
-        return p.far && rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > kHardlyThere;
+        return p.far &&
+               rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > kHardlyThere;
     });
 }
 

@@ -86,9 +86,9 @@ stdx::rebind_simd_t<float, V> normals_at(const std::int16_t* n) {
 
 constexpr std::uint64_t kWhole = ~std::uint64_t{0};
 
-/// Puts those of a bucket's points that `wanted` names by bits in the ball behind the n that it has, by groups; `first`
-/// is the index of its first in the tree. Returns how many there are now. The ball's own n and arrays are not read
-/// between the stores.
+/// Puts those of a bucket's points that `wanted` names by bits in the ball behind the n that it
+/// has, by groups; `first` is the index of its first in the tree. Returns how many there are now.
+/// The ball's own n and arrays are not read between the stores.
 template <class T>
 std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d& c, double scale,
                        std::size_t first, std::uint64_t wanted, std::size_t n, BallPoints<T>& out) {
@@ -118,7 +118,8 @@ std::size_t add_bucket(const PointTree& tree, const PointBucket& b, const Vec3d&
 }
 
 template <class T, class Wanted>
-void gather(const PointTree& tree, const Vec3d& c, double radius, const Wanted& wanted, BallPoints<T>& out) {
+void gather(const PointTree& tree, const Vec3d& c, double radius, const Wanted& wanted,
+            BallPoints<T>& out) {
     out.n = 0;
     out.radius = radius;
     tree.for_buckets_in_ball(c, radius,
@@ -126,7 +127,8 @@ void gather(const PointTree& tree, const Vec3d& c, double radius, const Wanted& 
                                  const std::uint64_t bits = wanted(first);
                                  if (bits == 0) return;
                                  reserve_points(out, out.n + 2 * kBucket);
-                                 out.n = add_bucket(tree, bucket, c, scale, first, bits, out.n, out);
+                                 out.n =
+                                     add_bucket(tree, bucket, c, scale, first, bits, out.n, out);
                              });
     pad(out);
 }
@@ -138,8 +140,8 @@ void gather_ball(const PointTree& tree, const Vec3d& c, double radius, BallPoint
     gather(tree, c, radius, [](std::size_t) { return kWhole; }, out);
 }
 
-void gather_wanted(const PointTree& tree, const Vec3d& c, double radius, const WantedOfBucket& wanted,
-                   BallPoints<double>& out) {
+void gather_wanted(const PointTree& tree, const Vec3d& c, double radius,
+                   const WantedOfBucket& wanted, BallPoints<double>& out) {
     gather(tree, c, radius, wanted, out);
 }
 

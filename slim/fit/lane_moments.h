@@ -9,8 +9,8 @@
 
 namespace slim {
 
-/// A product that is rounded before it is added to anything: compilers may else take one and the sum
-/// for an fma, and do so by chance.
+/// A product that is rounded before it is added to anything: compilers may else take one and the
+/// sum for an fma, and do so by chance.
 template <class V>
 [[gnu::always_inline]] inline V rounded(V product) {
 #ifdef __AVX512VL__

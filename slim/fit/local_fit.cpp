@@ -4,46 +4,22 @@
 #include "slim/fit/nested_cholesky.h"
 #include "slim/fit/slope_system.h"
 
-#include <Eigen/Eigenvalues>
-
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 namespace slim {
 namespace {
 
-constexpr double kLeastAgreement = 0.3;  // |sum G n| / sum G below which the normals disagree
 constexpr double kLeastFreedom = 2;     // effective points beyond K: with fewer, eps is no estimate
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff: eps^2 grows fourfold at most
-/// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its ball. A parabola
-/// over a right-angled edge has 2.4 (notes/0008).
+/// First, second and third order at their steepest, degree >= 1: beyond it the patch leaves its
+/// ball. A parabola over a right-angled edge has 2.4 (notes/0008).
 constexpr double kSteepest = 4;
 
 /// RSS / sum G w^2 below which the difference of sums is rounding, not residual.
 template <class T>
 constexpr double kCancelled = std::is_same_v<T, float> ? 1e-4 : 1e-10;
-
-template <class T>
-Vec3d least_spread_direction(const BallPoints<T>& p, double shrink) {
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    double weight = 0;
-    for (int pass = 0; pass < 2; ++pass) {
-        for (std::size_t i = 0; i < p.n; ++i) {
-            const double g = fit_weight(p.weight, static_cast<double>(p.sq[i]) / (shrink * shrink));
-            const Eigen::Vector3d x(p.x[i], p.y[i], p.z[i]);
-            if (pass == 0)
-                mean += g * x, weight += g;
-            else
-                covariance += g * (x - mean) * (x - mean).transpose();
-        }
-        if (pass == 0 && weight > 0) mean /= weight;
-    }
-    const Eigen::Vector3d n =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);
-    return {n.x(), n.y(), n.z()};
-}
 
 /// RSS by a pass over the residuals, where the sums cancel (exact planes, exact quadrics).
 template <class T>
@@ -83,7 +59,8 @@ LocalFit mean_plane(const Moments<Degree>& m, double shrink, double radius) {
 }
 
 /// What a term of a degree takes off sum G w^2 by fitting noise alone, over sum G^2 / sum G and the
-/// noise's variance: terms of higher degree live where G is small. Disc averages under G (notes/0005).
+/// noise's variance: terms of higher degree live where G is small. Disc averages under G
+/// (notes/0005).
 constexpr double kNoiseOfTerm[] = {1, 0.5182, 0.3715, 0.3064, 0.2694};
 
 /// Fills in what the next degree would find.
@@ -95,16 +72,18 @@ void look_ahead(const NestedCholesky& solver, double weight, double radius, Loca
     fit.sq_missed_error = noise * std::sqrt(2.0 * (next + 1));
 }
 
-/// How far eps^2 may rise when the normals take part: a seventh of the noise in all, or what three standard errors
-/// of the coefficients amount to. Normals that the points contradict are not followed.
+/// How far eps^2 may rise when the normals take part: a seventh of the noise in all, or what three
+/// standard errors of the coefficients amount to. Normals that the points contradict are not
+/// followed.
 double most_raised(int degree, double n_effective) {
     const double k = n_coefficients(degree);
     return 1 + std::max(0.02, (k + 3 * std::sqrt(2 * k)) / n_effective);
 }
 
-/// The fit to points and normals in place of the fit to points alone. A slope counts as often as its
-/// variance goes into that of a height, both as this ball shows them: about the fit of the degree itself,
-/// normals as good as the points' own slopes (any that are made of them) hardly count.
+/// The fit to points and normals in place of the fit to points alone. A slope counts as often as
+/// its variance goes into that of a height, both as this ball shows them: about the fit of the
+/// degree itself, normals as good as the points' own slopes (any that are made of them) hardly
+/// count.
 template <int MomentDegree, class T>
 void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
                     const BallPoints<T>& points, double shrink, const Frame<double>& frame,
@@ -135,7 +114,8 @@ void follow_normals(const Moments<MomentDegree>& m, const NestedCholesky& alone,
         if (slopes_too.rank_degree() < next) return;
         const auto found = both.gain_in(alone, next);
         const double noise = fit.sq_error * kNoiseOfTerm[next] / fit.n_effective;
-        fit.sq_missed = points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
+        fit.sq_missed =
+            points.radius * points.radius * found.sq_gain / m.weight() - noise * found.n_errors;
         const auto fully = both.gain_in(slopes_too, next);
         fit.sq_missed_slope = points.radius * points.radius * fully.sq_gain / m.weight() -
                               noise * fully.n_errors - fit.sq_missed;
@@ -168,7 +148,8 @@ bool are_enough(std::size_t n, double n_effective, int degree, Enough enough) {
            (enough == Enough::points || n_effective >= k + kLeastFreedom);
 }
 
-/// The fit of a degree, or what NUMERICS 2.4 leaves of it; sums of a higher degree are for look_ahead.
+/// The fit of a degree, or what NUMERICS 2.4 leaves of it;
+/// sums of a higher degree are for look_ahead.
 template <int MomentDegree, class T>
 LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
                        const BallPoints<T>& points, double shrink, const Frame<double>& frame,
@@ -178,7 +159,8 @@ LocalFit fit_of_degree(const BallSolution<MomentDegree>& solution, int degree,
     LocalFit fit;
     Fallback cause = Fallback::none;
     const double n_eff = m.n_effective();
-    while (degree > 1 && !are_enough(n, n_eff, degree, enough)) --degree, cause = Fallback::few_points;
+    while (degree > 1 && !are_enough(n, n_eff, degree, enough))
+        --degree, cause = Fallback::few_points;
     if (solver.rank_degree() < degree) degree = solver.rank_degree(), cause = Fallback::rank;
     for (; degree >= 1; --degree, cause = Fallback::steep) {
         const auto a = solver.coefficients(degree);
@@ -214,7 +196,8 @@ SpreadFit fit_degree_with_spread(const BallPoints<T>& points, double shrink,
                                  const Frame<double>& frame) {
     const auto solution = solve_ball<Degree>(points, shrink, frame);
     SpreadFit out{fit_of_degree(solution, Degree, points, shrink, frame), {}};
-    if (out.fit.degree >= 1) out.spread = spread_of(solution.moments, solution.solver, out.fit.degree);
+    if (out.fit.degree >= 1)
+        out.spread = spread_of(solution.moments, solution.solver, out.fit.degree);
     return out;
 }
 
@@ -235,52 +218,6 @@ const char* fallback_name(Fallback fallback) {
     constexpr const char* names[kFallbacks] = {"none", "few_points", "rank",
                                                  "steep", "plane", "lower_explains"};
     return names[static_cast<std::size_t>(fallback)];
-}
-
-template <class T>
-[[gnu::flatten]] BallNormal average_normal(const BallPoints<T>& p, double shrink, const Vec3d& side) {
-    using V = stdx::native_simd<T>;
-    const auto lanes = [](const auto& a, std::size_t i) { return V(&a[i], stdx::element_aligned); };
-    const Vec3<V> s{V(T(side.x)), V(T(side.y)), V(T(side.z))};
-    const V to_fit = V(T(1 / (shrink * shrink)));
-    Vec3<V> lane_sum{V(T(0)), V(T(0)), V(T(0))};
-    V lane_weight = T(0);
-    for (std::size_t i = 0; i < p.padded(); i += V::size()) {
-        const V nx = lanes(p.nx, i), ny = lanes(p.ny, i), nz = lanes(p.nz, i);
-        const auto same = nx * s.x + ny * s.y + nz * s.z > T(0);
-        const V g = select(same, fit_weight(p.weight, lanes(p.sq, i) * to_fit), V(T(0)));
-        lane_sum.x += g * nx, lane_sum.y += g * ny, lane_sum.z += g * nz;
-        lane_weight += g;
-    }
-    const Vec3d sum{stdx::reduce(lane_sum.x), stdx::reduce(lane_sum.y), stdx::reduce(lane_sum.z)};
-    const double weight = stdx::reduce(lane_weight);
-    const double len = length(sum);
-    if (len > kLeastAgreement * weight && len > 0) return {sum / len, false};
-    const Vec3d known = sq_length(side) > 0 ? side : Vec3d{0, 0, 1};
-    if (p.n < 3) return {known, true};
-    const Vec3d n = least_spread_direction(p, shrink);
-    return {dot(n, side) < 0 ? -n : n, true};
-}
-
-template <class T>
-[[gnu::flatten]] void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal, std::vector<SetAside<T>>& out) {
-    using V = LanesOfDouble<float>;
-    const auto lanes = [](const std::vector<float>& a, std::size_t i) {
-        return V(&a[i], stdx::element_aligned);
-    };
-    const Vec3f n = to_float(normal);
-    out.clear();
-    // Padding has no normal.
-    for (std::size_t first = 0; first < p.padded(); first += V::size()) {
-        const V nx = lanes(p.nx, first), ny = lanes(p.ny, first), nz = lanes(p.nz, first);
-        const auto measured = nx != 0.0f || ny != 0.0f || nz != 0.0f;
-        const auto contrary = measured && nx * n.x + ny * n.y + nz * n.z < kLeastCos;
-        for (std::uint64_t bits = lane_bits(contrary); bits != 0; bits &= bits - 1) {
-            const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
-            out.push_back({i, p.sq[i]});
-            p.sq[i] = T(2);
-        }
-    }
 }
 
 template <class T>
@@ -328,10 +265,6 @@ std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<T>& points, d
     return fits;
 }
 
-template BallNormal average_normal(const BallPoints<float>&, double, const Vec3d&);
-template BallNormal average_normal(const BallPoints<double>&, double, const Vec3d&);
-template void set_contrary_aside(BallPoints<float>&, const Vec3d&, std::vector<SetAside<float>>&);
-template void set_contrary_aside(BallPoints<double>&, const Vec3d&, std::vector<SetAside<double>>&);
 template std::size_t count_off_sheet(const BallPoints<float>&, std::span<const SetAside<float>>,
                                      const Frame<double>&, const LocalFit&, double);
 template std::size_t count_off_sheet(const BallPoints<double>&, std::span<const SetAside<double>>,
@@ -342,7 +275,8 @@ template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<floa
                                                            const Frame<double>&);
 template std::array<LocalFit, kMaxDegree> fit_every_degree(const BallPoints<double>&, double,
                                                            const Frame<double>&);
-template SpreadFit fit_ball_with_spread(const BallPoints<float>&, double, const Frame<double>&, int);
+template SpreadFit fit_ball_with_spread(const BallPoints<float>&, double, const Frame<double>&,
+                                        int);
 template LocalFit fit_ball_ahead(const BallPoints<float>&, double, const Frame<double>&, int);
 
 }  // namespace slim

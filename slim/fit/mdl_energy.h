@@ -8,15 +8,16 @@
 
 namespace slim {
 
-/// The variance of normal noise of which a ball shows only `sq_error`: the weight falls along the normal,
-/// too, as exp(-8 w^2 / rho^2), and 1 / shown = 1 / whole + 16 / rho^2. A ball that is as thick as wide shows
-/// rho^2 / 16 whatever the noise; it counts for at most twenty times that (slim/fit/notes/0005).
+/// The variance of normal noise of which a ball shows only `sq_error`: the weight falls along the
+/// normal, too, as exp(-8 w^2 / rho^2), and 1 / shown = 1 / whole + 16 / rho^2. A ball that is as
+/// thick as wide shows rho^2 / 16 whatever the noise; it counts for at most twenty times that
+/// (slim/fit/notes/0005).
 inline double whole_variance(double sq_error, double radius) {
     return sq_error / std::max(1 - 16 * sq_error / (radius * radius), 0.05);
 }
 
-/// E(rho) = eps^2 + lambda (T L / rho)^2, Ohtake 2005 eq. (3) with T a fraction of L (NUMERICS 3.1) and eps^2
-/// the whole variance.
+/// E(rho) = eps^2 + lambda (T L / rho)^2, Ohtake 2005 eq. (3) with T a fraction of L (NUMERICS 3.1)
+/// and eps^2 the whole variance.
 struct MdlEnergy {
     double noise_variance;  ///< lambda, length^2
     double length;          ///< T_MDL * L

@@ -27,11 +27,11 @@ struct Moments {
     }
 };
 
-/// Sums over the ball's points with weights G at |x| / shrink, shrink <= 1 being the fit's radius over the
-/// gather radius. Products in T, lanes emptied into doubles every 16 groups.
+/// Sums over the ball's points with weights G at |x| / shrink, shrink <= 1 being the fit's radius
+/// over the gather radius. Products in T, lanes emptied into doubles every 16 groups.
 template <int Degree, class T>
-[[gnu::flatten]] Moments<Degree> accumulate_moments(const BallPoints<T>& points, const Frame<double>& frame,
-                                   double shrink) {
+[[gnu::flatten]] Moments<Degree> accumulate_moments(const BallPoints<T>& points,
+                                                    const Frame<double>& frame, double shrink) {
     using V = stdx::native_simd<T>;
     const auto axis = [](const Vec3d& a) { return Vec3<V>{V(T(a.x)), V(T(a.y)), V(T(a.z))}; };
     const Vec3<V> eu = axis(frame.u_axis), ev = axis(frame.v_axis), en = axis(frame.normal);

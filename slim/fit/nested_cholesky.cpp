@@ -42,19 +42,22 @@ std::size_t product_index(std::size_t i, std::size_t j) { return kProduct[i][j];
 NestedCholesky::NestedCholesky(int degree, std::span<const double> monomials,
                                std::span<const double> heights, double sq_height)
     : sq_height_(sq_height) {
-    factorise(degree, [&](std::size_t i, std::size_t j) { return monomials[kProduct[i][j]]; }, heights);
+    factorise(
+        degree, [&](std::size_t i, std::size_t j) { return monomials[kProduct[i][j]]; }, heights);
 }
 
 NestedCholesky::NestedCholesky(int degree, const Matrix& matrix, std::span<const double> heights,
                                double sq_height)
     : sq_height_(sq_height) {
-    factorise(degree, [&](std::size_t i, std::size_t j) { return matrix.entries[i * matrix.n + j]; },
-              heights);
+    factorise(
+        degree, [&](std::size_t i, std::size_t j) { return matrix.entries[i * matrix.n + j]; },
+        heights);
 }
 
 template <class Entry>
 void NestedCholesky::factorise(int degree, const Entry& entry, std::span<const double> heights) {
-    std::array<double, kMost> inverse;  // of the pivots: a division takes as long as the rest of a term
+    // of the pivots: a division takes as long as the rest of a term
+    std::array<double, kMost> inverse;
     for (int d = 0; d <= degree; ++d) {
         const auto first = static_cast<std::size_t>(d * (d + 1) / 2);
         for (std::size_t i = first; i < first + static_cast<std::size_t>(d) + 1; ++i) {
@@ -122,8 +125,8 @@ std::array<double, kMaxCoefficients> NestedCholesky::inverse_diagonal(int degree
     return out;
 }
 
-/// The coefficients a of the block are D L^-T y, D the scale, with covariance D L^-T L^-1 D; there they take off
-/// |L'^T D'^-1 a|^2 = |X^T y|^2, X = L^-1 D D'^-1 L'.
+/// The coefficients a of the block are D L^-T y, D the scale, with covariance D L^-T L^-1 D; there
+/// they take off |L'^T D'^-1 a|^2 = |X^T y|^2, X = L^-1 D D'^-1 L'.
 NestedCholesky::GainThere NestedCholesky::gain_in(const NestedCholesky& other, int degree) const {
     const auto first = static_cast<std::size_t>(n_coefficients(degree - 1));
     const auto end = static_cast<std::size_t>(n_coefficients(degree));

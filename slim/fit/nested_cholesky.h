@@ -16,13 +16,15 @@ std::size_t product_index(std::size_t i, std::size_t j);
 /// (NUMERICS 2.2).
 ///
 /// Solves min sum G (w - phi^T a)^2 for all degrees up to `degree`, from sums in basis order
-/// (`monomials`: n_coefficients(2 degree) of them; degree up to 4). A block of equal degree whose pivots in the matrix
-/// scaled to unit diagonal fall below 1e-6 is dropped whole (NUMERICS 2.4, rule 2).
+/// (`monomials`: n_coefficients(2 degree) of them; degree up to 4). A block of equal degree whose
+/// pivots in the matrix scaled to unit diagonal fall below 1e-6 is dropped whole (NUMERICS 2.4,
+/// rule 2).
 class NestedCholesky {
 public:
     NestedCholesky(int degree, std::span<const double> monomials, std::span<const double> heights,
                    double sq_height);
-    /// From the whole matrix (symmetric, n_coefficients(degree) rows one after the other; lower half read).
+    /// From the whole matrix (symmetric, n_coefficients(degree) rows one after the other;
+    /// lower half read).
     struct Matrix {
         std::span<const double> entries;
         std::size_t n;
@@ -38,9 +40,10 @@ public:
     /// sum G^2 / sum G) it is the variance of the coefficients.
     std::array<double, kMaxCoefficients> inverse_diagonal(int degree) const;
 
-    /// What the terms of one degree, as this system solves them, take off the residual of another, of the same
-    /// points seen in fewer ways, beyond what lower degrees take there; and how many independent errors of that
-    /// other system their errors amount to (degree + 1 if both are the same). degree <= rank_degree() of both.
+    /// What the terms of one degree, as this system solves them, take off the residual of another,
+    /// of the same points seen in fewer ways, beyond what lower degrees take there; and how many
+    /// independent errors of that other system their errors amount to (degree + 1 if both are the
+    /// same). degree <= rank_degree() of both.
     struct GainThere {
         double sq_gain, n_errors;
     };
@@ -59,7 +62,8 @@ private:
     std::array<double, kMost> scale_{};
 };
 
-/// Variances of the coefficients of a degree over that of the heights' noise, for sums of weights G.
+/// Variances of the coefficients of a degree over that of the heights' noise,
+/// for sums of weights G.
 template <class Moments>
 std::array<double, kMaxCoefficients> spread_of(const Moments& moments, const NestedCholesky& solver,
                                                int degree) {

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kFew = kFewestSamples;
 
-constexpr double kRounding = 1e-12;         // of the squared spacing: below it a neighbourhood is flat
+// of the squared spacing: below it a neighbourhood is flat
+constexpr double kRounding = 1e-12;
 
 /// The mean over the first n samples.
 NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
@@ -37,7 +38,9 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
                                                     search.positions()[wanted[w]]));
         found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0,
                     sq_reach / static_cast<double>(neighbors.size()),
-                    normals.empty() ? 0 : normal_variance_of(search.positions(), normals, neighbors, s.normal),
+                    normals.empty()
+                        ? 0
+                        : normal_variance_of(search.positions(), normals, neighbors, s.normal),
                     true};
     });
     NoiseVariance out;
@@ -57,7 +60,8 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
         out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
         out.typical = std::exp(log_smallest / static_cast<double>(out.n_sampled));
-        if (!normals.empty()) out.normal = std::exp(log_normal / static_cast<double>(out.n_sampled));
+        if (!normals.empty())
+            out.normal = std::exp(log_normal / static_cast<double>(out.n_sampled));
     }
     return out;
 }
@@ -67,7 +71,8 @@ std::size_t enough_samples(std::size_t n, std::size_t k, std::size_t fewest) {
     return std::min(n, std::max(n * 10 / k, fewest));
 }
 
-/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples; else the flattest.
+/// The first k whose neighbourhoods are flat, which shows on a tenth of the samples;
+/// else the flattest.
 std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples) {
     std::size_t best = kNoiseNeighbors[0];
     double flattest = INFINITY;
@@ -81,12 +86,15 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
     return best;
 }
 
-/// The first point at the place of each sample. Samples of one place look at its points once in all.
-std::vector<std::uint32_t> first_points(const NearestSearch& search, std::span<const std::uint32_t> samples) {
+/// The first point at the place of each sample. Samples of one place look at its points once in
+/// all.
+std::vector<std::uint32_t> first_points(const NearestSearch& search,
+                                        std::span<const std::uint32_t> samples) {
     std::vector<std::uint32_t> first(samples.begin(), samples.end());
     std::vector<std::uint32_t> order(samples.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return samples[a] < samples[b]; });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return samples[a] < samples[b]; });
     for (std::size_t k = 0; k < order.size(); ++k) {
         std::uint32_t& i = first[order[k]];
         while (search.is_repeat(i) && (k == 0 || i != samples[order[k - 1]])) --i;
@@ -110,11 +118,12 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
 }  // namespace
 
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
-                                      std::span<const std::uint32_t> samples,
-                                      std::size_t neighbors, std::span<const Vec3f> normals, std::size_t fewest) {
+                                      std::span<const std::uint32_t> samples, std::size_t neighbors,
+                                      std::span<const Vec3f> normals, std::size_t fewest) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
     const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
-    NoiseVariance out = with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
+    NoiseVariance out =
+        with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
         out.independence = normal_independence(search, places, normals, k);
     return out;

@@ -13,12 +13,15 @@ namespace slim {
 /// of their k nearest neighbours at distinct places.
 struct NoiseVariance {
     double value = 0;     ///< length^2
-    double flatness = 0;  ///< mean of smallest / middle eigenvalue; above 0.1 the neighbourhood is no longer flat
-    double spacing = 0;   ///< square root of the area that a point usually has: geometric mean over the samples
-    /// Of the normals, one component, radians^2: geometric mean of normal_variance_of over the samples, so that
-    /// edges do not count; 0 without normals.
+    double flatness = 0;  ///< mean of smallest / middle eigenvalue; above
+                          ///< 0.1 the neighbourhood is no longer flat
+    double spacing = 0;   ///< square root of the area that a point usually
+                          ///< has: geometric mean over the samples
+    /// Of the normals, one component, radians^2: geometric mean of normal_variance_of over the
+    /// samples, so that edges do not count; 0 without normals.
     double normal = 0;
-    double typical = 0;  ///< geometric mean in place of `value`: noise, where edges make up that of a clean cloud
+    double typical = 0;  ///< geometric mean in place of `value`: noise,
+                         ///< where edges make up that of a clean cloud
     double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
@@ -33,10 +36,12 @@ inline constexpr double kFlat = 0.1;
 inline constexpr std::size_t kFewestSamples = 1000;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
-/// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points with fewer than three distinct neighbours are left out; none left gives value 0.
-/// samples: points of the search by falling priority, of which the first serve where fewer do;
-/// those that lie at one place count once. normals: of the search's points; empty: none. fewest: samples, if there are so
-/// many; of one slice of many fewer will do. Cost: one k-NN query a sample, fewer the larger k.
+/// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points
+/// with fewer than three distinct neighbours are left out; none left gives value 0. samples: points
+/// of the search by falling priority, of which the first serve where fewer do; those that lie at
+/// one place count once. normals: of the search's points; empty: none. fewest: samples, if there
+/// are so many; of one slice of many fewer will do. Cost: one k-NN query a sample,
+/// fewer the larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals = {},

@@ -13,8 +13,10 @@ namespace slim {
 namespace {
 
 constexpr double kRounding = 1e-14;
-constexpr double kMostIndependent = 1;  // as exact normals are; slices are averaged, and none may outvote the others
-constexpr std::size_t kSamples = 600, kFewSamples = 150, kVisits = 200000, kMostNeighbors = 1280, kLargestShare = 50;
+// as exact normals are; slices are averaged, and none may outvote the others
+constexpr double kMostIndependent = 1;
+constexpr std::size_t kSamples = 600, kFewSamples = 150, kVisits = 200000, kMostNeighbors = 1280,
+                      kLargestShare = 50;
 
 /// Sums of squares and products about the mean, from sums.
 double about_mean(double products, double a, double b, double n) { return products - a * b / n; }
@@ -39,7 +41,8 @@ double independence_at(const NearestSearch& search, std::span<const std::uint32_
     });
     const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
     std::nth_element(ratio.begin(), middle, ratio.end());
-    return *middle / std::numbers::ln2;  // half a chi^2 of two degrees of freedom has the median ln 2
+    // half a chi^2 of two degrees of freedom has the median ln 2
+    return *middle / std::numbers::ln2;
 }
 
 }  // namespace
@@ -50,7 +53,8 @@ double normal_independence(const NearestSearch& search, std::span<const std::uin
     const std::size_t most = std::min(kMostNeighbors, search.size() / kLargestShare);
     double least = kMostIndependent;
     // Half-way between two k that differ by 2 an estimate still differs by half the variance.
-    for (std::size_t k = first_k; k == first_k || (k <= most && k <= 16 * first_k); k += (2 * k + 4) / 5)
+    for (std::size_t k = first_k; k == first_k || (k <= most && k <= 16 * first_k);
+         k += (2 * k + 4) / 5)
         least = std::min(least, independence_at(search, samples, normals, k));
     return least;
 }

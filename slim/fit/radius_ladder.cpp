@@ -10,11 +10,15 @@
 namespace slim {
 namespace {
 
-constexpr double kOffSheet = 5;  // times the noise: a point with a contrary normal is another sheet's
+// times the noise: a point with a contrary normal is another sheet's
+constexpr double kOffSheet = 5;
 constexpr double kForcedNoise = 4;  // eps^2 / lambda that a forced leaf is taken for
-constexpr int kLeastChosen = 2;   // with the degree chosen: whose points the finest rung holds (notes/0004)
-constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not gathered to be thinned at once
-constexpr double kAtTheEnd = 1.2;     // an optimum so little below a radius that 2 % are not worth a search
+// with the degree chosen: whose points the finest rung holds (notes/0004)
+constexpr int kLeastChosen = 2;
+constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not
+                                      // gathered to be thinned at once
+// an optimum so little below a radius that 2 % are not worth a search
+constexpr double kAtTheEnd = 1.2;
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -76,15 +80,17 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
     return rung;
 }
 
-/// Whether the ball of a rung, the smallest with enough points, has them all at its rim: a stray point's
-/// ball reaches down to the surface, and its fit would be a large disc in the air. A surface gives
-/// the next finer ball seven points; in clouds of a few points all may be far from each other.
+/// Whether the ball of a rung, the smallest with enough points, has them all at its rim: a stray
+/// point's ball reaches down to the surface, and its fit would be a large disc in the air. A
+/// surface gives the next finer ball seven points; in clouds of a few points all may be far from
+/// each other.
 bool RadiusLadder::stands_alone(const Vec3d& center, int rung) const {
     return points_.all().size() > least_points() &&
            count_in_ball(points_.all(), center, rung_radius(rung + 1), 2) < 2;
 }
 
-/// The thinning of the next coarser rung, which holds 1/g^2 as many points of a surface as this one.
+/// The thinning of the next coarser rung, which holds 1/g^2 as many points of a surface as this
+/// one.
 std::size_t RadiusLadder::likely_level(const Rung& finer) const {
     const double n = static_cast<double>(finer.n) / (kGoldenRatio * kGoldenRatio);
     const bool thinned = n > kClearlyMore * static_cast<double>(rules_.sample);
@@ -92,7 +98,8 @@ std::size_t RadiusLadder::likely_level(const Rung& finer) const {
 }
 
 /// Gathers a rung's ball, thinned from `level` on until the sample is not exceeded.
-void RadiusLadder::gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const {
+void RadiusLadder::gather_rung(int rung, std::size_t& level, const Vec3d& center,
+                               LadderWork& work) const {
     const double radius = rung_radius(rung);
     const bool is_here = level == 0 && work.ball.radius == radius;  // the finest rung's
     if (!is_here) gather_ball(points_.level(level), center, radius, work.ball);
@@ -108,9 +115,11 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const std::size_t n_sample = work.ball.n;
     ++work.rungs;
     LadderFit found = fit_gathered(normal, work);
-    // What is missed must be known as well as E asks for; only balls that show noise alone need more points.
-    for (std::size_t finer = level; finer > 0 && work.ball.n < rules_.most_sample / 3 &&
-                                    2 * found.fit.sq_missed_error > energy_of(found.degree).price(radius);) {
+    // What is missed must be known as well as E asks for;
+    // only balls that show noise alone need more points.
+    for (std::size_t finer = level;
+         finer > 0 && work.ball.n < rules_.most_sample / 3 &&
+         2 * found.fit.sq_missed_error > energy_of(found.degree).price(radius);) {
         gather_ball(points_.level(--finer), center, radius, work.ball);
         found = fit_gathered(normal, work);
     }
@@ -123,9 +132,9 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     const double energy = mdl(fit.sq_error, radius);
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
-    return Rung{rung,           level,          found.degree, n_sample,
-                energy,         upper,          energy - missed, upper - missed, missed + fit.sq_missed_slope,
-                2 * fit.sq_missed_error};
+    return Rung{rung, level, found.degree, n_sample, energy, upper,
+                energy - missed, upper - missed,
+                missed + fit.sq_missed_slope, 2 * fit.sq_missed_error};
 }
 
 RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWork& work) const {
@@ -160,9 +169,9 @@ void RadiusLadder::fit_cheapest(const BallPoints<float>& ball, LadderFit& out) c
     }
 }
 
-/// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some hundred points,
-/// in which a bias of half the noise hides. What the next degree would find shows a tenth of that. So the
-/// rungs are taken to have the same noise as far as their errors allow.
+/// eps^2 of a noisy ball is noise, known to two standard errors only: a fifth of it with some
+/// hundred points, in which a bias of half the noise hides. What the next degree would find shows a
+/// tenth of that. So the rungs are taken to have the same noise as far as their errors allow.
 int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
     double noise = INFINITY, least = INFINITY;
     for (const auto& r : rungs) noise = std::min(noise, r->noise_upper);
@@ -173,8 +182,8 @@ int RadiusLadder::largest_as_good(std::span<const std::optional<Rung>> rungs) {
     return found->value().index;
 }
 
-/// Where normals tell what a rung misses, its energy is that and the price: least in closed form, what is missed
-/// being C rho^2p (NUMERICS 3.2). eps^2 would only add its noise to the choice.
+/// Where normals tell what a rung misses, its energy is that and the price: least in closed form,
+/// what is missed being C rho^2p (NUMERICS 3.2). eps^2 would only add its noise to the choice.
 double RadiusLadder::known_optimum(const Rung& chosen, double lo, double hi) const {
     const double rho = rung_radius(chosen.index), price = energy_of(chosen.degree).price(rho);
     const double p = chosen.degree + 1, missed = chosen.missed - price;
@@ -182,14 +191,17 @@ double RadiusLadder::known_optimum(const Rung& chosen, double lo, double hi) con
     return std::clamp(rho * std::pow(price / (p * missed), 1 / (2 * p + 2)), lo, hi);
 }
 
-/// Whether the energy has no minimum short of the coarsest admissible rung, the chosen one. With eps^2 = noise +
-/// C rho^2p (NUMERICS 3.2) there is one where C rho^2p exceeds price / p, which the two last rungs tell. Where eps^2
-/// fell by more than the price, they are no such pair: a search there keeps clean clouds as they are. Two in five
-/// refinements of happy_stand_raw, whose ladders mostly end at a fold, would find the end itself.
+/// Whether the energy has no minimum short of the coarsest admissible rung, the chosen one. With
+/// eps^2 = noise + C rho^2p (NUMERICS 3.2) there is one where C rho^2p exceeds price / p, which the
+/// two last rungs tell. Where eps^2 fell by more than the price, they are no such pair: a search
+/// there keeps clean clouds as they are. Two in five refinements of happy_stand_raw, whose ladders
+/// mostly end at a fold, would find the end itself.
 bool RadiusLadder::falls_to_the_end(const Rung& chosen, const Rung& finer) const {
     if (chosen.degree != finer.degree) return false;
-    const double p = chosen.degree + 1, price = energy_of(chosen.degree).price(rung_radius(chosen.index));
-    const double rise = chosen.energy - finer.energy + price * (1 / (kGoldenRatio * kGoldenRatio) - 1);
+    const double p = chosen.degree + 1,
+                 price = energy_of(chosen.degree).price(rung_radius(chosen.index));
+    const double rise =
+        chosen.energy - finer.energy + price * (1 / (kGoldenRatio * kGoldenRatio) - 1);
     return rise > -price && rise < kAtTheEnd * price / p * (1 - std::pow(kGoldenRatio, 2 * p));
 }
 
@@ -208,8 +220,8 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
         const LocalFit fit = fit_ball(work.ball, radius / hi, frame, chosen.degree);
         return energy(fit.sq_error, radius);
     };
-    // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away from 0,
-    // where the library's tolerance would vanish.
+    // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away
+    // from 0, where the library's tolerance would vanish.
     constexpr double offset = 2;
     std::uintmax_t most = 8;
     const auto found = boost::math::tools::brent_find_minima(
@@ -226,7 +238,8 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         return {rung_radius(finest), degree_, false, true, true};
     if (finest < rules_.top_rung)
         return {rung_radius(finest), degree_, false, true, finest < coarsest_tried()};
-    const double forced_energy = energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
+    const double forced_energy =
+        energy_(kForcedNoise * energy_.noise_variance, rung_radius(finest));
     std::optional<Rung> rungs[kMostRungs + 1];
     double least_upper = INFINITY;
     std::size_t level = 0;

@@ -12,21 +12,24 @@
 
 namespace slim {
 
-/// How the radius of a surfel is searched; the defaults are chosen by measurement (slim/fit/notes/0001,
-/// slim/cover/notes/0001).
+/// How the radius of a surfel is searched; the defaults are chosen by measurement
+/// (slim/fit/notes/0001, slim/cover/notes/0001).
 struct LadderRules {
     double points_per_coefficient = 3;    ///< of the finest admissible rung (slim/cover/notes/0002)
-    double give_up = 3;                   ///< stop where E exceeds this many times the least upper bound
+    double give_up = 3;                   ///< stop where E exceeds this many
+                                          ///< times the least upper bound
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     std::size_t most_sample = 4096;       ///< and of one that shows noise alone
-    /// Each centre takes the degree that E favours, its price by bytes (notes/0004); else all the same.
+    /// Each centre takes the degree that E favours, its price by bytes (notes/0004);
+    /// else all the same.
     bool choose_degree = false;
     bool look_for_edges = false;          ///< whether to fill in LadderWork::edge_in_sight
-    int above_root = 5;                   ///< rungs above rho_0 tried where rho_0 holds too few points
-    int top_rung = 0;                     ///< the coarsest that may be chosen: > 0 where the points end near by;
-                                          ///< none above it is tried then
+    int above_root = 5;                   ///< rungs above rho_0 tried where
+                                          ///< rho_0 holds too few points
+    int top_rung = 0;                     ///< the coarsest that may be chosen: > 0 where the points
+                                          ///< end near by; none above it is tried then
 };
 
 /// What the search found for one centre.
@@ -35,16 +38,20 @@ struct RadiusChoice {
     int degree = 0;          ///< asked of the fit there
     bool saturated = false;  ///< the top rung won: E still falls there
     bool forced = false;     ///< no admissible rung: too few points or no height field
-    bool isolated = false;   ///< a stray: no ball up to the largest tried holds enough points, or the first
-                             ///< that does is at least rho_0 and has nobody near its centre
-    bool limited = false;    ///< the coarsest admissible rung won, or there was none: a fold or another
-                             ///< sheet ended the ladder, not E
-    double energy = 0;       ///< E there; of a forced one that of a leaf that is as good as the noise
+    bool isolated = false;   ///< a stray: no ball up to the largest tried holds
+                             ///< enough points, or the first that does is at least
+                             ///< rho_0 and has nobody near its centre
+    bool limited = false;    ///< the coarsest admissible rung won, or there was none: a fold or
+                             ///< another sheet ended the ladder, not E
+    double energy = 0;       ///< E there; of a forced one that of a
+                             ///< leaf that is as good as the noise
     double finest = 0;       ///< radius of the finest admissible rung
-    bool widened = false;    ///< past what limited it: the plain fit of the larger ball allows it (slim/cover/notes/0012)
+    bool widened = false;    ///< past what limited it: the plain fit of the
+                             ///< larger ball allows it (slim/cover/notes/0012)
 };
 
-/// Whether so many of n points may disagree: what noise explains, mean + 3 sigma of a Poisson count.
+/// Whether so many of n points may disagree: what noise explains,
+/// mean + 3 sigma of a Poisson count.
 bool within_noise(std::size_t count, std::size_t n, double share);
 
 /// Workspace of one thread and the counts it keeps.
@@ -56,12 +63,14 @@ struct LadderWork {
     std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
 };
 
-/// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons 2
-/// and 3): the largest rung that is no worse than any other, noise and bias told apart (notes/0005), then a
-/// minimum of E between its neighbours. Depends on the points alone, never on surfels made before.
+/// Searches the radius of the surfel about a point by the whole ladder rho_0 g^j (DESIGN 4, lessons
+/// 2 and 3): the largest rung that is no worse than any other, noise and bias told apart
+/// (notes/0005), then a minimum of E between its neighbours. Depends on the points alone, never on
+/// surfels made before.
 class RadiusLadder {
 public:
-    /// root_radius: rho_0; least_radius: below it coordinates are rounding. `points` must outlive this.
+    /// root_radius: rho_0; least_radius: below it coordinates are rounding. `points` must outlive
+    /// this.
     RadiusLadder(const PointPyramid& points, const MdlEnergy& energy, double root_radius,
                  double least_radius, int degree, const LadderRules& rules);
 
@@ -80,10 +89,12 @@ private:
         int degree;            // of the least energy, if it is chosen
         std::size_t n;         // points of its ball
         double energy, upper;  // E, and two standard errors above it
-        double noise, noise_upper;    // eps^2 without what the next degree would find, and two errors more
+        double noise, noise_upper;    // eps^2 without what the next degree
+                                      // would find, and two errors more
         double missed, missed_error;  // that and the price lambda (T L / rho)^2; two errors
     };
-    /// Index of the largest ball that is no worse than any other, of rungs by falling radius (notes/0005).
+    /// Index of the largest ball that is no worse than any other,
+    /// of rungs by falling radius (notes/0005).
     static int largest_as_good(std::span<const std::optional<Rung>> rungs);
     /// A rung's fit to the points gathered in the workspace.
     struct LadderFit {
@@ -95,7 +106,9 @@ private:
     void fit_cheapest(const BallPoints<float>& ball, LadderFit& out) const;
     LadderFit fit_gathered(const Vec3d& normal, LadderWork& work) const;
     std::size_t least_points() const;
-    int coarsest_tried() const { return rules_.top_rung > 0 ? rules_.top_rung : -rules_.above_root; }
+    int coarsest_tried() const {
+        return rules_.top_rung > 0 ? rules_.top_rung : -rules_.above_root;
+    }
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::size_t likely_level(const Rung& finer) const;

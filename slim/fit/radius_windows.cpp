@@ -91,7 +91,8 @@ double RadiusWindows::Search::minimum(int window) {
     const Frame<double> frame =
         frame_from_normal(average_normal(work_.ball, kGoldenRatio, normal_).normal);
     set_contrary_aside(work_.ball, frame.normal, work_.aside);
-    constexpr double offset = 2;  // keeps the argument away from 0, where the tolerance would vanish
+    // keeps the argument away from 0, where the tolerance would vanish
+    constexpr double offset = 2;
     std::uintmax_t most = 8;
     const auto found = boost::math::tools::brent_find_minima(
         [&](double x) {

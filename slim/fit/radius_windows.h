@@ -4,14 +4,16 @@
 
 namespace slim {
 
-/// The radius by the paper's windows of three radii (Ohtake 2005 sec. 2, eqs (4) and (5)), for comparison with
+/// The radius by the paper's windows of three radii (Ohtake 2005 sec. 2, eqs (4) and (5)),
+/// for comparison with
 /// RadiusLadder (notes/0006). The window of level k is rho_0 (g^(k+1), g^k, g^(k-1)) = (l, m, r):
-///     E(l) > E(m) < E(r) and eps(l) < eps(m) < eps(r)      a leaf, at the minimum of E in the window
-///     E(r) <= min(E(l), E(m)) (1 + 1e-3), coarsest window  a saturated leaf at r
+///     E(l) > E(m) < E(r) and eps(l) < eps(m) < eps(r)      a leaf, at the minimum of E in the
+///     window E(r) <= min(E(l), E(m)) (1 + 1e-3), coarsest window  a saturated leaf at r
 ///     fewer than 2 K points at l, or l below least_radius  a forced leaf at r
 ///     otherwise                                            the next finer window
-/// Departs from the paper: a window first slides up while E falls that way, so that a point whose minimum
-/// lies above the level at which it is looked at is not lost to the finest level (NUMERICS 3.3).
+/// Departs from the paper: a window first slides up while E falls that way, so that a point whose
+/// minimum lies above the level at which it is looked at is not lost to the finest level
+/// (NUMERICS 3.3).
 class RadiusWindows {
 public:
     /// As RadiusLadder; of the rules only `sample` counts.

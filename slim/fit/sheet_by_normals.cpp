@@ -10,7 +10,8 @@ namespace slim {
 namespace {
 
 constexpr int kDegree = 2;
-/// Variance of a height, over rho^2, over that of a slope: heights rule, slopes say the curvature that they leave open.
+/// Variance of a height, over rho^2, over that of a slope: heights rule, slopes say the curvature
+/// that they leave open.
 constexpr double kHeightOverSlope = 0.02;
 constexpr double kLeastFreedom = 2;   // effective heights and slopes beyond K, as in LocalFit
 constexpr double kLeastShare = 0.25;  // of 1 - K / n_eff, too

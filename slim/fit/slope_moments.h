@@ -4,8 +4,9 @@
 
 namespace slim {
 
-/// Weighted sums of the slopes that the normals of a ball's points give a height field, coordinates divided by
-/// the gather radius. With Moments they make the normal equations of a fit to points and normals.
+/// Weighted sums of the slopes that the normals of a ball's points give a height field, coordinates
+/// divided by the gather radius. With Moments they make the normal equations of a fit to points and
+/// normals.
 template <int Degree>
 struct SlopeMoments {
     static constexpr int kBasis = n_coefficients(Degree - 1);
@@ -14,8 +15,8 @@ struct SlopeMoments {
     double weight = 0;                                ///< sum G of the points that have a slope
 };
 
-/// Sums over the points whose normal n is within the height field: s = (-n_u / n_w, -n_v / n_w). Weights as
-/// in accumulate_moments.
+/// Sums over the points whose normal n is within the height field: s = (-n_u / n_w, -n_v / n_w).
+/// Weights as in accumulate_moments.
 template <int Degree, class T>
 SlopeMoments<Degree> accumulate_slopes(const BallPoints<T>& points, const Frame<double>& frame,
                                        double shrink, T least_cos) {
@@ -34,7 +35,8 @@ SlopeMoments<Degree> accumulate_slopes(const BallPoints<T>& points, const Frame<
             const V nx = lanes(points.nx), ny = lanes(points.ny), nz = lanes(points.nz);
             const V nw = en.x * nx + en.y * ny + en.z * nz;
             const auto faces = nw > least_cos;
-            const V g = select(faces, fit_weight(points.weight, lanes(points.sq) * to_fit), V(T(0)));
+            const V g =
+                select(faces, fit_weight(points.weight, lanes(points.sq) * to_fit), V(T(0)));
             const V down = V(T(-1)) / select(faces, nw, V(T(1)));
             const V su = (eu.x * nx + eu.y * ny + eu.z * nz) * down;
             const V sv = (ev.x * nx + ev.y * ny + ev.z * nz) * down;
@@ -48,7 +50,8 @@ SlopeMoments<Degree> accumulate_slopes(const BallPoints<T>& points, const Frame<
                 ++at;
                 below += d;
             }
-            for (std::size_t k = 0; k < m.size(); ++k) along_u[k] += m[k] * su, along_v[k] += m[k] * sv;
+            for (std::size_t k = 0; k < m.size(); ++k)
+                along_u[k] += m[k] * su, along_v[k] += m[k] * sv;
             sq_slope += g * (su * su + sv * sv);
             weight += g;
         }

@@ -7,7 +7,8 @@
 
 namespace slim {
 
-/// The normal equations of points and normals together: sum G (w - P)^2 + ratio sum G |s - grad P|^2.
+/// The normal equations of points and normals together:
+/// sum G (w - P)^2 + ratio sum G |s - grad P|^2.
 template <int Degree>
 class SlopeSystem {
 public:

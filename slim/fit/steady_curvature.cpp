@@ -18,7 +18,9 @@ constexpr std::size_t kSample = 512;   // points of a wider ball
 
 using Coefficients = std::array<double, kMaxCoefficients>;
 
-constexpr std::size_t first_of(int order) { return static_cast<std::size_t>(order * (order + 1) / 2); }
+constexpr std::size_t first_of(int order) {
+    return static_cast<std::size_t>(order * (order + 1) / 2);
+}
 
 /// |sum c_t u^(d-t) v^t|^2 = sum c_t^2 / binomial(d, t) does not change when (u, v) is turned.
 double inverse_binomial(int order, int t) {
@@ -33,8 +35,9 @@ struct Scale {
     std::array<double, kMaxDegree + 1> variance{};
 };
 
-/// The terms of second order and above of a fit of radius `shrink` times the ball's, in units of the narrow
-/// one, which is `ratio` times smaller than the ball; `noise`: variance of the heights, in the ball's radius.
+/// The terms of second order and above of a fit of radius `shrink` times the ball's, in units of
+/// the narrow one, which is `ratio` times smaller than the ball; `noise`: variance of the heights,
+/// in the ball's radius.
 Scale in_narrow_units(const SpreadFit& measured, double shrink, double ratio, double noise) {
     Scale s;
     if (measured.fit.degree < 2) return s;
@@ -94,7 +97,8 @@ LocalFit refit_plane(const NarrowFit& narrow, const Moments<Degree>& m, const Sc
     const double freedom = 1 - n_coefficients(1) / std::max(m.n_effective(), 4.0);
     const double sq_error =
         narrow.ball.radius * narrow.ball.radius * solver.sq_residual(1) / m.weight() / freedom;
-    // Beside an edge the wider balls' curvature is the edge's: a plane that explains its points stays.
+    // Beside an edge the wider balls' curvature is the edge's:
+    // a plane that explains its points stays.
     if (narrow.fit.degree < 2 && sq_error > kMostWorse * narrow.fit.sq_error) return narrow.fit;
     // The terms of higher order that were fitted here are estimates no more than the plane is.
     out.sq_error = narrow.fit.degree >= 2 ? std::max(sq_error, narrow.fit.sq_error) : sq_error;
@@ -102,7 +106,8 @@ LocalFit refit_plane(const NarrowFit& narrow, const Moments<Degree>& m, const Sc
     return out;
 }
 
-/// The finest thinning that leaves a wider ball about kSample points, judged by those of the narrow one.
+/// The finest thinning that leaves a wider ball about kSample points,
+/// judged by those of the narrow one.
 std::size_t thinning_for(const PointPyramid& points, std::size_t n_narrow, double ratio) {
     double n = static_cast<double>(n_narrow) * ratio * ratio;
     std::size_t level = 0;
@@ -110,7 +115,8 @@ std::size_t thinning_for(const PointPyramid& points, std::size_t n_narrow, doubl
     return level;
 }
 
-/// What the wider balls say, coarse to fine. Floats will do: of their terms less than their noise is lost.
+/// What the wider balls say, coarse to fine. Floats will do:
+/// of their terms less than their noise is lost.
 Scale wider_scales(const PointPyramid& points, const NarrowFit& narrow, int degree,
                    double noise_variance, BallPoints<float>& work) {
     const double ratio = std::pow(kGoldenRatio, -kWiderBalls);
@@ -138,7 +144,8 @@ LocalFit steady(const PointPyramid& points, const NarrowFit& narrow, double nois
     if (narrow.fit.degree >= 2) {
         const NestedCholesky solver(Degree, moments.monomial, moments.height, moments.sq_height);
         const SpreadFit own{narrow.fit, spread_of(moments, solver, narrow.fit.degree)};
-        take_over(in_narrow_units(own, 1, 1, noise_of(own.fit, noise_variance, narrow.ball.radius)), q);
+        take_over(in_narrow_units(own, 1, 1, noise_of(own.fit, noise_variance, narrow.ball.radius)),
+                  q);
     }
     return refit_plane<Degree>(narrow, moments, q);
 }

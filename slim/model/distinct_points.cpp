@@ -11,12 +11,14 @@ namespace {
 
 constexpr float kSameSide = 0.7071f;  // cosine of 45 degrees
 
-/// The points of one place that are kept, as an end of the block's kept part; normals are sums until it is left.
+/// The points of one place that are kept, as an end of the block's kept part; normals are sums
+/// until it is left.
 class Place {
 public:
     explicit Place(PointBlock& points) : points_(points) {}
 
-    /// Moves point i to the kept ones, or adds its normal to one of its place; false if it was a copy.
+    /// Moves point i to the kept ones, or adds its normal to one of its place;
+    /// false if it was a copy.
     bool take(std::size_t i) {
         if (begin_ == end_ || points_.position[i] != points_.position[begin_]) leave();
         if (!points_.has_normals()) {
@@ -78,7 +80,8 @@ bool has_copies(const PointBlock& points) {
 
 }  // namespace
 
-std::uint64_t keep_distinct(PointBlock& points, const std::function<bool(const Vec3d&)>& is_counted) {
+std::uint64_t keep_distinct(PointBlock& points,
+                            const std::function<bool(const Vec3d&)>& is_counted) {
     if (!has_copies(points)) return 0;
     std::uint64_t copies = 0;
     Place place(points);

@@ -35,7 +35,8 @@ struct Polynomial {
     std::array<T, 4> third() const { return {T(6) * a[6], T(2) * a[7], T(2) * a[8], T(6) * a[9]}; }
 };
 
-/// The same height field in coordinates over `ratio` times the radius: terms of degree d times ratio^(d - 1).
+/// The same height field in coordinates over `ratio` times the radius:
+/// terms of degree d times ratio^(d - 1).
 template <class T>
 Polynomial<T> rescaled(const Polynomial<T>& p, T ratio) {
     Polynomial<T> out;

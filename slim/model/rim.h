@@ -55,7 +55,8 @@ inline Rim unpack_rim(PackedRim packed) {
     return {u, v, kRimStep * (packed & 7)};
 }
 
-/// A surfel's rims: none, one, or two, as at a corner or along a ridge. `second` is 0 where `first` is.
+/// A surfel's rims: none, one, or two, as at a corner or along a ridge. `second` is 0 where `first`
+/// is.
 struct PackedRims {
     PackedRim first = 0, second = 0;
 
@@ -70,7 +71,8 @@ inline double rim_share(const Rim& rim, double u, double v) {
 
 /// The same for all of a surfel's rims.
 inline double rim_share(PackedRims rims, double u, double v) {
-    return std::min(rim_share(unpack_rim(rims.first), u, v), rim_share(unpack_rim(rims.second), u, v));
+    return std::min(rim_share(unpack_rim(rims.first), u, v),
+                    rim_share(unpack_rim(rims.second), u, v));
 }
 
 }  // namespace slim

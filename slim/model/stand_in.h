@@ -8,10 +8,10 @@
 
 namespace slim {
 
-/// Radius of a surfel that stands in for what is below (kStandsIn), as drawn, over its own; and of an internal surfel that
-/// does not agree with leaves all over its ball, which a cut takes where it is small. Balls of internal surfels cover the
-/// points of their level, their cores (kHitTrim), in which renderers look for hits, do not: the far side was seen through
-/// gaps between them.
+/// Radius of a surfel that stands in for what is below (kStandsIn), as drawn, over its own; and of
+/// an internal surfel that does not agree with leaves all over its ball, which a cut takes where it
+/// is small. Balls of internal surfels cover the points of their level, their cores (kHitTrim), in
+/// which renderers look for hits, do not: the far side was seen through gaps between them.
 inline constexpr double kStandInScale = 1 / kHitTrim, kSmallScale = 1.25;
 
 /// Radius of a node's surfel, as drawn, over its own.

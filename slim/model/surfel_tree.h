@@ -69,7 +69,8 @@ struct TreeNode {
     std::uint8_t degree : 2 = 0;   ///< 0..3, after fallbacks
     std::uint8_t second_rim_low : 6 = 0;
     std::uint8_t flags = 0;        ///< NodeFlags
-    PackedRim rim = 0;             ///< first of rims(); the second fills the gaps above, zero in older files
+    PackedRim rim = 0;             ///< first of rims(); the second fills the
+                                   ///< gaps above, zero in older files
 
     /// Where its data end on one side or two.
     PackedRims rims() const {
@@ -98,8 +99,8 @@ struct ModelHeader {
     std::uint64_t n_points = 0; ///< finite input points
     std::uint64_t n_leaves = 0;
     std::uint64_t seed = 0;
-    /// Boxes of what pictures show without and with loose surfels (slim/tree/drawn_bounds.h); empty in
-    /// older files.
+    /// Boxes of what pictures show without and with loose surfels (slim/tree/drawn_bounds.h); empty
+    /// in older files.
     Bbox drawn, drawn_loose;
     /// Places whose convex hull is about that of what pictures show, local frame, and of the loose surfels beside
     /// it (slim/tree/drawn_hull.h); empty in older files.

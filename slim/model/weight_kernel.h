@@ -29,7 +29,8 @@ template <class T>
     return select(s <= constant<T>(0.25), e, select(s < constant<T>(1), tail, constant<T>(0)));
 }
 
-/// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first, refits for smoothing take the last.
+/// What a fit weighs its points with (NUMERICS 2.3); the renderers blend with the first, refits for
+/// smoothing take the last.
 enum class FitWeight : unsigned char { gauss, polynomial, uniform };
 
 /// The weight at a squared relative distance s = (r / rho)^2: weight_kernel, or (1 - s)^4 up to 1
@@ -37,7 +38,8 @@ enum class FitWeight : unsigned char { gauss, polynomial, uniform };
 template <class T>
 inline T fit_weight(FitWeight weight, const T& s) {
     if (weight == FitWeight::gauss) return weight_kernel(s);
-    if (weight == FitWeight::uniform) return select(s < constant<T>(1), constant<T>(1), constant<T>(0));
+    if (weight == FitWeight::uniform)
+        return select(s < constant<T>(1), constant<T>(1), constant<T>(0));
     const T rest = constant<T>(1) - s;
     const T sq = rest * rest;
     return select(s < constant<T>(1), sq * sq, constant<T>(0));

@@ -77,12 +77,15 @@ void sort_in_cache(Items from, Items to, int top, bool is_wanted_there) {
     std::size_t begin = 0;
     for (std::size_t d = 0; d < digit.count(); ++d) {
         const std::size_t n = places[d] - begin;
-        if (n > 0) sort_in_cache(to.subspan(begin, n), from.subspan(begin, n), digit.shift, !is_wanted_there);
+        if (n > 0)
+            sort_in_cache(to.subspan(begin, n), from.subspan(begin, n), digit.shift,
+                          !is_wanted_there);
         begin = places[d];
     }
 }
 
-/// Turns each block's counts of digits into the places its items go to; returns where each digit begins.
+/// Turns each block's counts of digits into the places its items go to;
+/// returns where each digit begins.
 std::vector<std::size_t> counts_to_places(std::vector<Histogram>& blocks, std::size_t n_digits) {
     std::vector<std::size_t> begins;
     std::uint32_t place = 0;
@@ -123,8 +126,8 @@ void sort_below(Items items, Items other, int top) {
     parallel_blocks(digit.count(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t d = begin; d < end; ++d)
             if (size_of(d) > 0 && size_of(d) <= kLarge)
-                sort_in_cache(other.subspan(begins[d], size_of(d)), items.subspan(begins[d], size_of(d)),
-                              digit.shift, true);
+                sort_in_cache(other.subspan(begins[d], size_of(d)),
+                              items.subspan(begins[d], size_of(d)), digit.shift, true);
     });
     // A crowd in one corner of the space.
     for (std::size_t d = 0; d < digit.count(); ++d) {

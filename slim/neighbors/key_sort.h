@@ -16,9 +16,9 @@ struct KeyedIndex {
 
 using KeyedIndices = UnfilledVector<KeyedIndex>;
 
-/// Sorts by key; equal keys keep their order. The highest eight bits in which keys differ part the items,
-/// then each part is sorted in a thread's cache; keys in order already cost one look. Parallel;
-/// threads do not change the result.
+/// Sorts by key; equal keys keep their order. The highest eight bits in which keys differ part the
+/// items, then each part is sorted in a thread's cache; keys in order already cost one look.
+/// Parallel; threads do not change the result.
 /// Cost: a second array of the same size; 40 ns an item and core (keys of 63 bits).
 void sort_by_key(KeyedIndices& items);
 

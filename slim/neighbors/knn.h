@@ -10,7 +10,8 @@
 
 namespace slim {
 
-/// Exact k nearest neighbours (FLANN's single kd-tree, the only exact index it has, CONVENTIONS 4.1).
+/// Exact k nearest neighbours (FLANN's single kd-tree, the only exact index it has,
+/// CONVENTIONS 4.1).
 class KnnIndex {
 public:
     /// Keeps a copy of the positions. Cost O(n log n), one thread; 32 bytes a point.
@@ -20,10 +21,12 @@ public:
     KnnIndex& operator=(const KnnIndex&) = delete;
 
     std::size_t size() const;
-    /// Neighbours of each query, nearest first: k indices and squared distances a query (a query that is
-    /// a point of the index finds itself). k is cut to size(); the cut value is returned. Parallel.
+    /// Neighbours of each query, nearest first: k indices and squared distances a query (a query
+    /// that is a point of the index finds itself). k is cut to size(); the cut value is returned.
+    /// Parallel.
     std::size_t search(std::span<const Vec3d> queries, std::size_t k,
-                       std::vector<std::uint32_t>& indices, std::vector<double>& sq_distances) const;
+                       std::vector<std::uint32_t>& indices,
+                       std::vector<double>& sq_distances) const;
 
 private:
     struct Impl;

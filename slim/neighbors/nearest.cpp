@@ -18,11 +18,13 @@ constexpr std::size_t kDoubles = DoubleV::size();
 constexpr std::size_t kWord = 64;       // candidates whose hits are bits of one word
 constexpr std::size_t kGrain = 1024;    // wanted points a task
 constexpr double kFar = 1e200;          // of padding: its square is infinite
-constexpr double kCompact = 4;          // queries share a walk if their box is at most so many radii wide
+constexpr double kCompact = 4;          // queries share a walk if their box is
+                                        // at most so many radii wide
 constexpr double kBeyond = 1 + 1e-9;    // wider by more than rounding
 constexpr double kNextRadius = 1.25;    // of the k-th distance of the query before: a guess
 constexpr double kNextReach = 1.4;      // of the mean k-th distance of the bucket before: a guess
-constexpr int kMostSteps = 16;          // of the search for a radius that holds k; more only with ties
+constexpr int kMostSteps = 16;          // of the search for a radius that
+                                        // holds k; more only with ties
 
 DoubleV lanes_at(const std::vector<double>& a, std::size_t i) {
     return DoubleV(&a[i], stdx::element_aligned);
@@ -72,7 +74,8 @@ struct Hits {
 
     /// All candidates with squared distance <= limit.
     void collect(const Candidates& c, const Vec3d& p, double limit) {
-        if (index.size() < c.n + kDoubles) sq.resize(2 * c.n + kWord), index.resize(2 * c.n + kWord);
+        if (index.size() < c.n + kDoubles)
+            sq.resize(2 * c.n + kWord), index.resize(2 * c.n + kWord);
         n = 0;
         alignas(64) double distances[kWord];
         for (std::size_t i = 0; i < c.n; i += kWord) {
@@ -100,7 +103,8 @@ struct Hits {
         double lo = 0, hi = farthest();
         std::size_t n_lo = 0, n_hi = n;
         for (int step = 0; step < kMostSteps; ++step) {
-            const double share = (static_cast<double>(k - n_lo) + 0.5) / static_cast<double>(n_hi - n_lo);
+            const double share =
+                (static_cast<double>(k - n_lo) + 0.5) / static_cast<double>(n_hi - n_lo);
             const double middle = lo + (hi - lo) * std::min(share, 0.9);
             const std::size_t inside = count(middle);
             if (inside == k) return keep_within(middle);
@@ -126,7 +130,8 @@ private:
 
     std::size_t count(double limit) const {
         int inside = 0;
-        for (std::size_t i = 0; i < n; i += kDoubles) inside += stdx::popcount(lanes_at(sq, i) <= limit);
+        for (std::size_t i = 0; i < n; i += kDoubles)
+            inside += stdx::popcount(lanes_at(sq, i) <= limit);
         return static_cast<std::size_t>(inside);
     }
 
@@ -173,7 +178,8 @@ public:
             bucket(wanted.first(half), w);
             return bucket(wanted.subspan(half), w + half);
         }
-        // Every point no farther than reach is among the candidates: boxes just as far are left out.
+        // Every point no farther than reach is among the candidates:
+        // boxes just as far are left out.
         const double reach = reach_;
         gather(box, reach * kBeyond);
         double guess = reach, sum = 0;

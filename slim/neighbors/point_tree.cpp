@@ -51,7 +51,8 @@ void PointTree::fill_bucket(std::size_t bucket) {
     for (std::size_t k = 0; k < kBucket; ++k) {
         const std::size_t i = bucket * kBucket + k;
         const bool is_point = i < size();
-        const Vec3f p = is_point ? to_float(position(i) - out.origin) : Vec3f{kNowhere, kNowhere, kNowhere};
+        const Vec3f p =
+            is_point ? to_float(position(i) - out.origin) : Vec3f{kNowhere, kNowhere, kNowhere};
         const Vec3f n = is_point ? packed_normal(normal(i)) : Vec3f{};
         if (is_point) out.is_exact &= to_double(p) + out.origin == position(i);
         out.x[k] = p.x, out.y[k] = p.y, out.z[k] = p.z;

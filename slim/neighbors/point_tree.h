@@ -14,16 +14,18 @@
 
 namespace slim {
 
-/// The points of one bucket side by side: a ball query reads them in one stretch of memory, by lanes. Five lines
-/// of the caches, as it is what a query waits for: positions are off by 3e-8 of the bucket's width at most, normals
-/// by 1e-3 degrees (notes/0003).
+/// The points of one bucket side by side: a ball query reads them in one stretch of memory, by
+/// lanes. Five lines of the caches, as it is what a query waits for: positions are off by 3e-8 of
+/// the bucket's width at most, normals by 1e-3 degrees (notes/0003).
 struct alignas(64) PointBucket {
     static constexpr std::size_t kSize = BoxTree::kBucket;
     static constexpr float kUnit = 32767;          ///< length of a normal
-    float x[kSize], y[kSize], z[kSize];            ///< from `origin`; infinite beyond the last point: in no ball
+    float x[kSize], y[kSize], z[kSize];            ///< from `origin`; infinite beyond the last
+                                                   ///< point: in no ball
     std::int16_t nx[kSize], ny[kSize], nz[kSize];  ///< normals times kUnit; zero: none
     Vec3d origin;                                  ///< middle of the bucket's box, world frame
-    bool is_exact;  ///< `origin` and the floats give the positions to the last bit, as in most clouds of floats
+    bool is_exact;  ///< `origin` and the floats give the positions to
+                    ///< the last bit, as in most clouds of floats
 };
 static_assert(sizeof(PointBucket) == 320);
 
@@ -34,7 +36,8 @@ class PointTree {
 public:
     static constexpr std::size_t kBucket = PointBucket::kSize;
 
-    /// Takes the chosen points of a block, which must be in Morton order already (morton_order below).
+    /// Takes the chosen points of a block, which must be in Morton order already (morton_order
+    /// below).
     PointTree(const PointBlock& block, std::span<const std::uint32_t> chosen);
 
     std::size_t size() const { return size_; }
@@ -48,8 +51,8 @@ public:
         return source_.empty() ? static_cast<std::uint32_t>(i) : source_[i];
     }
 
-    /// Calls body(first, bucket) for every bucket whose box meets the ball, `first` being the index of its
-    /// first point; a superset of the ball's points.
+    /// Calls body(first, bucket) for every bucket whose box meets the ball, `first` being the index
+    /// of its first point; a superset of the ball's points.
     template <class Body>
     void for_buckets_in_ball(const Vec3d& center, double radius, Body&& body) const {
         // Memory is what a ball waits for: its buckets are fetched while the walk goes on.

@@ -16,13 +16,14 @@ struct Shape {
     /// Box that holds the surface; an open shape (plane, cylinder, ...) is cut off at it.
     Bbox bounds;
     bool open = false;
-    /// |grad f| <= lipschitz wherever f > -band in the ball around `bounds`: a point there is at least
-    /// min(|f|, band) / lipschitz away from the surface.
+    /// |grad f| <= lipschitz wherever f > -band in the ball around `bounds`: a point there is at
+    /// least min(|f|, band) / lipschitz away from the surface.
     double lipschitz = 1;
     double band = 0.05;
     double (*value)(const Vec3d&) = nullptr;
     Jet2 (*jet)(const Vec3d&) = nullptr;
-    /// The nearest point of f = 0 (of an open shape: also beyond its box), where there is a closed form; else null.
+    /// The nearest point of f = 0 (of an open shape: also beyond its box), where there is a closed
+    /// form; else null.
     Vec3d (*foot)(const Vec3d&) = nullptr;
 };
 

@@ -13,7 +13,8 @@ constexpr double kNoises = 5;        ///< narrower discs than so many noises sho
 constexpr double kPlain = 20;        ///< times the variance: more squared bias ends the climb
 constexpr double kMostPoints = 8192; ///< of a rung; more are thinned
 
-/// What is said of a rung; all points know its middle better than a thinning, of which `share` are here.
+/// What is said of a rung; all points know its middle better than a thinning,
+/// of which `share` are here.
 void write_rung(const WideFit& fit, double share, std::size_t k, BiasLadder& out) {
     out.sq_error[k] = static_cast<float>(fit.sq_error * share);
     out.sq_bias[k] = static_cast<float>(fit.sq_bias);
@@ -32,8 +33,8 @@ BiasLadder climb_ladder(const Surfel& leaf, double noise, const PointPyramid& po
                         double diagonal, WideWork& work) {
     BiasLadder out;
     const double rho = leaf.support_radius;
-    WideDisc disc{leaf.center + leaf.frame.normal * (leaf.polynomial.a[0] * rho), leaf.frame, 0, noise,
-                  largest_curvature(leaf.polynomial, rho)};
+    WideDisc disc{leaf.center + leaf.frame.normal * (leaf.polynomial.a[0] * rho), leaf.frame, 0,
+                  noise, largest_curvature(leaf.polynomial, rho)};
     std::size_t level = 0;
     for (std::size_t up = 0; up < kRungs; ++up) {
         const std::size_t k = kRungs - 1 - up;
@@ -55,10 +56,12 @@ BiasLadder climb_ladder(const Surfel& leaf, double noise, const PointPyramid& po
         }
         put_on(*fit, disc);
         disc.curvature = largest_curvature(fit->polynomial, disc.radius);
-        if (fit->n / (kRungStep * kRungStep) > kMostPoints && level + 1 < points.n_levels()) ++level;
+        if (fit->n / (kRungStep * kRungStep) > kMostPoints && level + 1 < points.n_levels())
+            ++level;
     }
     for (std::size_t k = out.widest; out.widest < kRungs && k-- > 0;)
-        out.sq_bias[k] = std::max(out.sq_bias[k + 1], out.sq_error[out.widest]) * static_cast<float>(kBiasGrowth);
+        out.sq_bias[k] = std::max(out.sq_bias[k + 1], out.sq_error[out.widest]) *
+                         static_cast<float>(kBiasGrowth);
     return out;
 }
 

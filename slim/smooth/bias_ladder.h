@@ -11,12 +11,14 @@ namespace slim {
 
 inline constexpr double kRungStep = 0.85;     ///< from rung to rung
 inline constexpr std::size_t kRungs = 56;     ///< from a quarter of the diagonal down to 3e-5 of it
-inline constexpr double kBiasGrowth = 3.67;   ///< of the squared bias from rung to rung by theory: kRungStep^-8
+inline constexpr double kBiasGrowth = 3.67;   ///< of the squared bias from rung to
+                                              ///< rung by theory: kRungStep^-8
 
 /// The radius of a rung; 0 is the widest.
 double rung_radius(std::size_t rung, double diagonal);
 
-/// Wide fits about a leaf on the rungs [widest, narrowest]; the squared bias of wider ones is extrapolated.
+/// Wide fits about a leaf on the rungs [widest, narrowest];
+/// the squared bias of wider ones is extrapolated.
 struct BiasLadder {
     std::size_t widest = kRungs, narrowest = kRungs;  // kRungs: none
     std::array<float, kRungs> sq_bias{}, sq_error{};   ///< as WideFit has them
@@ -27,7 +29,7 @@ struct BiasLadder {
 };
 
 /// Climbs from the narrowest rung that a leaf's fit of that noise allows until the bias is plain.
-BiasLadder climb_ladder(const Surfel& leaf, double noise, const PointPyramid& points, double diagonal,
-                        WideWork& work);
+BiasLadder climb_ladder(const Surfel& leaf, double noise, const PointPyramid& points,
+                        double diagonal, WideWork& work);
 
 }  // namespace slim

@@ -11,7 +11,8 @@ CloudSampler::CloudSampler(std::size_t most, std::uint64_t seed) : most_(most), 
     SLIM_CHECK(most, >, 0u);
 }
 
-void CloudSampler::add(std::span<const Vec3d> positions, std::span<const Vec3f> normals, const Vec3d& origin) {
+void CloudSampler::add(std::span<const Vec3d> positions, std::span<const Vec3f> normals,
+                       const Vec3d& origin) {
     if (!normals.empty()) SLIM_CHECK(normals.size(), ==, positions.size());
     PointBlock& p = sample_.points;
     p.position.reserve(most_ + 1), p.id.reserve(most_ + 1);
@@ -23,7 +24,8 @@ void CloudSampler::add(std::span<const Vec3d> positions, std::span<const Vec3f> 
         p.position.push_back(at), p.id.push_back(id);
         if (!normals.empty()) {
             const Vec3d n = to_double(normals[i]);
-            p.normal.push_back(is_finite(n) && sq_length(n) > 0 ? to_float(normalized(n)) : Vec3f{});
+            p.normal.push_back(is_finite(n) && sq_length(n) > 0 ? to_float(normalized(n))
+                                                                : Vec3f{});
         }
         while (p.size() > most_) thin();
     }

@@ -15,8 +15,9 @@ struct CloudSample {
     double share = 1;
 };
 
-/// Takes a cloud in chunks, in file order, and keeps a share of at most `most` points: all, a half, a quarter, ... Which
-/// depends on the seed and on where they are in the file. 44 bytes for each of `most`, touched as they come.
+/// Takes a cloud in chunks, in file order, and keeps a share of at most `most` points: all, a half,
+/// a quarter, ... Which depends on the seed and on where they are in the file. 44 bytes for each of
+/// `most`, touched as they come.
 class CloudSampler {
 public:
     CloudSampler(std::size_t most, std::uint64_t seed);

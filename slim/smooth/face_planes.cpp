@@ -24,7 +24,8 @@ FacePlane plane_of(const Mesh& mesh, std::size_t f) {
         sum += cross(mesh.position[corners[k]] - first, mesh.position[corners[k + 1]] - first);
     const Vec3d normal = normalized(sum);
     for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-        const Vec3d a = mesh.position[corners[k]] - first, b = mesh.position[corners[k + 1]] - first;
+        const Vec3d a = mesh.position[corners[k]] - first,
+                    b = mesh.position[corners[k + 1]] - first;
         weighted += (a + b) * (dot(cross(a, b), normal) / 3);
     }
     const double twice_area = length(sum);

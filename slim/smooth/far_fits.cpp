@@ -10,7 +10,8 @@ std::vector<Surfel> wide_balls(const std::vector<FarFit>& fits) {
     out.reserve(fits.size());
     for (const auto& [s, off] : fits) {
         const double reach = std::hypot(s.support_radius, off);
-        out.push_back({s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
+        out.push_back(
+            {s.center, reach, s.frame, rescaled(s.polynomial, reach / s.support_radius), 2});
     }
     return out;
 }

@@ -23,8 +23,9 @@ public:
 
     explicit FarFits(const std::vector<FarFit>& fits);
 
-    /// Foot of a point on the nearest fit's surface along the fit's normal, of those that do not face away from
-    /// `normal` (zero: any) and whose ball of radius hypot(support radius, off) holds it. Nothing if there is none.
+    /// Foot of a point on the nearest fit's surface along the fit's normal, of those that do not
+    /// face away from `normal` (zero: any) and whose ball of radius hypot(support radius, off)
+    /// holds it. Nothing if there is none.
     std::optional<Foot> foot(const Vec3d& p, const Vec3d& normal) const;
 
 private:

@@ -15,8 +15,10 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kRound = 128, kMost = 512;
-constexpr std::size_t kLeastPoints = 60;  ///< of a fold of a scan fewer agree, of a part's edge more
-constexpr double kLeastShare = 0.08;      ///< parts: 9.0 % and more; scans and heads: 5.3 % and less (notes/0008)
+constexpr std::size_t kLeastPoints = 60;  ///< of a fold of a scan fewer
+                                          ///< agree, of a part's edge more
+constexpr double kLeastShare = 0.08;      ///< parts: 9.0 % and more; scans and
+                                          ///< heads: 5.3 % and less (notes/0008)
 constexpr double kSure = 3;               ///< standard errors
 constexpr std::size_t kGrain = 8;
 
@@ -38,8 +40,8 @@ PointBlock vertices_of(const Mesh& mesh) {
     return out;
 }
 
-/// As a build has them, less what is of leaves that are made (LeafMaker::make) and not of the search: the typical noise
-/// has no part in it, so that lambda stands in.
+/// As a build has them, less what is of leaves that are made (LeafMaker::make) and not of the
+/// search: the typical noise has no part in it, so that lambda stands in.
 CoverRules rules_of(const SmoothModelRules& model) {
     CoverRules rules;
     rules.degree = model.degree;

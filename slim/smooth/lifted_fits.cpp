@@ -20,7 +20,8 @@ constexpr double kTurnNoise = 3;   ///< times the noise in turns: what is not be
 constexpr float kLeastCos = 0.3f;  ///< between the normals of fits that share a bias
 
 /// The fits whose lift is known, by the balls in which it counts.
-BallIndex balls_of(const std::vector<std::vector<PlacedFit>>& fits, std::vector<const PlacedFit*>& known) {
+BallIndex balls_of(const std::vector<std::vector<PlacedFit>>& fits,
+                   std::vector<const PlacedFit*>& known) {
     std::vector<Surfel> balls;
     for (const auto& of_leaf : fits)
         for (const PlacedFit& f : of_leaf) {
@@ -37,27 +38,30 @@ struct Known {
     double lift = 0, turn_share = 0;
 };
 
-/// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first, over
-/// its radius. One a thread.
+/// The fits whose balls meet a leaf's fits, side by side for lanes: centres from the leaf's first,
+/// over its radius. One a thread.
 class LiftsAround {
 public:
-    void gather(const BallIndex& balls, std::span<const PlacedFit* const> known, std::span<const PlacedFit> leaf) {
+    void gather(const BallIndex& balls, std::span<const PlacedFit* const> known,
+                std::span<const PlacedFit> leaf) {
         Bbox box;
         for (const PlacedFit& f : leaf) box.extend(f.surfel.center);
         balls.near(box, near_);
         origin_ = leaf.front().surfel.center, unit_ = leaf.front().radius;
         const std::size_t n = near_.size(), padded = (n + kLanes - 1) / kLanes * kLanes;
-        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_, &sq_turn_, &sq_turn_error_})
+        for (auto* column : {&x_, &y_, &z_, &nx_, &ny_, &nz_, &by_sq_radius_, &lift_, &weight_,
+                             &sq_turn_, &sq_turn_error_})
             column->assign(padded, 0);
         importance_.resize(n);
-        for (std::size_t i = 0; i < n; ++i) put(balls.leaf(near_[i]), *known[balls.node(near_[i])], i);
+        for (std::size_t i = 0; i < n; ++i)
+            put(balls.leaf(near_[i]), *known[balls.node(near_[i])], i);
         // Over the most: the inverse of a variance that is next to nothing is no float.
         const double most = n > 0 ? *std::max_element(importance_.begin(), importance_.end()) : 1;
         for (std::size_t i = 0; i < n; ++i) weight_[i] = static_cast<float>(importance_[i] / most);
     }
 
-    /// The weighted mean of lifts about a fit, for its radius, and what share of turns is not noise; zero if none is
-    /// known.
+    /// The weighted mean of lifts about a fit, for its radius, and what share of turns is not
+    /// noise; zero if none is known.
     Known at(const PlacedFit& fit) const {
         const Vec3d place = (fit.surfel.center - origin_) / unit_, normal = fit.surfel.frame.normal;
         const auto lanes = [](double c) { return FloatV(static_cast<float>(c)); };
@@ -78,23 +82,31 @@ public:
         }
         const double weight = stdx::reduce(all), sq_turn = stdx::reduce(turn);
         Known out;
-        if (weight > 0) out.lift = stdx::reduce(sum) / weight * std::pow(fit.radius / unit_, 4) * unit_;
-        if (sq_turn > 0) out.turn_share = std::max(0.0, 1 - kTurnNoise * static_cast<double>(stdx::reduce(noise)) / sq_turn);
+        if (weight > 0)
+            out.lift = stdx::reduce(sum) / weight * std::pow(fit.radius / unit_, 4) * unit_;
+        if (sq_turn > 0)
+            out.turn_share =
+                std::max(0.0, 1 - kTurnNoise * static_cast<double>(stdx::reduce(noise)) / sq_turn);
         return out;
     }
 
 private:
-    /// A lift over the fourth power of the radius, as a quartic's grows, and the inverse of its variance.
+    /// A lift over the fourth power of the radius, as a quartic's grows,
+    /// and the inverse of its variance.
     void put(const Surfel& ball, const PlacedFit& fit, std::size_t i) {
         const Vec3d c = (ball.center - origin_) / unit_, n = ball.frame.normal;
-        const double sq = fit.radius * fit.radius / (unit_ * unit_), fourth = sq * sq, reach = ball.support_radius / unit_;
-        x_[i] = static_cast<float>(c.x), y_[i] = static_cast<float>(c.y), z_[i] = static_cast<float>(c.z);
-        nx_[i] = static_cast<float>(n.x), ny_[i] = static_cast<float>(n.y), nz_[i] = static_cast<float>(n.z);
+        const double sq = fit.radius * fit.radius / (unit_ * unit_), fourth = sq * sq,
+                     reach = ball.support_radius / unit_;
+        x_[i] = static_cast<float>(c.x), y_[i] = static_cast<float>(c.y),
+        z_[i] = static_cast<float>(c.z);
+        nx_[i] = static_cast<float>(n.x), ny_[i] = static_cast<float>(n.y),
+        nz_[i] = static_cast<float>(n.z);
         by_sq_radius_[i] = static_cast<float>(1 / (reach * reach));
         lift_[i] = static_cast<float>(fit.lift / (unit_ * fourth));
         importance_[i] = fourth * fourth * unit_ * unit_ / fit.sq_lift_error;
         // A cubic's slope grows with the square of the radius.
-        sq_turn_[i] = static_cast<float>((fit.turn[0] * fit.turn[0] + fit.turn[1] * fit.turn[1]) / fourth);
+        sq_turn_[i] =
+            static_cast<float>((fit.turn[0] * fit.turn[0] + fit.turn[1] * fit.turn[1]) / fourth);
         sq_turn_error_[i] = static_cast<float>(fit.sq_turn_error / fourth);
     }
 
@@ -102,7 +114,8 @@ private:
     std::vector<double> importance_;
     Vec3d origin_;
     double unit_ = 1;
-    std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_, sq_turn_, sq_turn_error_;
+    std::vector<float> x_, y_, z_, nx_, ny_, nz_, by_sq_radius_, lift_, weight_, sq_turn_,
+        sq_turn_error_;
 };
 
 }  // namespace

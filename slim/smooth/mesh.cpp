@@ -10,7 +10,8 @@ VertexFaces::VertexFaces(const Mesh& mesh)
     for (std::size_t v = 1; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
     std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
     for (std::size_t f = 0; f < mesh.n_faces(); ++f)
-        for (const std::uint32_t v : mesh.face(f)) faces_[next[v]++] = static_cast<std::uint32_t>(f);
+        for (const std::uint32_t v : mesh.face(f))
+            faces_[next[v]++] = static_cast<std::uint32_t>(f);
 }
 
 std::vector<std::uint8_t> boundary_vertices(const Mesh& mesh) {

@@ -9,14 +9,16 @@
 
 namespace slim {
 
-/// Exact distances of points to the faces of a mesh. Polygons are fans of triangles; faces with corners that are
-/// not finite are left out. Built once, read by any number of threads; 130 bytes a triangle.
+/// Exact distances of points to the faces of a mesh. Polygons are fans of triangles; faces with
+/// corners that are not finite are left out. Built once, read by any number of threads;
+/// 130 bytes a triangle.
 class MeshDistance {
 public:
     explicit MeshDistance(const Mesh& mesh);
 
     std::size_t n_triangles() const { return triangles_.size(); }
-    /// Squared distance to the nearest face; infinite without faces. Cost: about 1 us of 100,000 faces.
+    /// Squared distance to the nearest face; infinite without faces. Cost:
+    /// about 1 us of 100,000 faces.
     double sq_distance(const Vec3d& p) const;
 
 private:
@@ -33,8 +35,8 @@ private:
     std::vector<Node> nodes_;
 };
 
-/// Squared distance of a point to a triangle, degenerate ones too (Ericson, Real-Time Collision Detection,
-/// 5.1.5: by the region that the point's foot lies in).
+/// Squared distance of a point to a triangle, degenerate ones too (Ericson, Real-Time Collision
+/// Detection, 5.1.5: by the region that the point's foot lies in).
 double sq_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
 
 }  // namespace slim

@@ -24,9 +24,12 @@ double circle_mean(int a, int b) {
 }
 
 /// Mean of u^a v^b over the disc of radius kCore.
-double core_mean(int a, int b) { return circle_mean(a, b) * std::pow(kCore, a + b) * 2 / (a + b + 2); }
+double core_mean(int a, int b) {
+    return circle_mean(a, b) * std::pow(kCore, a + b) * 2 / (a + b + 2);
+}
 
-/// Mean of u^a v^b under weight_kernel() over the disc of twice kCore, by the midpoints of rings of equal area.
+/// Mean of u^a v^b under weight_kernel() over the disc of twice kCore,
+/// by the midpoints of rings of equal area.
 double weighted_mean(int a, int b) {
     constexpr int kRings = 4096;
     double sum = 0, all = 0;

@@ -11,8 +11,8 @@ namespace slim {
 
 /// Least squares of a polynomial over a disc and of the quadratic in it, from equally weighted
 /// sums: one factor serves both, the leading block being that of the quadratic (NUMERICS 2.2). The
-/// system is scaled to unit diagonal. Beside NestedCholesky (slim/fit), which gives the diagonal of the
-/// inverse alone: the mean over the core asks for all of it.
+/// system is scaled to unit diagonal. Beside NestedCholesky (slim/fit), which gives the diagonal of
+/// the inverse alone: the mean over the core asks for all of it.
 template <int Degree>
 class NestedDisc {
 public:
@@ -36,7 +36,8 @@ public:
     double sq_explained() const;
     /// Mean over the core of the square of a polynomial's even terms.
     static double sq_even(const std::array<double, kAll>& a);
-    /// Mean of a polynomial under the weight that fits are blended with, over a disc of twice the core.
+    /// Mean of a polynomial under the weight that fits are blended with,
+    /// over a disc of twice the core.
     static double blend_mean(const std::array<double, kAll>& a);
 
 private:

@@ -9,11 +9,13 @@ std::optional<Projection> PointProjector::along(const Vec3d& p, const Vec3d& n,
     return hit;
 }
 
-ProjectedPoint PointProjector::project(const Vec3d& p, const Vec3d& own_normal, bool want_curvature) {
+ProjectedPoint PointProjector::project(const Vec3d& p, const Vec3d& own_normal,
+                                       bool want_curvature) {
     ProjectedPoint out;
     index_.supporters(p, found_);
     out.has_normal = is_finite(own_normal) && sq_length(own_normal) > 0;
-    out.direction = out.has_normal ? normalized(own_normal) : normal_at(p, found_).value_or(Vec3d{});
+    out.direction =
+        out.has_normal ? normalized(own_normal) : normal_at(p, found_).value_or(Vec3d{});
     if (!(sq_length(out.direction) > 0)) return out;
     out.hit = along(p, out.direction, want_curvature);
     if (out.hit) return out;

@@ -10,26 +10,29 @@ namespace slim {
 
 /// A point of a cloud put on the model, and how.
 struct ProjectedPoint {
-    std::optional<Projection> hit;  ///< nothing: no surfel supports it, or no line meets the surface in reach
-    Vec3d direction;          ///< unit: the point's own normal, else the model's; zero if neither is known
+    std::optional<Projection> hit;  ///< nothing: no surfel supports it, or no
+                                    ///< line meets the surface in reach
+    Vec3d direction;          ///< unit: the point's own normal, else the
+                              ///< model's; zero if neither is known
     bool has_normal = false;  ///< it brought one
     bool opposed = false;     ///< its line met the surface only against its normal
     bool astray = false;      ///< its normal runs along the surface: the model's served
 };
 
 /// Cosine between a point's own normal and the surface's from which smoothing trusts the former.
-/// Departs from the paper, which projects along any normal: those of raw scans run along the surface here and there, and
-/// carry their points far to the side (bumpy sphere, scanned with noise of 0.1 %: moved by 0.0049, RMS, instead of
-/// 0.0037, which is the noise; RMS distance to the truth after it 5.2e-4 and 5.0e-4, at 1 % noise 6.2e-3 and 5.3e-3).
+/// Departs from the paper, which projects along any normal: those of raw scans run along the
+/// surface here and there, and carry their points far to the side (bumpy sphere, scanned with noise
+/// of 0.1 %: moved by 0.0049, RMS, instead of 0.0037, which is the noise; RMS distance to the truth
+/// after it 5.2e-4 and 5.0e-4, at 1 % noise 6.2e-3 and 5.3e-3).
 inline constexpr double kTrustedCosine = 0.7;
 
-/// Puts points on a model, each along its own normal by eq. (6) (Ohtake 2005, sec. 4; NUMERICS 5.5), what
-/// measuring and smoothing share. One a thread: it keeps its list of supporters.
+/// Puts points on a model, each along its own normal by eq. (6) (Ohtake 2005, sec. 4; NUMERICS
+/// 5.5), what measuring and smoothing share. One a thread: it keeps its list of supporters.
 class PointProjector {
 public:
     /// index         must outlive the projector
-    /// least_cosine  between a point's normal and the surface's where its line meets it; else, or where it meets
-    ///               none, the point is astray
+    /// least_cosine  between a point's normal and the surface's where its line meets it; else, or
+    ///               where it meets none, the point is astray
     explicit PointProjector(const BallIndex& index, double least_cosine = 0)
         : index_(index), least_cosine_(least_cosine) {}
 

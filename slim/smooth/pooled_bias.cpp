@@ -11,13 +11,15 @@
 namespace slim {
 namespace {
 
-constexpr double kMostBeyond = 8;   ///< times the bias, or the variance, of leaves that have the rung
+constexpr double kMostBeyond = 8;   ///< times the bias, or the variance, of
+                                    ///< leaves that have the rung
 constexpr int kRounds = 3;          ///< of means over the leaves around
 constexpr double kAround = 3;       ///< radii: how far a bias may be shared
 constexpr double kLeastCos = 0.3;   ///< between the normals of leaves that share
 constexpr std::size_t kMostAsked = 256;  ///< leaves; of more, every so many
 
-/// A rung's squared bias among leaves that overlap, of those that have the rung and of those whose climb ended below.
+/// A rung's squared bias among leaves that overlap, of those that have the rung and of those whose
+/// climb ended below.
 class PooledBias {
 public:
     void add(const BiasLadder& l, std::size_t k) {
@@ -27,8 +29,8 @@ public:
             beyond_.push_back(l.sq_bias[k]);
         }
     }
-    /// What was extrapolated counts for a few times what was measured at most: one climb that a stray ended would
-    /// else say for all around how far they may go.
+    /// What was extrapolated counts for a few times what was measured at most: one climb that a
+    /// stray ended would else say for all around how far they may go.
     double mean() const {
         double sum = sum_;
         const double most = n_ > 0 ? kMostBeyond * std::max(sum_, sq_error_) / n_ : INFINITY;
@@ -53,7 +55,8 @@ public:
     }
     /// Variance of the lifts beyond what noise gives them.
     double sq_unshared() const {
-        const double mean = sum_ / weight_, sq_mean = std::max(0.0, mean * mean - sq_error_ / (weight_ * weight_));
+        const double mean = sum_ / weight_,
+                     sq_mean = std::max(0.0, mean * mean - sq_error_ / (weight_ * weight_));
         const double n = weight_ * weight_ / sq_weight_;
         return std::max(0.0, sq_sum_ / weight_ - sq_mean) * n / std::max(1.0, n - 1);
     }
@@ -63,8 +66,8 @@ private:
 };
 
 /// Of leaf i on a rung that it has.
-double unshared(const BallIndex& model, std::span<const BiasLadder> ladders, std::size_t i, std::size_t k, double radius,
-                std::vector<std::uint32_t>& around) {
+double unshared(const BallIndex& model, std::span<const BiasLadder> ladders, std::size_t i,
+                std::size_t k, double radius, std::vector<std::uint32_t>& around) {
     const Surfel& leaf = model.leaf(i);
     const Vec3d reach{radius, radius, radius};
     Bbox box;
@@ -76,8 +79,10 @@ double unshared(const BallIndex& model, std::span<const BiasLadder> ladders, std
     for (std::size_t a = 0; a < around.size(); a += stride) {
         const std::size_t j = around[a];
         const Surfel& other = model.leaf(j);
-        if (j == i || !ladders[j].has(k) || dot(other.frame.normal, leaf.frame.normal) < kLeastCos) continue;
-        const double weight = weight_kernel(sq_length(other.center - leaf.center) / (radius * radius));
+        if (j == i || !ladders[j].has(k) || dot(other.frame.normal, leaf.frame.normal) < kLeastCos)
+            continue;
+        const double weight =
+            weight_kernel(sq_length(other.center - leaf.center) / (radius * radius));
         if (weight > 0) shared.add(weight, ladders[j].lift[k], ladders[j].sq_lift_error[k]);
     }
     return shared.sq_unshared();
@@ -106,7 +111,8 @@ void pool_bias(const BallIndex& model, std::span<BiasLadder> ladders) {
     // A wider rung knows its bias better.
     constexpr auto growth = static_cast<float>(kBiasGrowth);
     for (BiasLadder& l : ladders)
-        for (std::size_t k = 1; k < kRungs; ++k) l.sq_bias[k] = std::max(l.sq_bias[k], l.sq_bias[k - 1] / growth);
+        for (std::size_t k = 1; k < kRungs; ++k)
+            l.sq_bias[k] = std::max(l.sq_bias[k], l.sq_bias[k - 1] / growth);
 }
 
 std::vector<std::array<float, kRungs>> unshared_bias(
@@ -122,7 +128,8 @@ std::vector<std::array<float, kRungs>> unshared_bias(
             for (std::size_t k = 0; k < kRungs; ++k) {
                 wider /= static_cast<float>(kBiasGrowth);
                 if (!ladders[i].has(k) || !is_asked(i, k)) continue;
-                const double own = unshared(model, ladders, i, k, kAround * rung_radius(k, diagonal), around);
+                const double own =
+                    unshared(model, ladders, i, k, kAround * rung_radius(k, diagonal), around);
                 wider = std::max(wider, std::min(static_cast<float>(own), ladders[i].sq_bias[k]));
                 out[i][k] = wider;
             }

@@ -81,8 +81,9 @@ ProjectedPoint SurfaceProjector::on_fits(const Vec3d& p, const Vec3d& normal) {
     const Vec3d facing = is_finite(normal) ? normal : Vec3d{};
     ProjectedPoint put = fits_->project(p, normal);
     if (!put.hit) put = by_foot(p, normal, facing);
-    // A normal contrary to all fits in reach says as little as that of a point in their balls. A sheet that it
-    // agrees with has fits, or leaves among them that are kept; what the model has there beside is strays.
+    // A normal contrary to all fits in reach says as little as that of a point in their balls. A
+    // sheet that it agrees with has fits, or leaves among them that are kept; what the model has
+    // there beside is strays.
     if (!put.hit && sq_length(facing) > 0) put = by_foot(p, normal, {});
     if (put.hit) return put;
     put = model_.project(p, normal);

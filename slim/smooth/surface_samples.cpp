@@ -34,7 +34,8 @@ void sample_leaf(const Surfel& leaf, std::size_t n, const BallIndex& index,
     for (std::size_t k = 0; k < n; ++k) {
         const double r = kTrim * std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(n));
         const double angle = static_cast<double>(k) * kTurn;
-        const Vec3d seed = leaf.frame.world_from_local({r * std::cos(angle), r * std::sin(angle), 1.0});
+        const Vec3d seed =
+            leaf.frame.world_from_local({r * std::cos(angle), r * std::sin(angle), 1.0});
         const Ray ray{leaf.center + seed * radius, down};
         Vec3d gradient;
         const auto t = first_hit(ray, leaf, 0, kTrim, gradient);

@@ -17,14 +17,14 @@ struct SurfaceSample {
 
 /// Points on the surface that pictures show, always the same ones of a model.
 ///
-/// Every leaf that is drawn (loose ones are not) is sampled in its core, the ball of radius alpha rho about its
-/// centre (alpha = 2/3: what covers), at the seeds of a sunflower over the core's disc: equal areas, no random
-/// number. A seed is moved along the leaf's normal onto the leaf, within its core and its rims, and from there onto
-/// the blended surface (eq. (6)). Cores overlap: a sample stands for its share of the core's area over the number
-/// of cores that hold it.
+/// Every leaf that is drawn (loose ones are not) is sampled in its core, the ball of radius alpha
+/// rho about its centre (alpha = 2/3: what covers), at the seeds of a sunflower over the core's
+/// disc: equal areas, no random number. A seed is moved along the leaf's normal onto the leaf,
+/// within its core and its rims, and from there onto the blended surface (eq. (6)). Cores overlap:
+/// a sample stands for its share of the core's area over the number of cores that hold it.
 ///
-/// n_wanted  about as many are made, in proportion to the cores' areas, at least four a leaf; the surface of a
-///           leaf that nothing is left of yields none
+/// n_wanted  about as many are made, in proportion to the cores' areas, at least four a leaf; the
+///           surface of a leaf that nothing is left of yields none
 /// cost      about 3 us a sample and core
 std::vector<SurfaceSample> sample_surface(const SurfelTree& tree, const BallIndex& index,
                                           std::size_t n_wanted);

@@ -15,8 +15,10 @@ constexpr double kOff = 0.25;
 constexpr double kThickness = 6;
 constexpr double kLeastPoints = 60;
 constexpr double kLeastOfQuadratic = 18;
-constexpr float kSqInner = 0.25f;    ///< squared, of the disc's radius: no fit without a point so near the middle
-constexpr double kCancelled = 1e-4;  ///< of the sum of squares: below it the difference of sums is rounding
+constexpr float kSqInner = 0.25f;    ///< squared, of the disc's radius: no fit
+                                     ///< without a point so near the middle
+constexpr double kCancelled = 1e-4;  ///< of the sum of squares: below it the
+                                     ///< difference of sums is rounding
 constexpr double kRounding = 6e-8;   ///< of a coordinate over the radius, a float
 
 bool has_inner_point(const BallPoints<float>& ball) {
@@ -93,7 +95,8 @@ double WideFit::sq_stretch() const {
     return 1 + a[1] * a[1] + a[2] * a[2] + a[3] * a[3] + a[5] * a[5] + a[4] * a[4] / 2;
 }
 
-std::optional<WideFit> fit_wide(const PointTree& points, const WideDisc& disc, bool ahead, WideWork& work) {
+std::optional<WideFit> fit_wide(const PointTree& points, const WideDisc& disc, bool ahead,
+                                WideWork& work) {
     work.ball.weight = FitWeight::uniform;
     const double r = disc.radius, sag = std::min(r, disc.curvature * r * r / 2);
     const double reach = std::hypot(r, kThickness * disc.noise + sag);

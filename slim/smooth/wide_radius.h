@@ -22,16 +22,21 @@ struct WideRadius {
     bool in_cloud = false;  ///< the cloud holds the leaf's points, or as many
 };
 
-/// For each leaf of the index the radius of the wide fits that leave the least error in the surface about it, by
-/// their variance and their bias, the latter a mean over the leaves around (notes/0003, 0004). The leaf itself is
-/// better if it is sharp, ends at a rim, or has too few points about it. In parallel, the same for any thread count.
+/// For each leaf of the index the radius of the wide fits that leave the least error in the surface
+/// about it, by their variance and their bias, the latter a mean over the leaves around
+/// (notes/0003, 0004). The leaf itself is better if it is sharp, ends at a rim, or has too few
+/// points about it. In parallel, the same for any thread count.
 /// noise     of each leaf, in the index's order
 /// diagonal  of the model
-/// cost      0.9 kB a leaf while it runs; about 12 discs of up to 8,000 points a leaf where noise is strong, 3 where it is weak
+/// cost      0.9 kB a leaf while it runs; about 12 discs of up to 8,000 points a leaf where noise
+///           is strong, 3 where it is weak
 std::vector<WideRadius> wide_radii(const BallIndex& model, std::span<const LeafNoise> noise,
-                                   const PointPyramid& points, double diagonal, const EachBatch& each_batch = {});
+                                   const PointPyramid& points, double diagonal,
+                                   const EachBatch& each_batch = {});
 
-/// The same without looking for any: all leaves are kept, where memory is short. Cost: 24 bytes a leaf.
-std::vector<WideRadius> kept_radii(const BallIndex& model, std::span<const LeafNoise> noise, const PointPyramid& points);
+/// The same without looking for any: all leaves are kept, where memory is short. Cost:
+/// 24 bytes a leaf.
+std::vector<WideRadius> kept_radii(const BallIndex& model, std::span<const LeafNoise> noise,
+                                   const PointPyramid& points);
 
 }  // namespace slim

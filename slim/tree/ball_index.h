@@ -31,13 +31,14 @@ public:
     /// Writes the leaves with |p - c| < rho to `out`, in the index's order (deterministic).
     /// Cost: about 0.25 us where five of 10,000 leaves hold the point.
     void supporters(const Vec3d& p, std::vector<const Surfel*>& out) const;
-    /// Writes the numbers of the leaves whose balls meet a box to `out`, in order: for points that lie
-    /// together, of which each is asked of these few alone.
+    /// Writes the numbers of the leaves whose balls meet a box to `out`, in order: for points that
+    /// lie together, of which each is asked of these few alone.
     void near(const Bbox& box, std::vector<std::uint32_t>& out) const;
 
 private:
     static constexpr std::size_t kFanout = 8;
-    /// Boxes side by side, for lanes; rounded outwards to floats. A place without a box holds nothing.
+    /// Boxes side by side, for lanes; rounded outwards to floats. A place without a box holds
+    /// nothing.
     struct Boxes {
         std::array<std::array<float, kFanout>, 3> lo, hi;
         Boxes();
@@ -57,7 +58,8 @@ private:
     std::vector<Surfel> leaves_;              // along a Morton curve
     std::vector<Ball> balls_;                 // of the leaves
     std::vector<std::uint32_t> nodes_;        // of the leaves
-    std::vector<std::vector<Boxes>> levels_;  // 0: a place for each leaf; above, one for each Boxes; the last is one
+    std::vector<std::vector<Boxes>> levels_;  // 0: a place for each leaf; above, one for each
+                                              // Boxes; the last is one
 };
 
 }  // namespace slim

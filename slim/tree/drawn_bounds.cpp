@@ -109,7 +109,8 @@ public:
     const Bbox& box() const { return box_; }
 
 private:
-    /// Of those that may reach as far the one whose middle lies farthest: a leaf there ends the search.
+    /// Of those that may reach as far the one whose middle lies farthest:
+    /// a leaf there ends the search.
     struct Candidate {
         double reach, middle;
         std::uint32_t node;

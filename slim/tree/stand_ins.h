@@ -13,7 +13,8 @@ namespace slim {
 /// ball, with normals less than 20 degrees apart. So none sticks out beyond an edge or a border.
 /// Leaves that are sharp, loose or end at a rim agree with nothing. Returns how many are marked.
 ///
-/// cost  19 walks down the tree for each internal surfel of many children, in parallel: 1 to 2 us each
+/// cost  19 walks down the tree for each internal surfel of many children, in parallel:
+///       1 to 2 us each
 std::uint64_t mark_stand_ins(SurfelTreeData& tree);
 
 }  // namespace slim

@@ -133,9 +133,9 @@ std::vector<bool> keep_fruitful(std::span<const Ball> balls,
     return kept;
 }
 
-/// Node order: the root, then generation by generation, families in the order of their parents: what
-/// a view shows from afar is the front of the file, what it shows of a part are some runs of each
-/// generation (notes/0005).
+/// Node order: the root, then generation by generation, families in the order of their parents:
+/// what a view shows from afar is the front of the file, what it shows of a part are some runs of
+/// each generation (notes/0005).
 struct Layout {
     std::vector<std::uint32_t> surfel_of;  // node -> input surfel, kRoot for node 0
     std::vector<TreeNode> nodes;

@@ -13,7 +13,8 @@
 namespace slim::bench {
 namespace {
 
-/// One family on the exact surface: ridges, or valleys as the ridges of the surface turned inside out.
+/// One family on the exact surface: ridges, or valleys as the ridges of the surface turned inside
+/// out.
 struct Exact {
     const Shape& shape;
     bool ridge;
@@ -32,7 +33,8 @@ struct Exact {
     }
     Vec3d along(const Vec3d& p) const {
         const Jet2 f = shape.jet(p);
-        const ThirdOrder t = third_order_from(f.gradient(), {f.h[0], f.h[1], f.h[2], f.h[3], f.h[4], f.h[5]}, {});
+        const ThirdOrder t =
+            third_order_from(f.gradient(), {f.h[0], f.h[1], f.h[2], f.h[3], f.h[4], f.h[5]}, {});
         return ridge ? t.t1 : t.t2;
     }
     /// dk/dt along t.
@@ -49,11 +51,13 @@ struct Exact {
     }
     bool is_greatest(const Vec3d& p) const {
         const Vec3d t = along(p);
-        return rise_like(foot(p + t * (2 * step)), t) < 0 && rise_like(foot(p - t * (2 * step)), t) > 0;
+        return rise_like(foot(p + t * (2 * step)), t) < 0 &&
+               rise_like(foot(p - t * (2 * step)), t) > 0;
     }
     double sharpness(const Vec3d& p) const {
         constexpr double kTurn = 0.7;
-        const Vec3d t = along(p), inwards = surface_point(shape.jet(p)).normal * (ridge ? -1.0 : 1.0);
+        const Vec3d t = along(p),
+                    inwards = surface_point(shape.jet(p)).normal * (ridge ? -1.0 : 1.0);
         const double k = k_at(p);
         double most = 0;
         for (const double side : {-kTurn, kTurn}) {
@@ -94,7 +98,8 @@ bool changes(const GBuffer& b, bool ridge, std::size_t i, std::size_t j) {
     const auto vec = [](const auto& planes, std::size_t at) {
         return Vec3f{planes[0][at], planes[1][at], planes[2][at]};
     };
-    const Vec3f ni = vec(b.normal, i), nj = vec(b.normal, j), d = vec(b.position, j) - vec(b.position, i);
+    const Vec3f ni = vec(b.normal, i), nj = vec(b.normal, j),
+                d = vec(b.position, j) - vec(b.position, i);
     if (dot(ni, nj) < 0.5f || std::abs(dot(ni, d)) > 0.5f * length(d)) return false;
     const auto t = [&](std::size_t at, const Vec3f& n) {
         const Vec3f t1 = vec(b.direction, at);
@@ -106,14 +111,18 @@ bool changes(const GBuffer& b, bool ridge, std::size_t i, std::size_t j) {
 }
 
 RowZeros zeros_of_row(const Exact& exact, const GBuffer& b, std::size_t y) {
-    const auto width = static_cast<std::size_t>(b.width), height = static_cast<std::size_t>(b.height);
-    RowZeros out{std::vector<std::optional<Vec3d>>(width), std::vector<std::optional<Vec3d>>(width)};
+    const auto width = static_cast<std::size_t>(b.width),
+               height = static_cast<std::size_t>(b.height);
+    RowZeros out{std::vector<std::optional<Vec3d>>(width),
+                 std::vector<std::optional<Vec3d>>(width)};
     for (std::size_t x = 0; x < width; ++x) {
         const std::size_t i = y * width + x;
         if (x + 1 < width && changes(b, exact.ridge, i, i + 1))
-            out.right[x] = exact.zero_between(exact.foot(point_of(b, i)), exact.foot(point_of(b, i + 1)));
+            out.right[x] =
+                exact.zero_between(exact.foot(point_of(b, i)), exact.foot(point_of(b, i + 1)));
         if (y + 1 < height && changes(b, exact.ridge, i, i + width))
-            out.down[x] = exact.zero_between(exact.foot(point_of(b, i)), exact.foot(point_of(b, i + width)));
+            out.down[x] =
+                exact.zero_between(exact.foot(point_of(b, i)), exact.foot(point_of(b, i + width)));
     }
     return out;
 }
@@ -125,8 +134,8 @@ CrestSample sample_of(const Exact& exact, const PixelView& view, const Vec3d& p,
         return std::array{view.center_x + scale * c.x, view.center_y + scale * c.y};
     };
     const auto a = pixel(p), b = pixel(q);
-    return {exact.ridge, 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), std::hypot(b[0] - a[0], b[1] - a[1]),
-            exact.sharpness(exact.foot((p + q) * 0.5))};
+    return {exact.ridge, 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]),
+            std::hypot(b[0] - a[0], b[1] - a[1]), exact.sharpness(exact.foot((p + q) * 0.5))};
 }
 
 }  // namespace
@@ -136,7 +145,8 @@ GBuffer exact_buffer(const Shape& shape, const PixelView& view, int width, int h
     out.reset(width, height, line_channels(std::array{LineKind::ridge}, 3));
     const Exact ridges{shape, true}, valleys{shape, false};
     parallel_blocks(static_cast<std::size_t>(height), 4, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin * static_cast<std::size_t>(width); i < end * static_cast<std::size_t>(width); ++i) {
+        for (std::size_t i = begin * static_cast<std::size_t>(width);
+             i < end * static_cast<std::size_t>(width); ++i) {
             const double x = static_cast<double>(i % static_cast<std::size_t>(width)) + 0.5,
                          y = static_cast<double>(i / static_cast<std::size_t>(width)) + 0.5;
             const Ray ray{view.ray_origin(x, y), view.ray_direction(x, y)};
@@ -159,8 +169,10 @@ GBuffer exact_buffer(const Shape& shape, const PixelView& view, int width, int h
     return out;
 }
 
-std::vector<CrestSample> exact_crest_lines(const Shape& shape, const PixelView& view, const GBuffer& exact) {
-    const auto width = static_cast<std::size_t>(exact.width), height = static_cast<std::size_t>(exact.height);
+std::vector<CrestSample> exact_crest_lines(const Shape& shape, const PixelView& view,
+                                           const GBuffer& exact) {
+    const auto width = static_cast<std::size_t>(exact.width),
+               height = static_cast<std::size_t>(exact.height);
     std::vector<CrestSample> out;
     for (const bool ridge : {true, false}) {
         const Exact family{shape, ridge};
@@ -171,9 +183,11 @@ std::vector<CrestSample> exact_crest_lines(const Shape& shape, const PixelView& 
         for (std::size_t y = 0; y + 1 < height; ++y)
             for (std::size_t x = 0; x + 1 < width; ++x) {
                 std::vector<Vec3d> found;
-                for (const auto& zero : {rows[y].right[x], rows[y].down[x + 1], rows[y + 1].right[x], rows[y].down[x]})
+                for (const auto& zero :
+                     {rows[y].right[x], rows[y].down[x + 1], rows[y + 1].right[x], rows[y].down[x]})
                     if (zero) found.push_back(*zero);
-                // Where two lines pass through one cell (beside an umbilic), the pieces along its sides.
+                // Where two lines pass through one cell (beside an umbilic),
+                // the pieces along its sides.
                 for (std::size_t k = 0; k + 1 < found.size(); k += 2)
                     out.push_back(sample_of(family, view, found[k], found[k + 1]));
             }

@@ -36,8 +36,9 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 TEST(XyzReader, ReadsThreeColumnsWithAnySeparatorsAndComments) {
     const TempFolder folder;
-    for (const char* text : {"1 2 3\n-4 5e1 .5\n", "# a comment\n1,2,3\r\n\r\n-4,50,0.5\r\n",
-                             "// X and Y\n1;2;3\n  -4\t+50 ; 0.5", "x,y,z\n1, 2, 3\n-4, 50, 0.5\n"}) {
+    for (const char* text :
+         {"1 2 3\n-4 5e1 .5\n", "# a comment\n1,2,3\r\n\r\n-4,50,0.5\r\n",
+          "// X and Y\n1;2;3\n  -4\t+50 ; 0.5", "x,y,z\n1, 2, 3\n-4, 50, 0.5\n"}) {
         const PointChunk points = read_all(folder.write("a.xyz", text), 1);
         ASSERT_EQ(points.size(), 2u) << text;
         EXPECT_EQ(points.position[0], (Vec3d{1, 2, 3}));
@@ -83,7 +84,8 @@ TEST(XyzReader, NamesTheColumnsThatItPassesOver) {
         return open_cloud(folder.file("n.xyz"))->info().skipped;
     };
     using Names = std::vector<std::string>;
-    EXPECT_EQ(skipped("// Intensity x y z nx ny scan R\n7 1 2 3 0 1 5 9\n"), (Names{"intensity", "nx", "ny", "r"}));
+    EXPECT_EQ(skipped("// Intensity x y z nx ny scan R\n7 1 2 3 0 1 5 9\n"),
+              (Names{"intensity", "nx", "ny", "r"}));
     EXPECT_EQ(skipped("x,y,z\n1,2,3\n"), Names{});
     EXPECT_EQ(skipped("1 2 3 4 5\n"), (Names{"unnamed 1", "unnamed 2"}));
 }
@@ -114,11 +116,14 @@ TEST(XyzReader, PassesOverAByteOrderMarkAtItsStart) {
     EXPECT_EQ(read("c.csv", mark + "z,y,x\r\n1,2,3\r\n").position.at(0), (Vec3d{3, 2, 1}));
     EXPECT_EQ(read("d.txt", mark + "# z y x\n1 2 3\n").position.at(0), (Vec3d{3, 2, 1}));
     EXPECT_EQ(read("e.pts", mark + "2\n1 2 3\n4 5 6\n").size(), 2u);
-    EXPECT_NE(error("f.pts", mark + "3\n1 2 3\n4 5 6\n").find("2 of 3 declared"), std::string::npos);
+    EXPECT_NE(error("f.pts", mark + "3\n1 2 3\n4 5 6\n").find("2 of 3 declared"),
+              std::string::npos);
     // One at its start; elsewhere, or half of it, it is no number.
     EXPECT_NE(error("g.xyz", mark + mark + "1 2 3\n").find("line 1: column 1"), std::string::npos);
-    EXPECT_NE(error("h.xyz", "1 2 3\n" + mark + "4 5 6\n").find("line 2: column 1"), std::string::npos);
-    EXPECT_NE(error("i.xyz", mark.substr(0, 2) + "1 2 3\n").find("line 1: column 1"), std::string::npos);
+    EXPECT_NE(error("h.xyz", "1 2 3\n" + mark + "4 5 6\n").find("line 2: column 1"),
+              std::string::npos);
+    EXPECT_NE(error("i.xyz", mark.substr(0, 2) + "1 2 3\n").find("line 1: column 1"),
+              std::string::npos);
     EXPECT_EQ(read("j.xyz", mark).size(), read("k.xyz", "\n").size());
 }
 

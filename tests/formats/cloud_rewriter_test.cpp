@@ -15,8 +15,8 @@ namespace {
 class CloudRewriterTest : public testing::Test {
 protected:
     /// Rewrites a file of these bytes; every odd point moves by (0.25, 0, 0) and gets the normal z.
-    std::string rewritten(const std::string& name, const std::string& bytes, double text_step = 1e-3,
-                          std::size_t at_once = 2) {
+    std::string rewritten(const std::string& name, const std::string& bytes,
+                          double text_step = 1e-3, std::size_t at_once = 2) {
         const std::string in = folder_.write("in_" + name, bytes), out = folder_.file(name);
         const PointChunk points = read_all(in);
         const auto rewriter = rewrite_cloud(in, out, text_step);
@@ -42,50 +42,63 @@ std::string raw(T value, bool big = false) {
 }
 
 TEST_F(CloudRewriterTest, AsciiKeepsEveryWordOfPointsThatStay) {
-    const std::string head = "ply\nformat ascii 1.0\ncomment hello   there\nelement vertex 3\nproperty uchar "
-                             "red\nproperty double x\nproperty double y\nproperty double z\n";
-    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    EXPECT_EQ(rewritten("a.ply", head + faces + "7 403000.10 1e0 +2\n8 403001.123456 5 6\n9 1 2 3\n3 0 1 2\n"),
-              head + "property float nx\nproperty float ny\nproperty float nz\nproperty float "
-                     "scalar_displacement\n" + faces +
-                  "7 403000.10 1e0 +2 0 0 0 0\n8 403001.373456 5.000 6.000 0 0 1 0.25\n9 1 2 3 0 0 0 0\n"
-                  "3 0 1 2\n");
+    const std::string head =
+        "ply\nformat ascii 1.0\ncomment hello   there\nelement vertex 3\nproperty uchar red\n"
+        "property double x\nproperty double y\nproperty double z\n";
+    const std::string faces =
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    EXPECT_EQ(
+        rewritten("a.ply",
+                  head + faces + "7 403000.10 1e0 +2\n8 403001.123456 5 6\n9 1 2 3\n3 0 1 2\n"),
+        head +
+            "property float nx\nproperty float ny\nproperty float nz\nproperty float "
+            "scalar_displacement\n" +
+            faces +
+            "7 403000.10 1e0 +2 0 0 0 0\n8 403001.373456 5.000 6.000 0 0 1 0.25\n9 1 2 3 0 0 0 0\n"
+            "3 0 1 2\n");
 }
 
 TEST_F(CloudRewriterTest, AsciiFloatsOfManyDigitsKeepThem) {
     // Georeferenced coordinates declared float: text holds what a float does not.
-    const std::string out = rewritten("u.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float "
-                                               "y\nproperty float z\nend_header\n1 2 3\n3604900.123 403000.25 1.5\n");
+    const std::string out =
+        rewritten("u.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                  "property float z\nend_header\n1 2 3\n3604900.123 403000.25 1.5\n");
     EXPECT_NE(out.find("\n3604900.373 403000.250 1.5 0 0 1 0.25\n"), std::string::npos) << out;
 }
 
 TEST_F(CloudRewriterTest, AListWhereANumberIsToBeWrittenIsRefused) {
-    const std::string in = folder_.write("l.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
-                                                  "y\nproperty float z\nproperty list uchar float nx\nend_header\n1 2 3 1 0\n");
+    const std::string in =
+        folder_.write("l.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                      "property float y\nproperty float z\nproperty list uchar float nx\n"
+                      "end_header\n1 2 3 1 0\n");
     EXPECT_THROW(rewrite_cloud(in, folder_.file("out.ply"), 0.001), FormatError);
 }
 
 TEST_F(CloudRewriterTest, BinaryOfEitherOrderKeepsTypesAndOtherBytes) {
     for (const bool big : {false, true}) {
-        const std::string head = std::string("ply\nformat binary_") + (big ? "big" : "little") +
-                                 "_endian 1.0\nelement vertex 2\nproperty ushort tag\nproperty double x\nproperty "
-                                 "double y\nproperty double z\nproperty float nx\nproperty float ny\nproperty float "
-                                 "nz\nproperty float scalar_displacement\n"
-                                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        const std::string head =
+            std::string("ply\nformat binary_") + (big ? "big" : "little") +
+            "_endian 1.0\nelement vertex 2\nproperty ushort tag\nproperty double x\nproperty "
+            "double y\nproperty double z\nproperty float nx\nproperty float ny\nproperty float "
+            "nz\nproperty float scalar_displacement\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
         const auto row = [&](std::uint16_t tag, double x, float nz, float moved) {
-            return raw(tag, big) + raw(x, big) + raw(5.0, big) + raw(6.0, big) + raw(0.0f, big) + raw(0.0f, big) +
-                   raw(nz, big) + raw(moved, big);
+            return raw(tag, big) + raw(x, big) + raw(5.0, big) + raw(6.0, big) + raw(0.0f, big) +
+                   raw(0.0f, big) + raw(nz, big) + raw(moved, big);
         };
         const std::string tail = std::string("\3") + raw(0, big) + raw(1, big) + raw(1, big);
-        EXPECT_EQ(rewritten("b.ply", head + row(513, 4e6 + 1e-9, -1, 9) + row(514, 4e6, -1, 9) + tail),
-                  head + row(513, 4e6 + 1e-9, -1, 0) + row(514, 4e6 + 0.25, 1, 0.25) + tail);
+        EXPECT_EQ(
+            rewritten("b.ply", head + row(513, 4e6 + 1e-9, -1, 9) + row(514, 4e6, -1, 9) + tail),
+            head + row(513, 4e6 + 1e-9, -1, 0) + row(514, 4e6 + 0.25, 1, 0.25) + tail);
     }
 }
 
 TEST_F(CloudRewriterTest, IntegerCoordinatesBecomeDouble) {
     const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex 2\n";
-    const std::string in = head + "property int x\nproperty int y\nproperty int z\nend_header\n" + raw(1) + raw(2) +
-                           raw(3) + raw(4) + raw(5) + raw(6);
+    const std::string in = head + "property int x\nproperty int y\nproperty int z\nend_header\n" +
+                           raw(1) + raw(2) + raw(3) + raw(4) + raw(5) + raw(6);
     const std::string out = rewritten("i.ply", in);
     EXPECT_NE(out.find("property double x\nproperty double y"), std::string::npos);
     const PointChunk points = read_all(folder_.file("i.ply"));
@@ -94,21 +107,25 @@ TEST_F(CloudRewriterTest, IntegerCoordinatesBecomeDouble) {
 }
 
 TEST_F(CloudRewriterTest, ListsOfAVertexAndElementsBeforeItAreCarried) {
-    const std::string head = "ply\nformat binary_little_endian 1.0\nelement camera 1\nproperty list uchar float v\n"
-                             "element vertex 2\nproperty float x\nproperty list uchar short who\nproperty float "
-                             "y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n";
+    const std::string head =
+        "ply\nformat binary_little_endian 1.0\nelement camera 1\nproperty list uchar float v\n"
+        "element vertex 2\nproperty float x\nproperty list uchar short who\nproperty float "
+        "y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n";
     const std::string camera = std::string("\2") + raw(1.5f) + raw(2.5f);
     const auto row = [&](float x, float nz) {
-        return raw(x) + "\1" + raw(std::int16_t{77}) + raw(0.0f) + raw(0.0f) + raw(0.0f) + raw(0.0f) + raw(nz);
+        return raw(x) + "\1" + raw(std::int16_t{77}) + raw(0.0f) + raw(0.0f) + raw(0.0f) +
+               raw(0.0f) + raw(nz);
     };
-    const std::string out = rewritten("l.ply", head + "end_header\n" + camera + row(1, -1) + row(2, -1));
-    EXPECT_EQ(out, head + "property float scalar_displacement\nend_header\n" + camera + row(1, -1) + raw(0.0f) +
-                       row(2.25f, 1) + raw(0.25f));
+    const std::string out =
+        rewritten("l.ply", head + "end_header\n" + camera + row(1, -1) + row(2, -1));
+    EXPECT_EQ(out, head + "property float scalar_displacement\nend_header\n" + camera + row(1, -1) +
+                       raw(0.0f) + row(2.25f, 1) + raw(0.25f));
 }
 
 TEST_F(CloudRewriterTest, PositionsAreWrittenLocalToTheOriginOfTheHeader) {
-    const std::string head = "ply\nformat ascii 1.0\ncomment slim origin 1000 0 0\nelement vertex 2\nproperty float "
-                             "x\nproperty float y\nproperty float z\n";
+    const std::string head =
+        "ply\nformat ascii 1.0\ncomment slim origin 1000 0 0\nelement vertex 2\nproperty float x\n"
+        "property float y\nproperty float z\n";
     rewritten("o.ply", head + "end_header\n1 0 0\n2 0 0\n");
     EXPECT_NE(read_bytes(folder_.file("o.ply")).find("\n2.25 0 0 0 0 1 0.25\n"), std::string::npos);
     EXPECT_EQ(read_all(folder_.file("o.ply")).position[1], (Vec3d{1002.25, 0, 0}));
@@ -124,8 +141,10 @@ TEST_F(CloudRewriterTest, TextKeepsColumnsCommentsAndSeparators) {
 TEST_F(CloudRewriterTest, TextKeepsItsByteOrderMark) {
     const std::string mark = "\xef\xbb\xbf";
     EXPECT_EQ(rewritten("m.xyz", mark + "1 2 3\n4 5 6\n"), mark + "1 2 3\n4.250 5.000 6.000\n");
-    EXPECT_EQ(rewritten("m.csv", mark + "x,y,z\n1,2,3\n4,5,6\n"), mark + "x,y,z\n1,2,3\n4.250,5.000,6.000\n");
-    EXPECT_EQ(rewritten("m.pts", mark + "2\n1 2 3\n4 5 6\n"), mark + "2\n1 2 3\n4.250 5.000 6.000\n");
+    EXPECT_EQ(rewritten("m.csv", mark + "x,y,z\n1,2,3\n4,5,6\n"),
+              mark + "x,y,z\n1,2,3\n4.250,5.000,6.000\n");
+    EXPECT_EQ(rewritten("m.pts", mark + "2\n1 2 3\n4 5 6\n"),
+              mark + "2\n1 2 3\n4.250 5.000 6.000\n");
 }
 
 TEST_F(CloudRewriterTest, ChunksDoNotMatter) {
@@ -149,8 +168,10 @@ TEST_F(CloudRewriterTest, AnotherFormatsNameIsRefused) {
 
 TEST_F(CloudRewriterTest, ADamagedTailLeavesNoOutput) {
     const std::string in = folder_.write(
-        "in.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
-                  "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n3 0\n");
+        "in.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "1 2 3\n3 0\n");
     {
         const auto rewriter = rewrite_cloud(in, folder_.file("out.ply"), 1e-3);
         rewriter->write(std::vector<RewrittenPoint>{{{1, 2, 3}, {}, 0, false}});

@@ -81,12 +81,14 @@ TEST(FitFile, KeepsSecondRimsAndMakesItVersion5) {
     EXPECT_EQ(read_bytes(folder.file("f"))[8], 5);
     const FitFile fit = read_fit(folder.file("f"));
     ASSERT_EQ(fit.surfels.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(fit.surfels[i].surfel.rims, surfels[i].surfel.rims);
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(fit.surfels[i].surfel.rims, surfels[i].surfel.rims);
     expect_every_damage_is_seen(folder, read_bytes(folder.file("f")),
                                 [](const std::string& path) { read_fit(path); });
     surfels[0].surfel.rims.second = pack_rim(1, 0.1);
     write_fit(folder.file("f"), surfels, "{}", {});
-    EXPECT_NE(error_of([&] { read_fit(folder.file("f")); }).find("has a second rim and no first"), std::string::npos);
+    EXPECT_NE(error_of([&] { read_fit(folder.file("f")); }).find("has a second rim and no first"),
+              std::string::npos);
 }
 
 TEST(FitFile, KeepsDroppedPointsAndReadsWhatIsWanted) {

@@ -99,13 +99,15 @@ TEST_F(ImageIo, ExrKeepsNamesTypesValuesAndText) {
 TEST_F(ImageIo, HalvesAreHeldAtTheirLargest) {
     const float inf = std::numeric_limits<float>::infinity();
     const std::vector<float> red{65504, 65519, 65520, -1e6f, inf, -inf}, z{1e6f, inf, 0, 0, 0, 0};
-    const std::vector<ExrChannel> channels{{"R", ChannelType::half_float, red, {}}, {"Z", ChannelType::float32, z, {}}};
+    const std::vector<ExrChannel> channels{{"R", ChannelType::half_float, red, {}},
+                                           {"Z", ChannelType::float32, z, {}}};
     ExrWriter writer(file("a.exr"), 3, 2, channels);
     writer.add_rows(2, channels);
     EXPECT_EQ(writer.n_clamped(), 5u);
     writer.commit();
     const ExrImage back = read_exr(file("a.exr"));
-    EXPECT_EQ(back.channels.at("R").floats, (std::vector<float>{65504, 65504, 65504, -65504, 65504, -65504}));
+    EXPECT_EQ(back.channels.at("R").floats,
+              (std::vector<float>{65504, 65504, 65504, -65504, 65504, -65504}));
     EXPECT_EQ(back.channels.at("Z").floats, z);  // floats are as they are
 }
 
@@ -155,7 +157,8 @@ std::string deep_interlaced_png(const std::string& path) {
     for (std::size_t y = 0; y < 8; ++y) {
         rows[y] = pixels[y].data();
         for (std::size_t x = 0; x < 8; ++x)
-            pixels[y][4 * x] = static_cast<png_byte>(8 * y + x), pixels[y][4 * x + 2] = pixels[y][4 * x + 3] = 200;
+            pixels[y][4 * x] = static_cast<png_byte>(8 * y + x),
+                          pixels[y][4 * x + 2] = pixels[y][4 * x + 3] = 200;
     }
     png_write_image(png, rows.data());
     png_write_end(png, nullptr);

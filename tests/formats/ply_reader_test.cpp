@@ -235,7 +235,8 @@ TEST(PlyReader, MakesAreaWeightedNormalsFromFaces) {
 TEST(PlyReader, AClosedMeshWoundInwardsIsTurned) {
     const TempFolder folder;
     const std::string head =
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\n"
         "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
         "100 0 0\n101 0 0\n100 1 0\n100 0 1\n";
     const std::string outwards =

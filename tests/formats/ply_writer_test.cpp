@@ -53,7 +53,9 @@ TEST(PlyWriter, FacesFollowThePoints) {
             writer.write_face(a), writer.write_face(b);
             writer.commit();
             std::vector<std::vector<std::size_t>> faces;
-            read_ply_faces(folder.file("w.ply"), 4, [&](auto corners) { faces.emplace_back(corners.begin(), corners.end()); });
+            read_ply_faces(folder.file("w.ply"), 4, [&](auto corners) {
+                faces.emplace_back(corners.begin(), corners.end());
+            });
             EXPECT_EQ(faces, (std::vector<std::vector<std::size_t>>{{0, 1, 2}, {0, 1, 2, 3}}));
         }
 }

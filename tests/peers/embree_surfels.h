@@ -27,14 +27,17 @@ struct Packet {
     static constexpr std::size_t kSize = kLanes == 4 ? 0 : kLanes == 8 ? 1 : 2;
     using RayHit = std::tuple_element_t<kSize, std::tuple<RTCRayHit4, RTCRayHit8, RTCRayHit16>>;
     using Ray = std::tuple_element_t<kSize, std::tuple<RTCRay4, RTCRay8, RTCRay16>>;
-    static constexpr auto intersect = std::get<kSize>(std::tuple(rtcIntersect4, rtcIntersect8, rtcIntersect16));
-    static constexpr auto occluded = std::get<kSize>(std::tuple(rtcOccluded4, rtcOccluded8, rtcOccluded16));
+    static constexpr auto intersect =
+        std::get<kSize>(std::tuple(rtcIntersect4, rtcIntersect8, rtcIntersect16));
+    static constexpr auto occluded =
+        std::get<kSize>(std::tuple(rtcOccluded4, rtcOccluded8, rtcOccluded16));
 };
 
 /// Surfels as Embree's user geometry; the model and its boxes must outlive it.
 class EmbreeSurfels {
 public:
-    EmbreeSurfels(const TraceModel& model, const std::vector<BoxF>& boxes, int n_threads, RTCBuildQuality quality)
+    EmbreeSurfels(const TraceModel& model, const std::vector<BoxF>& boxes, int n_threads,
+                  RTCBuildQuality quality)
         : model_(model),
           boxes_(boxes),
           device_(rtcNewDevice(("threads=" + std::to_string(n_threads)).c_str())),
@@ -51,7 +54,8 @@ public:
         rtcAttachGeometry(scene_, surfels);
         rtcReleaseGeometry(surfels);
         rtcCommitScene(scene_);
-        if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) throw std::runtime_error("Embree: no scene");
+        if (rtcGetDeviceError(device_) != RTC_ERROR_NONE)
+            throw std::runtime_error("Embree: no scene");
     }
     ~EmbreeSurfels() { rtcReleaseScene(scene_), rtcReleaseDevice(device_); }
     EmbreeSurfels(const EmbreeSurfels&) = delete;
@@ -100,11 +104,13 @@ private:
     static void fill(const RayPacket& rays, Ray& r, int* valid) {
         const auto copy = [](const FloatV& v, float* to) { v.copy_to(to, stdx::element_aligned); };
         copy(rays.origin.x, r.org_x), copy(rays.origin.y, r.org_y), copy(rays.origin.z, r.org_z);
-        copy(rays.direction.x, r.dir_x), copy(rays.direction.y, r.dir_y), copy(rays.direction.z, r.dir_z);
+        copy(rays.direction.x, r.dir_x), copy(rays.direction.y, r.dir_y),
+            copy(rays.direction.z, r.dir_z);
         copy(rays.far, r.tfar);
         copy(FloatV(0.0f), r.tnear), copy(FloatV(0.0f), r.time);
         const auto on = rays.active();
-        for (std::size_t k = 0; k < kLanes; ++k) r.mask[k] = ~0u, r.id[k] = r.flags[k] = 0, valid[k] = on[k] ? -1 : 0;
+        for (std::size_t k = 0; k < kLanes; ++k)
+            r.mask[k] = ~0u, r.id[k] = r.flags[k] = 0, valid[k] = on[k] ? -1 : 0;
     }
 
     static void bounds(const RTCBoundsFunctionArguments* a) {

@@ -1,7 +1,8 @@
 // CGAL's smoothing of meshes by mean curvature flow (smooth_shape), for the benchmarks.
 //   peer_mesh_smooth in.ply out.ply STEP ITERATIONS
-// STEP is the time of one iteration over the square of the mesh's mean edge, so that it means the same for all meshes.
-// Vertices of boundaries stay, vertices keep their order. One JSON object on stdout.
+// STEP is the time of one iteration over the square of the mesh's mean edge, so that it means the
+// same for all meshes. Vertices of boundaries stay, vertices keep their order. One JSON object on
+// stdout.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/PLY.h>
 #include <CGAL/Polygon_mesh_processing/smooth_shape.h>
@@ -21,7 +22,8 @@ using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 double mean_edge(const Mesh& mesh) {
     double sum = 0;
     for (const auto e : mesh.edges())
-        sum += std::sqrt(CGAL::squared_distance(mesh.point(mesh.vertex(e, 0)), mesh.point(mesh.vertex(e, 1))));
+        sum += std::sqrt(
+            CGAL::squared_distance(mesh.point(mesh.vertex(e, 0)), mesh.point(mesh.vertex(e, 1))));
     return sum / double(mesh.number_of_edges());
 }
 
@@ -37,7 +39,8 @@ void smooth(Mesh& mesh, double step, unsigned iterations) {
     const double time = step * edge * edge;
     // Without fixed vertices CGAL gives a closed mesh its volume back.
     if (open)
-        CGAL::Polygon_mesh_processing::smooth_shape(mesh, time, options.vertex_is_constrained_map(fixed));
+        CGAL::Polygon_mesh_processing::smooth_shape(mesh, time,
+                                                    options.vertex_is_constrained_map(fixed));
     else
         CGAL::Polygon_mesh_processing::smooth_shape(mesh, time, options);
     mesh.remove_property_map(fixed);

@@ -1,4 +1,5 @@
-// Positions of a binary little-endian PLY, or of text with x y z first on a line, as doubles; and back as such a PLY.
+// Positions of a binary little-endian PLY, or of text with x y z first on a line, as doubles; and
+// back as such a PLY.
 #pragma once
 
 #include <array>
@@ -45,18 +46,21 @@ inline Positions read_ply(std::istream& in, const std::string& path) {
         std::istringstream words(line);
         words >> word;
         if (word == "format") words >> type, binary = type == "binary_little_endian";
-        if (word == "element") words >> element >> name, n = element == "vertex" ? std::stoul(name) : n;
+        if (word == "element")
+            words >> element >> name, n = element == "vertex" ? std::stoul(name) : n;
         if (word != "property" || element != "vertex") continue;
         words >> type >> name;
         if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z')
             xyz[std::size_t(name[0] - 'x')] = {row_bytes, bytes_of(type)}, ++found;
         row_bytes += bytes_of(type);
     }
-    if (!binary || found != 3) throw std::runtime_error(path + ": no binary little-endian PLY with x, y, z");
+    if (!binary || found != 3)
+        throw std::runtime_error(path + ": no binary little-endian PLY with x, y, z");
     Positions points(n);
     std::vector<char> row(row_bytes);
     for (auto& point : points) {
-        if (!in.read(row.data(), std::streamsize(row_bytes))) throw std::runtime_error(path + ": ends early");
+        if (!in.read(row.data(), std::streamsize(row_bytes)))
+            throw std::runtime_error(path + ": ends early");
         for (std::size_t i = 0; i < 3; ++i) point[i] = value_at(row.data(), xyz[i]);
     }
     return points;
@@ -86,7 +90,8 @@ inline bool write_positions(const std::string& path, const Positions& points) {
     std::ofstream out(path, std::ios::binary);
     out << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
         << "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
-    out.write(reinterpret_cast<const char*>(points.data()), std::streamsize(points.size() * sizeof(points[0])));
+    out.write(reinterpret_cast<const char*>(points.data()),
+              std::streamsize(points.size() * sizeof(points[0])));
     return bool(out.flush());
 }
 

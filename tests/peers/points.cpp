@@ -1,8 +1,9 @@
 // CGAL's normals, curvatures and smoothing of points, for the report's comparisons.
 //   peer_points METHOD in.ply out.ply [k]
-// METHOD: pca_normals jet_normals jet_smooth bilateral monge (jets of degree 4 for the surface, 2 for its Monge form).
-// Writes the points with what the method gives (x y z nx ny nz), and for monge `out.k` (doubles k1 k2 a point, positive
-// where convex against the normal), and compares those with in.truth if it is there. One JSON object on stdout.
+// METHOD: pca_normals jet_normals jet_smooth bilateral monge (jets of degree 4 for the surface, 2
+// for its Monge form). Writes the points with what the method gives (x y z nx ny nz), and for monge
+// `out.k` (doubles k1 k2 a point, positive where convex against the normal), and compares those
+// with in.truth if it is there. One JSON object on stdout.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/read_ply_points.h>
 #include <CGAL/IO/write_ply_points.h>
@@ -71,14 +72,17 @@ std::vector<Curvatures> monge(Points& points, unsigned k) {
 std::string errors_of(const std::vector<Curvatures>& found, const std::string& cloud) {
     std::ifstream in(cloud.substr(0, cloud.rfind('.')) + ".truth", std::ios::binary);
     std::vector<double> truth(5 * found.size());
-    if (!in.read(reinterpret_cast<char*>(truth.data()), std::streamsize(truth.size() * sizeof(double)))) return "";
+    if (!in.read(reinterpret_cast<char*>(truth.data()),
+                 std::streamsize(truth.size() * sizeof(double))))
+        return "";
     double k1 = 0, k2 = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
         k1 += std::pow(found[i].k1 - truth[5 * i + 3], 2);
         k2 += std::pow(found[i].k2 - truth[5 * i + 4], 2);
     }
     const double n = double(found.size());
-    return ", \"k1_rms\": " + std::to_string(std::sqrt(k1 / n)) + ", \"k2_rms\": " + std::to_string(std::sqrt(k2 / n));
+    return ", \"k1_rms\": " + std::to_string(std::sqrt(k1 / n)) +
+           ", \"k2_rms\": " + std::to_string(std::sqrt(k2 / n));
 }
 
 }  // namespace
@@ -116,7 +120,8 @@ int main(int argc, char** argv) {
     std::ofstream out(out_path, std::ios::binary);
     CGAL::IO::set_binary_mode(out);
     if (!CGAL::IO::write_PLY(out, points, with_normals())) return 4;
-    std::printf("{\"method\": \"%s\", \"points\": %zu, \"method_seconds\": %.6f%s}\n", method.c_str(), points.size(),
-                seconds.count(), errors_of(curvatures, in_path).c_str());
+    std::printf("{\"method\": \"%s\", \"points\": %zu, \"method_seconds\": %.6f%s}\n",
+                method.c_str(), points.size(), seconds.count(),
+                errors_of(curvatures, in_path).c_str());
     return 0;
 }

@@ -1,7 +1,8 @@
-// VTK's smoothing of meshes by a windowed sinc filter (Taubin, Zhang, Golub 1996), for the benchmarks.
+// VTK's smoothing of meshes by a windowed sinc filter (Taubin, Zhang, Golub 1996), for the
+// benchmarks.
 //   peer_vtk_smooth in.ply out.ply PASS_BAND ITERATIONS
-// in: binary little-endian PLY, vertices first, then triangles alone as `list uchar int`. Boundary vertices stay;
-// vertices keep their order. One JSON object on stdout.
+// in: binary little-endian PLY, vertices first, then triangles alone as `list uchar int`. Boundary
+// vertices stay; vertices keep their order. One JSON object on stdout.
 #include "tests/peers/plain_points.h"
 
 #include <vtkCellArray.h>
@@ -34,7 +35,8 @@ Triangles read_triangles(const std::string& path) {
     Triangles triangles(n);
     for (auto& t : triangles)
         if (in.get() != 3 || !in.read(reinterpret_cast<char*>(t.data()), 12))
-            throw std::runtime_error(path + ": faces are no list of uchar and int, or no triangles");
+            throw std::runtime_error(path +
+                                     ": faces are no list of uchar and int, or no triangles");
     return triangles;
 }
 
@@ -68,8 +70,8 @@ int run(char** argv) {
     for (std::size_t i = 0; i < points.size(); ++i)
         filter->GetOutput()->GetPoint(vtkIdType(i), points[i].data());
     if (!peers::write_positions(argv[2], points)) return 4;
-    std::printf("{\"method\": \"windowed_sinc\", \"vertices\": %zu, \"method_seconds\": %.6f}\n", points.size(),
-                seconds.count());
+    std::printf("{\"method\": \"windowed_sinc\", \"vertices\": %zu, \"method_seconds\": %.6f}\n",
+                points.size(), seconds.count());
     return 0;
 }
 

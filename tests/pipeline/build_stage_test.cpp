@@ -8,6 +8,7 @@
 #include "pipeline/scan_stage.h"
 #include "pipeline/smooth_stage.h"
 #include "slim/base/parallel.h"
+#include "tests/pipeline/build_stage_support.h"
 #include "tests/pipeline/fit_stages_support.h"
 
 #include <gtest/gtest.h>
@@ -20,16 +21,6 @@ namespace slim::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-class BuildStage : public FitStages {
-protected:
-    std::string scanned_sphere(std::uint64_t n) {
-        ScanSettings s;
-        s.n_points = n;
-        s.n_stations = 6;
-        return write(scanned("sphere", s), "sphere.ply");
-    }
-};
 
 TEST_F(BuildStage, MakesAModelOfAScannedSphere) {
     const std::string cloud = scanned_sphere(20000);
@@ -84,44 +75,9 @@ TEST_F(BuildStage, AModelHasNoOtherFormatsEnding) {
         EXPECT_NE(message_.find("ending in .slim"), std::string::npos) << message_;
         EXPECT_FALSE(fs::exists(file(name)));
     }
-    for (const char* name : {"m", "t_0.01", "m.slim"}) EXPECT_NO_THROW(build(build_config(cloud, name))) << name;
+    for (const char* name : {"m", "t_0.01", "m.slim"})
+        EXPECT_NO_THROW(build(build_config(cloud, name))) << name;
     EXPECT_GT(measure(file("t_0.01"), cloud)["leaves"], 0);
-}
-
-TEST_F(BuildStage, CloudsOfOtherFramesAreWarnedOfWithBothBoxes) {
-    Cloud far = sampled("sphere", 500);
-    BuildConfig c = build_config(write(far, "here.ply"), "m.slim");
-    for (Vec3d& p : far.positions) p += Vec3d{3, 0, 0};
-    c.inputs.push_back(write(far, "beside.ply"));
-    build(c);
-    EXPECT_TRUE(listener_.warnings.empty()) << listener_.warnings[0];
-    for (Vec3d& p : far.positions) p += Vec3d{403000, 3604900, 0};
-    c.inputs.push_back(write(far, "georeferenced.ply"));
-    build(c);
-    ASSERT_FALSE(listener_.warnings.empty());
-    const std::string& said = listener_.warnings[0];
-    for (const char* part : {"georeferenced.ply", "here.ply", "(403002", "(-0.99", "same frame?"})
-        EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
-}
-
-TEST_F(BuildStage, TilesInARowAreOfOneFrame) {
-    Cloud tile = sampled("sphere", 300);
-    BuildConfig c = build_config(write(tile, "tile_0.ply"), "m.slim");
-    for (int i = 1; i < 20; ++i) {
-        for (Vec3d& p : tile.positions) p += Vec3d{2, 0, 0};
-        c.inputs.push_back(write(tile, "tile_" + std::to_string(i) + ".ply"));
-    }
-    build(c);
-    for (const std::string& said : listener_.warnings) EXPECT_EQ(said.find("same frame?"), std::string::npos) << said;
-}
-
-TEST_F(BuildStage, CloudsOfOtherFramesDoNotHideWhatElseIsWrong) {
-    BuildConfig c = build_config(folder_.write("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n"), "m.slim");
-    c.inputs.push_back(folder_.write("far.xyz", "1e6 0 0\n1000001 0 0\n"));
-    code_of([&] { build(c); });
-    ASSERT_GE(listener_.warnings.size(), 2u);
-    EXPECT_NE(listener_.warnings[0].find("same frame?"), std::string::npos) << listener_.warnings[0];
-    EXPECT_NE(listener_.warnings[1].find("on one line"), std::string::npos) << listener_.warnings[1];
 }
 
 TEST_F(BuildStage, NoiseIsOverTheDiagonalForAllVerbs) {
@@ -138,7 +94,8 @@ TEST_F(BuildStage, NoiseIsOverTheDiagonalForAllVerbs) {
     EXPECT_DOUBLE_EQ(built["noise"].get<double>(), info["noise"].get<double>());
     EXPECT_NEAR(info["noise"].get<double>(), 0.003, 0.0006);
     const double diagonal = info["diagonal"];
-    EXPECT_NEAR(std::sqrt(built["noise_variance"].get<double>()) / diagonal, info["noise"].get<double>(), 1e-12);
+    EXPECT_NEAR(std::sqrt(built["noise_variance"].get<double>()) / diagonal,
+                info["noise"].get<double>(), 1e-12);
     SmoothConfig m;
     m.model = file("m.slim"), m.cloud = cloud, m.output = file("s.ply");
     EXPECT_NEAR(run_as("smooth", m, run_smooth, listener_)["noise"].get<double>(), 0.003, 0.0006);
@@ -153,7 +110,9 @@ TEST_F(BuildStage, InfoSaysThingsOnceAndLevelsInOrder) {
     EXPECT_TRUE(whole["provenance"].contains("fits"));  // --json has it
     const auto times_said = [&](const std::string& key) {
         std::size_t n = 0;
-        for (std::size_t at = 0; (at = context.text.find(key + "  ", at)) != std::string::npos; ++at) ++n;
+        for (std::size_t at = 0; (at = context.text.find(key + "  ", at)) != std::string::npos;
+             ++at)
+            ++n;
         return n;
     };
     for (const char* key : {"diagonal", "degree", "t_mdl", "forced"})
@@ -163,152 +122,6 @@ TEST_F(BuildStage, InfoSaysThingsOnceAndLevelsInOrder) {
     const std::string levels = summary_text({{"levels", {{"10", 5}, {"2", 7}, {"1", 9}}}}, {});
     EXPECT_LT(levels.find("1   9"), levels.find("2   7")) << levels;
     EXPECT_LT(levels.find("2   7"), levels.find("10  5")) << levels;
-}
-
-TEST_F(BuildStage, KeptNormalsTakeNoSensors) {
-    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
-    c.normals = "keep", c.sensors = file("c.scans.json");
-    EXPECT_EQ(code_of([&] { build(c); }), ExitCode::usage);
-    EXPECT_NE(message_.find("sensors"), std::string::npos) << message_;
-}
-
-TEST_F(BuildStage, EveryOptionCounts) {
-    const std::string cloud = scanned_sphere(5000);
-    build(build_config(cloud, "plain.slim"));
-    const std::string plain = read_bytes(file("plain.slim"));
-    const auto bytes_with = [&](auto&& change) {
-        auto config = build_config(cloud, "other.slim");
-        change(config);
-        build(config);
-        return read_bytes(file("other.slim"));
-    };
-    EXPECT_EQ(bytes_with([](BuildConfig&) {}), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "3"; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.degree = "auto"; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.radius_rule = "windows"; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.weight = "polynomial"; }), plain);
-    for (const char* cover : {"A", "C"})
-        EXPECT_NE(bytes_with([&](BuildConfig& c) { c.cover = cover; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.lambda = 1e-5; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.normals = "estimate"; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.seed = 1; }), plain);
-    EXPECT_NE(bytes_with([](BuildConfig& c) { c.slices = 2; }), plain);
-}
-
-/// A cube's surface on a grid; vertices of edges and corners have the mean normal of their faces.
-std::string cube_text(int n) {
-    std::string text;
-    for (int x = 0; x <= n; ++x)
-        for (int y = 0; y <= n; ++y)
-            for (int z = 0; z <= n; ++z) {
-                const auto side = [n](int k) { return k == 0 ? -1.0 : k == n ? 1.0 : 0.0; };
-                const Vec3d normal = normalized(Vec3d{side(x), side(y), side(z)});
-                if (!(sq_length(normal) > 0)) continue;
-                for (const double v :
-                     {double(x), double(y), double(z), normal.x, normal.y, normal.z})
-                    text += std::to_string(v) + ' ';
-                text += '\n';
-            }
-    return text;
-}
-
-TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
-    const std::string cloud = scanned_sphere(5000);
-    const auto info_of = [&](const BuildConfig& config) {
-        build(config);
-        InfoConfig info;
-        info.file = config.output;
-        Reporter silent;
-        return run_as("info", info, run_info, silent);
-    };
-    auto config = build_config(cloud, "m.slim");
-    const auto plain = info_of(config);
-    EXPECT_EQ(plain["fit"].dump(), R"({"cover":"B","degree":2,"radius_rule":"ladder","sharp":false,"weight":"gauss"})");
-    config.degree = "auto";
-    config.weight = "polynomial";
-    config.cover = "C";
-    EXPECT_EQ(info_of(config)["fit"].dump(),
-              R"({"cover":"C","degree":"auto","radius_rule":"ladder","sharp":false,"weight":"polynomial"})");
-    config.degree = "3";
-    config.radius_rule = "windows";
-    EXPECT_EQ(info_of(config)["fit"]["radius_rule"], "windows");
-}
-
-TEST_F(BuildStage, NormalsBetterThanThePointsMakeCurvatureBetter) {
-    const std::string cloud = write(sampled("bumpy", 30000, 1, 1e-3), "bumpy.ply");
-    auto config = build_config(cloud, "m.slim");
-    config.degree = "3";
-    build(config);
-    const auto followed = measure(config.output, cloud);
-    config.normals = "estimate";
-    build(config);
-    const auto alone = measure(config.output, cloud);
-    for (const char* key : {"normal_rms_deg", "k1_rms", "k2_rms", "mean_curvature_rms"})
-        EXPECT_LT(followed[key].get<double>(), 0.5 * alone[key].get<double>()) << key;
-    EXPECT_LT(followed["l2"].get<double>(), 1.05 * alone["l2"].get<double>());
-}
-
-TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
-    // A cube's corners, a scan with noise: forced leaves, too few points, contrary normals.
-    const std::string cube = folder_.write("cube.xyz", cube_text(24));
-    const std::string noisy = write(sampled("bumpy", 3000, 1, 5e-3), "noisy.ply");
-    for (const std::string& cloud : {cube, noisy})
-        for (const int slices : {1, 3}) {
-            SCOPED_TRACE(testing::Message() << cloud << ", slices " << slices);
-            auto config = build_config(cloud, "m.slim");
-            config.degree = "3";
-            config.slices = slices;
-            build(config);
-            InfoConfig info;
-            info.file = config.output;
-            Reporter silent;
-            const auto found = run_as("info", info, run_info, silent);
-            std::uint64_t lower = 0, causes = 0;
-            for (const auto& [degree, n] : found["leaves_by_degree"].items())
-                if (degree != "3") lower += n.get<std::uint64_t>();
-            for (const char* cause : {"few_points", "rank", "steep", "plane", "lower_explains"})
-                causes += found["fallbacks"].at(cause).get<std::uint64_t>();
-            EXPECT_EQ(causes, lower);
-            if (cloud == cube) {
-                EXPECT_GT(found["fallbacks"].at("contrary").get<int>(), 0);
-                EXPECT_GT(lower, 0u);
-            }
-        }
-}
-
-TEST_F(BuildStage, WindowsRefuseWhatTheyDoNotKnow) {
-    const std::string cloud = scanned_sphere(500);
-    auto config = build_config(cloud, "m.slim");
-    config.radius_rule = "windows";
-    config.degree = "auto";
-    EXPECT_THROW(build(config), ConfigError);
-    config.degree = "2";
-    config.sharp = "on";
-    EXPECT_THROW(build(config), ConfigError);
-    EXPECT_FALSE(std::filesystem::exists(file("m.slim.work")));  // refused before any work
-}
-
-TEST_F(BuildStage, SharpIsExactOnACubeInAnySlicesAndDegree) {
-    const std::string cloud = folder_.write("cube.xyz", cube_text(24));
-    for (const int degree : {1, 2, 3})
-        for (const int slices : {1, 3}) {
-            SCOPED_TRACE(testing::Message() << "degree " << degree << ", slices " << slices);
-            auto config = build_config(cloud, "m.slim");
-            config.degree = std::to_string(degree);
-            config.slices = slices;
-            const auto smooth = build(config), smooth_error = measure(config.output, cloud);
-            EXPECT_TRUE(ModelFile::open(config.output).tree().sharp().empty());
-            config.sharp = "on";
-            const auto sharp = build(config), sharp_error = measure(config.output, cloud);
-            EXPECT_GE(ModelFile::open(config.output).tree().sharp().size(), 20u);
-            // Smooth leaves that a fold ended are as few (slim/cover/notes/0012), and round the edges off.
-            EXPECT_LT(sharp["leaves"].get<int>(), 1.25 * smooth["leaves"].get<int>());
-            EXPECT_LT(sharp_error["l2"].get<double>(), 0.1 * smooth_error["l2"].get<double>());
-            // Floats of the file, 6e-8 of a radius; one place of the linear model still has a
-            // smooth leaf.
-            EXPECT_LT(sharp_error["max"].get<double>(),
-                      degree == 1 ? 0.5 * smooth_error["max"].get<double>() : 1e-7);
-        }
 }
 
 TEST_F(BuildStage, GivesTheSameBytesForAnyNumberOfThreadsAndWhenResumed) {
@@ -384,44 +197,16 @@ TEST_F(BuildStage, AModelTakesTheOutputsPlaceOfModelsOnly) {
     const std::string cloud = write(sampled("sphere", 2000), "c.ply");
     const std::string other = write(sampled("sphere", 300), "other.ply");
     EXPECT_EQ(code_of([&] { build(build_config(cloud, "other.ply")); }), ExitCode::usage);
-    EXPECT_NE(message_.find("other.ply: is there already and is a cloud"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("other.ply: is there already and is a cloud"), std::string::npos)
+        << message_;
     EXPECT_EQ(input_kind(other), InputKind::cloud);
     std::ofstream(file("notes.txt")) << "not a model";
     EXPECT_EQ(code_of([&] { build(build_config(cloud, "notes.txt")); }), ExitCode::usage);
     std::ofstream(file("empty.slim")).flush();
     std::ofstream(file("damaged.slim")) << "half a model";
     for (const char* name : {"empty.slim", "damaged.slim", "new.slim", "new.slim"})
-        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::ok) << name << ": " << message_;
-}
-
-TEST_F(BuildStage, TooFewPointsAreRefusedWithExit3) {
-    const std::string two = folder_.write("two.xyz", "0 0 0\n1 1 1\n");
-    EXPECT_EQ(code_of([&] { build(build_config(two, "m.slim")); }), ExitCode::bad_data);
-    EXPECT_NE(message_.find("at least 3 points"), std::string::npos) << message_;
-    const std::string equal = folder_.write("equal.xyz", "1 2 3\n1 2 3\n1 2 3\n1 2 3\n");
-    EXPECT_EQ(code_of([&] { build(build_config(equal, "m.slim")); }), ExitCode::bad_data);
-    EXPECT_FALSE(fs::exists(file("m.slim")));
-}
-
-TEST_F(BuildStage, AFewPointsMakeAModel) {
-    const std::string nine = folder_.write(
-        "nine.xyz", "0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0.1\n2 1 0\n0 2 0\n1 2 0\n2 2 0\n");
-    const auto result = build(build_config(nine, "m.slim"));
-    EXPECT_GE(result["leaves"].get<int>(), 1);
-}
-
-TEST_F(BuildStage, ADistantCloudLosesNoDetail) {
-    // NUMERICS section 6, 4: as the run at the origin.
-    Cloud cloud = sampled("sphere", 10000);
-    for (Vec3d& p : cloud.positions) p = to_double(to_float(p));  // survives the shift in doubles
-    const std::string near = write(cloud, "near.ply");
-    build(build_config(near, "near.slim"));
-    for (Vec3d& p : cloud.positions) p += Vec3d{1048576, 0, -2097152};
-    const std::string far = write(cloud, "far.ply");
-    build(build_config(far, "far.slim"));
-    const auto a = measure(file("near.slim"), near), b = measure(file("far.slim"), far);
-    EXPECT_NEAR(b["leaves"].get<double>() / a["leaves"].get<double>(), 1, 0.01);
-    EXPECT_NEAR(b["l2"].get<double>() / a["l2"].get<double>(), 1, 0.01);
+        EXPECT_EQ(code_of([&] { build(build_config(cloud, name)); }), ExitCode::ok)
+            << name << ": " << message_;
 }
 
 }  // namespace

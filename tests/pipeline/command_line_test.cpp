@@ -55,10 +55,12 @@ std::string refusal(const std::vector<std::string>& words) {
 
 TEST(CommandLine, ListsOfFilesAreWrittenWithCommasOrAgain) {
     LineConfig config;
-    parse(config, {"x.ply", "-o", "m.slim", "--extra-path", "a.slim,b.slim", "--extra-path=c.slim"});
+    parse(config,
+          {"x.ply", "-o", "m.slim", "--extra-path", "a.slim,b.slim", "--extra-path=c.slim"});
     EXPECT_EQ(config.extra, (std::vector<std::string>{"a.slim", "b.slim", "c.slim"}));
     // A file that has a comma in its name is one.
-    const auto file = std::filesystem::temp_directory_path() / ("slim,comma" + std::to_string(getpid()));
+    const auto file =
+        std::filesystem::temp_directory_path() / ("slim,comma" + std::to_string(getpid()));
     std::ofstream(file) << 'x';
     parse(config, {"x.ply", "-o", "m.slim", "--extra-path", file.string()});
     EXPECT_EQ(config.extra, std::vector<std::string>{file.string()});
@@ -67,9 +69,9 @@ TEST(CommandLine, ListsOfFilesAreWrittenWithCommasOrAgain) {
 
 TEST(CommandLine, ReadsWordsOptionsAndFlags) {
     LineConfig config;
-    const CommonOptions common =
-        parse(config, {"a.ply", "--degree", "3", "b.ply", "-o", "m.slim", "--no-legend", "--strict",
-                       "--aov", "mean,k1", "--aov=k2", "--threads", "7", "-q", "--json", "--force"});
+    const CommonOptions common = parse(
+        config, {"a.ply", "--degree", "3", "b.ply", "-o", "m.slim", "--no-legend", "--strict",
+                 "--aov", "mean,k1", "--aov=k2", "--threads", "7", "-q", "--json", "--force"});
     EXPECT_EQ(config.inputs, (std::vector<std::string>{"a.ply", "b.ply"}));
     EXPECT_EQ(config.output, "m.slim");
     EXPECT_EQ(config.degree, 3);
@@ -96,7 +98,8 @@ TEST(CommandLine, WordsAreNotSplitAtCommas) {
 }
 
 TEST(CommandLine, TheLaterOfFileSetAndOptionWins) {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / ("line_" + std::to_string(getpid()) + ".toml");
+    const std::filesystem::path file =
+        std::filesystem::path(testing::TempDir()) / ("line_" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << "degree = 1\nangle = 10\ncamera = 'front'\n";
     LineConfig config;
     parse(config, {"--angle=30", "--set", "degree=2", "--set=angle=20", "--config", file.string()});
@@ -118,7 +121,8 @@ TEST(CommandLine, RefusesWhatMakesNoSense) {
     EXPECT_NE(refusal({"--degree", "7"}), "");
     EXPECT_NE(refusal({"--set", "degree"}), "");
     EXPECT_NE(refusal({"--threads", "-1"}), "");
-    EXPECT_NE(refusal({"--threads", "0"}).find("1 to "), std::string::npos) << refusal({"--threads", "0"});
+    EXPECT_NE(refusal({"--threads", "0"}).find("1 to "), std::string::npos)
+        << refusal({"--threads", "0"});
     EXPECT_NE(refusal({"--threads", "many"}), "");
     EXPECT_NE(refusal({"-x"}), "");
 }

@@ -101,8 +101,9 @@ TEST(Config, RefusesWhatIsOutOfRangeOrNoNumber) {
 
 TEST(Config, SuggestsTheNearestChoice) {
     SampleConfig config;
-    EXPECT_EQ(refusal([&] { fields_of(config).find("normals")->set({"kepe"}, "--normals"); }),
-              "--normals: expected one of auto, keep, estimate; found 'kepe' (did you mean 'keep'?)");
+    EXPECT_EQ(
+        refusal([&] { fields_of(config).find("normals")->set({"kepe"}, "--normals"); }),
+        "--normals: expected one of auto, keep, estimate; found 'kepe' (did you mean 'keep'?)");
     EXPECT_NE(refusal([&] { fields_of(config).find("aov")->set({"shaded", "men"}, "x"); }), "");
     EXPECT_EQ(suggestion("wholly-different", {"keep"}), "");
 }
@@ -196,10 +197,11 @@ TEST(TomlFile, NamesLineAndNearestKeyOfAnUnknownOne) {
 }
 
 TEST(TomlFile, RefusesWrongTypes) {
-    const char* texts[] = {"degree = 2.5",  "degree = '2'",    "degree = [2]",     "t_mdl = true",
-                           "legend = 1",    "aov = 'shaded'",  "aov = [1]",        "normals = 1",
-                           "degree = ",     "seed = 1979-05-27", "offset = [[1]]", "[fit]\ndegree = 1",
-                           "aov = ['k1', 2]", "degree = 1\ndegree = 2"};
+    const char* texts[] = {
+        "degree = 2.5",    "degree = '2'",          "degree = [2]",   "t_mdl = true",
+        "legend = 1",      "aov = 'shaded'",        "aov = [1]",      "normals = 1",
+        "degree = ",       "seed = 1979-05-27",     "offset = [[1]]", "[fit]\ndegree = 1",
+        "aov = ['k1', 2]", "degree = 1\ndegree = 2"};
     for (const char* text : texts) {
         SCOPED_TRACE(text);
         const fs::path file = write_file("wrong.toml", text);

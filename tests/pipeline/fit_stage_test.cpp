@@ -1,6 +1,7 @@
 #include "pipeline/fit_stage.h"
 
 #include "formats/fit_file.h"
+#include "pipeline/fit_noise.h"
 #include "pipeline/manifest.h"
 #include "slim/base/hash.h"
 #include "slim/model/surfel_tree.h"
@@ -49,15 +50,15 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     FitConfig config;
     config.work = file("work");
     const SlicePlan plan = read_plan(config.work);
-    const GlobalNoise measured = read_global_noise(config, plan);
+    const GlobalNoise measured = read_global_noise(config.work, config.lambda, plan);
     EXPECT_GT(measured.noise_variance, 1e-10);
     EXPECT_FALSE(measured.floored);
     config.lambda = 1e-3;
-    EXPECT_EQ(read_global_noise(config, plan).noise_variance, 1e-3);
+    EXPECT_EQ(read_global_noise(config.work, config.lambda, plan).noise_variance, 1e-3);
     slice(write(sampled("plane", 5000), "flat.ply"), 1);
     normals();
     config.lambda = 0;
-    const GlobalNoise flat = read_global_noise(config, read_plan(config.work));
+    const GlobalNoise flat = read_global_noise(config.work, config.lambda, read_plan(config.work));
     EXPECT_TRUE(flat.floored);
     EXPECT_GT(flat.noise_variance, 0);
 }

@@ -28,8 +28,10 @@ TEST(IndexPage, ShowsFiguresCostsAndPicturesRelatively) {
                              "src=\"front.k1.png\"", "1.25", "&emsp;fit", "up to date"})
         EXPECT_NE(page.find(part), std::string::npos) << part;
     EXPECT_EQ(page.find("legend.svg"), std::string::npos);
-    // Drawings are linked below the pictures, which share the width between them and are not blown up.
-    EXPECT_LT(page.find("src=\"front.k1.png\""), page.find("</div>\n<p class=\"note\"><a href=\"front.lines.svg\">"));
+    // Drawings are linked below the pictures, which share the width between them and are not blown
+    // up.
+    EXPECT_LT(page.find("src=\"front.k1.png\""),
+              page.find("</div>\n<p class=\"note\"><a href=\"front.lines.svg\">"));
     EXPECT_NE(page.find("auto-fit"), std::string::npos);
     EXPECT_NE(page.find("figure img { max-width: 100%"), std::string::npos);
     EXPECT_EQ(page.find(job.folder.string()), std::string::npos);

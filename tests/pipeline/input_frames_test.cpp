@@ -15,7 +15,8 @@ Bbox cube_at(const Vec3d& lo, double side = 1) { return {lo, lo + Vec3d{side, si
 
 std::string text_for(const std::vector<Bbox>& boxes) {
     std::vector<std::string> paths;
-    for (std::size_t i = 0; i < boxes.size(); ++i) paths.push_back("cloud_" + std::to_string(i) + "_");
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        paths.push_back("cloud_" + std::to_string(i) + "_");
     return other_frame_text(paths, boxes);
 }
 
@@ -28,7 +29,8 @@ std::vector<Bbox> tiles(int columns, int rows) {
 }
 
 TEST(InputFrames, TilesOfOneSurveyAreOfOneFrameHoweverMany) {
-    for (const auto& boxes : {tiles(20, 1), tiles(1, 300), tiles(14, 14), tiles(60, 60)}) EXPECT_EQ(text_for(boxes), "");
+    for (const auto& boxes : {tiles(20, 1), tiles(1, 300), tiles(14, 14), tiles(60, 60)})
+        EXPECT_EQ(text_for(boxes), "");
 }
 
 TEST(InputFrames, OrderDoesNotMatter) {
@@ -45,7 +47,8 @@ TEST(InputFrames, ACloudBesideARowOfTilesIsTold) {
     const std::string text = text_for(boxes);
     for (const char* part : {"cloud_0_", "cloud_20_", "(500000, 0, 0)", "same frame?"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
-    boxes.insert(boxes.end(), {cube_at({500001, 0, 0}), {}});  // two clouds that are as far off, and one without points
+    // two clouds that are as far off, and one without points
+    boxes.insert(boxes.end(), {cube_at({500001, 0, 0}), {}});
     EXPECT_NE(text_for(boxes).find("same frame?"), std::string::npos);
 }
 

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 
 namespace slim::test {
@@ -40,138 +39,17 @@ TEST(Job, PassesOptionsOnToTheVerbs) {
     EXPECT_FALSE(has(job.steps[4], "--size=640x480"));
 }
 
-TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
-    const std::string views = "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\naovs = ['shaded']\n"
-                              "[[view]]\nname = 'b'\naovs = ['shaded']\nlegend = false\n"
-                              "[[view]]\nname = 'c'\naovs = ['normal']\ncamera = '0,0,9,0,0,0'\n";
-    for (const JobStep& step : read_job(write_job(views)).steps) EXPECT_FALSE(has(step, "--legend-room")) << step.name;
-    const Job job = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['dir1']\n"));
-    EXPECT_TRUE(has(job.steps[1], "--legend-room"));
-    for (const int k : {2, 3, 4}) EXPECT_FALSE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
-}
-
-TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
-    const Job job = read_job(write_job(
-        "[input]\nfiles = ['a.ply']\n[render]\ntruth_shape = 'torus'\n"
-        "[[view]]\nname = 'a'\naovs = ['truth_distance']\n[[view]]\nname = 'b'\naovs = ['mean']\n"));
-    EXPECT_TRUE(has(job.steps[1], "--truth-shape=torus"));
-    EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
-}
-
 TEST(Job, MeasuresOfCloudsThatAreNamedAlikeAreTheirOwn) {
-    const Job job = read_job(
-        write_job("[input]\nfiles = ['a/scan.ply', 'b/scan.ply', 'c.ply', 'd e.ply', 'd_e.ply']\n[measure]\n"));
+    const Job job =
+        read_job(write_job("[input]\nfiles = ['a/scan.ply', 'b/scan.ply', 'c.ply', 'd e.ply', "
+                           "'d_e.ply']\n[measure]\n"));
     std::vector<std::string> outputs;
     for (const JobStep& step : job.steps)
         if (step.verb == "measure") outputs.push_back(step.output.filename().string());
-    EXPECT_EQ(outputs, (std::vector<std::string>{"measure_scan.ply.json", "measure_scan.ply_2.json", "measure_c.ply.json",
-                                                 "measure_d_e.ply.json", "measure_d_e.ply_2.json"}));
+    EXPECT_EQ(outputs, (std::vector<std::string>{"measure_scan.ply.json", "measure_scan.ply_2.json",
+                                                 "measure_c.ply.json", "measure_d_e.ply.json",
+                                                 "measure_d_e.ply_2.json"}));
     EXPECT_EQ(job.steps[2].name, "measure scan.ply 2");
-}
-
-TEST(Job, LightTablesBecomeOneOption) {
-    const Job job = read_job(write_job(
-        "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"
-        "[[light]]\nkind = 'sun'\nazimuth = 300\nangle = 2.5\n"
-        "[[light]]\nkind = 'rect'\nat = [1, 2, 3]\nsize = [1, 0.5]\nshadows = false\n"
-        "[[view]]\nname = 'a'\nadd = ['b.slim']\n"));
-    const JobStep& view = job.steps[1];
-    EXPECT_TRUE(has(view, "--light=sun azimuth=300 angle=2.5; rect at=1,2,3 size=1,0.5 shadows=false"));
-    // A model that is added is an input, found beside the job.
-    EXPECT_EQ(view.inputs.back(), job_folder() / "b.slim");
-}
-
-TEST(Job, BadLightsAreRefusedWithTheirLine) {
-    const std::string begin = "[input]\nfiles = ['a.ply']\n";
-    const auto message = [&](const std::string& rest) {
-        try {
-            read_job(write_job(begin + rest + "\n[[view]]\n"));
-        } catch (const ConfigError& e) {
-            return std::string(e.what());
-        }
-        return std::string("accepted");
-    };
-    EXPECT_NE(message("[[light]]\nkind = 'son'").find(":3: "), std::string::npos);
-    EXPECT_NE(message("[[light]]\nkind = 'sun'\nheight = 3").find("'height'"), std::string::npos);
-    EXPECT_NE(message("[render]\nlight = 'sonne'").find(":4: "), std::string::npos);
-    EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"),
-              std::string::npos);
-    EXPECT_NE(message("[render]\nao = true").find("--mode raytrace"), std::string::npos);
-}
-
-TEST(Job, OptionsOfAllViewsGoToThoseThatTakeThemAndAreRefusedWhereNoneDoes) {
-    const std::string begin = "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\nao_samples = 9\n"
-                              "ground = true\nground_color = '#112233'\nambient = 2\n";
-    const std::string map = "[[view]]\nname = 'map'\naovs = ['mean']\n";
-    const Job job = read_job(
-        write_job(begin + map + "[[view]]\nname = 'a'\nao = true\n[[view]]\nname = 'b'\naovs = ['ao']\n"));
-    for (const char* option : {"--ao-samples=9", "--ground", "--ground-color=#112233", "--ambient=2"}) {
-        EXPECT_FALSE(has(job.steps[1], option)) << option;
-        EXPECT_TRUE(has(job.steps[2], option)) << option;
-    }
-    EXPECT_TRUE(has(job.steps[3], "--ao-samples=9"));
-    EXPECT_FALSE(has(job.steps[3], "--ambient=2"));
-    const auto message = [&](const std::string& text) {
-        try {
-            read_job(write_job(text));
-        } catch (const ConfigError& e) {
-            return std::string(e.what());
-        }
-        return std::string("accepted");
-    };
-    EXPECT_NE(message(begin + map).find(":8: no view takes it: ambient is for the aov shaded"),
-              std::string::npos)
-        << message(begin + map);
-    EXPECT_NE(message(begin + "[[view]]\n").find(":5: no view takes it: ao_samples"), std::string::npos);
-    EXPECT_NE(message("[input]\nfiles = ['a.ply']\n[[view]]\naovs = ['mean']\nambient = 2\n")
-                  .find("ambient is for"),
-              std::string::npos);
-}
-
-TEST(Job, SaysWhichRaysAreNotCast) {
-    const auto left_out = [&](const std::string& render) {
-        const Job job =
-            read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render + "\n[[view]]\n"));
-        std::string all;
-        for (const std::string& line : job.left_out) all += line + "\n";
-        return all;
-    };
-    EXPECT_NE(left_out("mode = 'forward'").find("rays: "), std::string::npos);
-    EXPECT_EQ(left_out("mode = 'raytrace'").find("rays: "), std::string::npos);
-    EXPECT_EQ(left_out("mode = 'raytrace'").find("shadows: "), std::string::npos);
-    EXPECT_NE(left_out("mode = 'raytrace'\nshadows = false").find("shadows: "), std::string::npos);
-    EXPECT_NE(left_out("mode = 'raytrace'").find("ambient occlusion: "), std::string::npos);
-    EXPECT_EQ(left_out("mode = 'raytrace'\nao = true").find("ambient occlusion: "), std::string::npos);
-}
-
-TEST(Job, LightsAndContoursAreForViewsThatShowThem) {
-    const Job job = read_job(write_job(
-        "[input]\nfiles = ['a.ply']\n[render]\ncontours = '2'\nmatcap = 'ball.png'\n"
-        "[[view]]\nname = 'a'\naovs = ['hillshade']\n[[view]]\nname = 'b'\naovs = ['matcap']\n"));
-    EXPECT_TRUE(has(job.steps[1], "--contours=2"));
-    EXPECT_FALSE(has(job.steps[2], "--contours=2"));
-    const std::string ball = "--matcap=" + (job_folder() / "ball.png").string();
-    EXPECT_FALSE(has(job.steps[1], ball));
-    EXPECT_TRUE(has(job.steps[2], ball));
-}
-
-TEST(Job, AViewsListReplacesThatOfAllViews) {
-    const Job job = read_job(write_job(
-        "[input]\nfiles = ['a.ply']\n[render]\nsun = [300, 30]\nlines = ['contour']\n"
-        "[[view]]\naovs = ['hillshade']\nsun = [90, 20]\nlines = ['suggestive']\n"));
-    EXPECT_TRUE(has(job.steps[1], "--sun=90,20"));
-    EXPECT_FALSE(has(job.steps[1], "--sun=300,30"));
-    EXPECT_TRUE(has(job.steps[1], "--lines=suggestive"));
-    EXPECT_FALSE(has(job.steps[1], "--lines=contour"));
-}
-
-TEST(Job, PicturesThatLightAViewAreItsInputs) {
-    const Job job = read_job(write_job(
-        "[input]\nfiles = ['a.ply']\n[render]\nmatcap = 'ball.png'\nenvironment = 'sky.exr'\n"
-        "[[view]]\naovs = ['matcap']\n[[view]]\nname = 'b'\naovs = ['environment']\n"));
-    const fs::path folder = job_folder();
-    EXPECT_EQ(job.steps[1].inputs.back(), folder / "ball.png");
-    EXPECT_EQ(job.steps[2].inputs.back(), folder / "sky.exr");
 }
 
 TEST(Job, FilmsLeaveNumberedPictures) {
@@ -197,108 +75,9 @@ TEST(Job, ReadsFilesFromBesideItself) {
     EXPECT_EQ(job.folder, job_folder() / "out/job");
     // One file of figures cannot be that of two clouds.
     const std::string figures = "[measure]\nper_point = 'p.ply'\n";
-    EXPECT_THROW(read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n" + figures)), ConfigError);
+    EXPECT_THROW(read_job(write_job("[input]\nfiles = ['a.ply', 'sub/b.ply']\n" + figures)),
+                 ConfigError);
     EXPECT_NO_THROW(read_job(write_job("[input]\nfiles = ['a.ply']\n" + figures)));
-}
-
-TEST(Job, SaysWhatIsLeftOut) {
-    const auto left_out = [](const std::string& text) {
-        const Job job = read_job(write_job(text));
-        std::string all;
-        for (const std::string& reason : job.left_out) all += reason + "\n";
-        return all;
-    };
-    const std::string plain = left_out(
-        "[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\n[output]\nhtml = false\n");
-    for (const char* part :
-         {"curvature: no AOV and no line asks for it", "colours: color = false", "measure:", "scan:", "index.html:", "normal"})
-        EXPECT_NE(plain.find(part), std::string::npos) << part;
-    // What "all" cannot have is missing, not unasked for.
-    const std::string all = left_out("[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\naovs = ['all']\n");
-    EXPECT_EQ(all.find("pictures of"), std::string::npos) << all;
-    EXPECT_NE(all.find("no line that can be drawn"), std::string::npos) << all;
-    const std::string demo = left_out(kDemo);
-    for (const char* part : {"curvature: no", "measure:", "scan:", "index.html:"})
-        EXPECT_EQ(demo.find(part), std::string::npos) << part;
-}
-
-TEST(Job, StylesOfAWrongNameAreGuessed) {
-    JobSource source;
-    source.job = "plat", source.clouds = {"a.ply"};
-    try {
-        job_file(source);
-        FAIL();
-    } catch (const ConfigError& error) {
-        EXPECT_NE(std::string(error.what()).find("did you mean 'plate'?"), std::string::npos) << error.what();
-    }
-}
-
-TEST(Job, TheFilmStyleLooksDownAndItsCameraIsSet) {
-    JobSource source;
-    source.job = "film", source.clouds = {"a.ply"};
-    const auto view_of = [&](std::vector<std::string> more) {
-        std::vector<std::string> settings = job_settings(source);
-        settings.insert(settings.end(), more.begin(), more.end());
-        return read_job(job_file(source), settings).steps.back();
-    };
-    EXPECT_TRUE(has(view_of({"render.up=z"}), "--camera=iso"));
-    EXPECT_TRUE(has(view_of({"render.camera=front"}), "--camera=front"));
-    EXPECT_FALSE(has(view_of({"render.camera=front"}), "--camera=iso"));
-}
-
-TEST(Job, WhatLinesTakeIsNotLeftOut) {
-    const auto left_out = [](const std::string& fit, const std::string& view) {
-        const Job job =
-            read_job(write_job("[input]\nfiles = ['a.ply']\n[fit]\n" + fit + "[[view]]\n" + view));
-        std::string all;
-        for (const std::string& reason : job.left_out) all += reason + "\n";
-        return all;
-    };
-    const auto has_line = [](const std::string& text, const char* what) { return text.find(what) != std::string::npos; };
-    struct Case {
-        const char *fit, *view;
-        bool second, third;  // derivatives are computed
-    };
-    for (const Case& c : {Case{"degree = 3\n", "lines = ['contour']\n", false, false},
-                          {"degree = 3\n", "aovs = ['lines']\nlines = ['contour', 'reflection']\n", false, false},
-                          {"degree = 3\nsharp = 'on'\n", "lines = ['crease']\n", false, false},
-                          {"degree = 3\n", "lines = ['parabolic']\n", true, false},
-                          {"degree = 2\n", "lines = ['suggestive']\n", true, false},
-                          {"degree = 3\n", "lines = ['suggestive']\n", true, true},
-                          {"degree = 'auto'\n", "lines = ['crest']\n", true, true},
-                          {"degree = 2\n", "aovs = ['lines']\n", true, false},
-                          {"degree = 3\n", "aovs = ['all']\n", true, true},
-                          {"degree = 2\n", "aovs = ['all']\n", true, false},
-                          {"degree = 3\n", "aovs = ['dir1']\n", true, false}}) {
-        const std::string text = left_out(c.fit, c.view);
-        EXPECT_EQ(has_line(text, "curvature: "), !c.second) << c.fit << c.view << text;
-        EXPECT_EQ(has_line(text, "third derivatives: "), !c.third) << c.fit << c.view << text;
-    }
-    EXPECT_TRUE(has_line(left_out("color = true\n", ""), "colours: no view shows them"));
-    EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['color']\n"), "colours: "));
-    EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['all']\n"), "colours: "));
-}
-
-TEST(Job, SaysWhatWillBeMissing) {
-    const auto missing = [](const std::string& fit, const std::string& view) {
-        const Job job = read_job(
-            write_job("[input]\nfiles = ['a.ply']\n[fit]\n" + fit + "[[view]]\nname = 'v'\n" + view));
-        std::string all;
-        for (const std::string& reason : job.missing) all += reason + "\n";
-        EXPECT_EQ(explanation_of(job).find("will be missing") != std::string::npos, !all.empty());
-        return all;
-    };
-    const std::string drawing = "lines = ['contour', 'suggestive', 'crest', 'crease']\n";
-    EXPECT_EQ(missing("degree = 3\nsharp = 'on'\n", drawing), "");
-    EXPECT_EQ(missing("degree = 2\n", drawing),
-              "view v: crest lines: they need degree = 3 in [fit]\n"
-              "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
-    EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),
-              "view v: suggestive lines: they need degree = 2 in [fit]\n"
-              "view v: crest lines: they need degree = 3 in [fit]\n");
-    const std::string all = missing("degree = 2\n", "aovs = ['all']\n");
-    for (const char* aov : {"e1, e2, dk1_dt2, dk2_dt1 of aov all", "color of", "ao of", "truth_distance of"})
-        EXPECT_NE(all.find(aov), std::string::npos) << aov << all;
 }
 
 TEST(Job, IsChangedBySettings) {

@@ -65,13 +65,15 @@ TEST(Makefile, NamesAreWrittenAsMakeReadsThemInEachPlace) {
     EXPECT_NE(percent.find("\n/w/a\\%b/cloud.done.json: /w/a%b/in"), std::string::npos) << percent;
     EXPECT_NE(percent.find("\ninclude /w/a%b/.make/slices.mk\n"), std::string::npos);
     EXPECT_NE(makefile_in("a:b").find("\ninclude /w/a:b/.make/slices.mk\n"), std::string::npos);
-    EXPECT_NE(makefile_in("a:b").find("\n/w/a\\:b/cloud.done.json: /w/a\\:b/in"), std::string::npos);
+    EXPECT_NE(makefile_in("a:b").find("\n/w/a\\:b/cloud.done.json: /w/a\\:b/in"),
+              std::string::npos);
     EXPECT_NE(makefile_in("a=b").find("\n/w/a$(equals)b/cloud.done.json: "), std::string::npos);
     EXPECT_NE(makefile_in("a$ #b").find("\n/w/a$$\\ \\#b/cloud.done.json: "), std::string::npos);
 }
 
 TEST(Makefile, WhatMakeCannotNameIsRefused) {
-    for (const char* name : {"a|b", "a;b", "a\\b", "a\nb"}) EXPECT_THROW(makefile_in(name), ConfigError) << name;
+    for (const char* name : {"a|b", "a;b", "a\\b", "a\nb"})
+        EXPECT_THROW(makefile_in(name), ConfigError) << name;
 }
 
 }  // namespace

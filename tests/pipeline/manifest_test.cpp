@@ -50,7 +50,8 @@ public:
         write("out.slim", "model");
         for (const std::string& name : more) write(name, "more");
         write("found.svg", "legend");
-        EXPECT_EQ(stamp.commit({{"leaves", 7}}, Outlasts::power_cut, {folder_ / "found.svg"}), (json{{"leaves", 7}}));
+        EXPECT_EQ(stamp.commit({{"leaves", 7}}, Outlasts::power_cut, {folder_ / "found.svg"}),
+                  (json{{"leaves", 7}}));
         return false;
     }
 

@@ -16,7 +16,8 @@ namespace {
 
 class MeasureClouds : public FitStages {
 protected:
-    nlohmann::json measure(const std::string& first, const std::string& second, MeasureConfig c = {}) {
+    nlohmann::json measure(const std::string& first, const std::string& second,
+                           MeasureConfig c = {}) {
         c.model = first, c.cloud = second;
         return run_as("measure", c, run_measure, listener_);
     }
@@ -78,7 +79,8 @@ TEST_F(MeasureClouds, FiguresOfEveryPointWithNormals) {
 }
 
 TEST_F(MeasureClouds, WhatCannotBeComparedIsRefusedWithWhatCan) {
-    const std::string a = folder_.write("a.xyz", "0 0 0\n3 0 0\n"), b = folder_.write("b.xyz", "0 0 0\n3 0 0\n1 1 1\n");
+    const std::string a = folder_.write("a.xyz", "0 0 0\n3 0 0\n"),
+                      b = folder_.write("b.xyz", "0 0 0\n3 0 0\n1 1 1\n");
     EXPECT_EQ(code_of([&] { measure(a, b); }), ExitCode::bad_data);
     for (const char* said : {"2 points", "3", "--two-way", "slim build"})
         EXPECT_NE(message_.find(said), std::string::npos) << said << " in " << message_;
@@ -88,30 +90,35 @@ TEST_F(MeasureClouds, WhatCannotBeComparedIsRefusedWithWhatCan) {
     MeasureConfig c;
     c.samples = 10;
     EXPECT_EQ(code_of([&] { measure(a, b, c); }), ExitCode::usage);
-    EXPECT_EQ(code_of([&] { measure(a, folder_.write("nan.xyz", "nan 0 0\nnan 1 1\n")); }), ExitCode::bad_data);
+    EXPECT_EQ(code_of([&] { measure(a, folder_.write("nan.xyz", "nan 0 0\nnan 1 1\n")); }),
+              ExitCode::bad_data);
 }
 
 TEST_F(MeasureClouds, ExtentsWhoseSquaresAreNoNumbersAreRefused) {
     const std::string a = folder_.write("a.xyz", "0 0 0\n3 0 0\n");
     for (const bool two_way : {false, true})
-        for (const char* points : {"1e200 0 0\n-1e200 0 0\n", "1e160 0 0\n0 0 0\n", "1e308 0 0\n-1e308 0 0\n"}) {
+        for (const char* points :
+             {"1e200 0 0\n-1e200 0 0\n", "1e160 0 0\n0 0 0\n", "1e308 0 0\n-1e308 0 0\n"}) {
             const std::string far = folder_.write("far.xyz", points);
             MeasureConfig c;
             c.two_way = two_way;
             for (const auto& [first, second] : {std::pair(far, a), std::pair(a, far)}) {
-                EXPECT_EQ(code_of([&] { measure(first, second, c); }), ExitCode::bad_data) << points;
+                EXPECT_EQ(code_of([&] { measure(first, second, c); }), ExitCode::bad_data)
+                    << points;
                 EXPECT_NE(message_.find("far.xyz"), std::string::npos) << message_;
                 EXPECT_NE(message_.find("overflows"), std::string::npos) << message_;
             }
         }
-    const std::string tiny = folder_.write("tiny.xyz", "0 0 0\n1e-200 0 0\n"), speck = folder_.write("b.xyz", "0 0 0\n0 1e-200 0\n");
+    const std::string tiny = folder_.write("tiny.xyz", "0 0 0\n1e-200 0 0\n"),
+                      speck = folder_.write("b.xyz", "0 0 0\n0 1e-200 0\n");
     EXPECT_EQ(code_of([&] { measure(tiny, speck); }), ExitCode::bad_data);
     EXPECT_NE(message_.find("vanishes"), std::string::npos) << message_;
     EXPECT_EQ(measure(a, folder_.write("wide.xyz", "1e100 0 0\n3 0 0\n"))["points"], 2);
 }
 
 TEST_F(MeasureClouds, CloudsWithoutAPointThatIsFiniteInBothAreRefused) {
-    const std::string a = folder_.write("a.xyz", "nan 0 0\n0 0 0\n"), b = folder_.write("b.xyz", "0 0 0\nnan 0 0\n");
+    const std::string a = folder_.write("a.xyz", "nan 0 0\n0 0 0\n"),
+                      b = folder_.write("b.xyz", "0 0 0\nnan 0 0\n");
     MeasureConfig c;
     c.per_point = file("p.ply");
     EXPECT_EQ(code_of([&] { measure(a, b, c); }), ExitCode::bad_data);
@@ -126,10 +133,11 @@ TEST_F(MeasureClouds, CloudsWithoutAPointThatIsFiniteInBothAreRefused) {
 
 TEST_F(MeasureClouds, AMeshIsACloudOfItsVerticesBesideOneWhereOrderDoesNotMatter) {
     const std::string four = folder_.write("four.xyz", "0 0 0\n3 0 0\n3 4 0\n0 4 0\n");
-    const std::string tri = folder_.write("tri.ply",
-                                          "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
-                                          "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                                          "end_header\n0 0 0\n3 0 0\n3 4 0\n3 0 1 2\n");
+    const std::string tri = folder_.write(
+        "tri.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+        "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "end_header\n0 0 0\n3 0 0\n3 4 0\n3 0 1 2\n");
     MeasureConfig c;
     c.two_way = true;
     const auto one = measure(four, tri, c), other = measure(tri, four, c);
@@ -139,12 +147,14 @@ TEST_F(MeasureClouds, AMeshIsACloudOfItsVerticesBesideOneWhereOrderDoesNotMatter
     EXPECT_EQ(code_of([&] { measure(tri, four); }), ExitCode::bad_data);
     for (const char* said : {"3 vertices", "tri.ply has faces", "--two-way"})
         EXPECT_NE(message_.find(said), std::string::npos) << message_;
-    EXPECT_EQ(code_of([&] { measure(tri, folder_.write("u.ply", read_bytes(tri)), c); }), ExitCode::usage);
+    EXPECT_EQ(code_of([&] { measure(tri, folder_.write("u.ply", read_bytes(tri)), c); }),
+              ExitCode::usage);
     EXPECT_NE(message_.find("the first has faces"), std::string::npos) << message_;
 }
 
 TEST_F(MeasureClouds, NamesThatCannotBeWrittenAreRefusedBeforeAnyWork) {
-    const std::string a = folder_.write("a.xyz", "0 0 0\n3 0 0\n"), b = folder_.write("b.xyz", "0 0 1\n3 0 0\n");
+    const std::string a = folder_.write("a.xyz", "0 0 0\n3 0 0\n"),
+                      b = folder_.write("b.xyz", "0 0 1\n3 0 0\n");
     const auto refused = [&](const char* output, const char* per_point, const std::string& said) {
         MeasureConfig c;
         if (*output) c.output = file(output);
@@ -164,7 +174,8 @@ TEST_F(MeasureClouds, NamesThatCannotBeWrittenAreRefusedBeforeAnyWork) {
 }
 
 TEST_F(MeasureClouds, ABrokenCloudInPlaceOfTheModelIsNamedWithItsFault) {
-    const std::string broken = folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty foo x\n");
+    const std::string broken =
+        folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty foo x\n");
     const std::string text = folder_.write("text.xyz", "1 2 3\n4 5 x\n");
     for (const std::string& path : {broken, text}) {
         EXPECT_NE(code_of([&] { measure(path, path); }), ExitCode::ok);

@@ -89,7 +89,8 @@ TEST_F(MeasureMeshes, FiguresOfEveryVertexWithTheFaces) {
     EXPECT_EQ(source->info().n_faces, 2u);
     EXPECT_EQ(read_all(file("p.ply"), 10).position[3], (Vec3d{0, 4, 3}));
     const std::string bytes = read_bytes(file("p.ply"));
-    const std::size_t first = bytes.find("end_header\n") + 11, row = 3 * 8 + 3 * 4 + 3 * 4;  // double x y z, nx ny nz, scalars
+    // double x y z, nx ny nz, scalars
+    const std::size_t first = bytes.find("end_header\n") + 11, row = 3 * 8 + 3 * 4 + 3 * 4;
     ASSERT_EQ(bytes.size(), first + 4 * row + 2 * (1 + 3 * 4));
     const auto scalar = [&](std::size_t vertex, std::size_t k) {
         float value;

@@ -71,7 +71,8 @@ TEST_F(MeasureStage, ACloudInAnotherFrameIsRefusedAndNothingIsWritten) {
     c.model = file("m.slim"), c.cloud = write(away, "away.ply");
     c.output = file("out.json"), c.per_point = file("points.ply");
     EXPECT_EQ(code_of([&] { run_as("measure", c, run_measure, listener_); }), ExitCode::numerical);
-    for (const char* said : {"m.slim", "away.ply", "(402999", "(403001", "(403000, 0, 0)", "same frame?"})
+    for (const char* said :
+         {"m.slim", "away.ply", "(402999", "(403001", "(403000, 0, 0)", "same frame?"})
         EXPECT_NE(message_.find(said), std::string::npos) << said << " in " << message_;
     for (const char* name : {"out.json", "out.json.done.json", "points.ply"})
         EXPECT_FALSE(std::filesystem::exists(file(name))) << name;
@@ -82,7 +83,9 @@ TEST_F(MeasureStage, ACloudInAnotherUnitIsToldSo) {
     for (Vec3d& p : millimetres.positions) p *= 1000;
     const std::string path = write(millimetres, "mm.ply");
     EXPECT_EQ(code_of([&] { measure(file("m.slim"), path); }), ExitCode::numerical);
-    EXPECT_NE(message_.find("the cloud is 1000 times as large: are both in the same unit?"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("the cloud is 1000 times as large: are both in the same unit?"),
+              std::string::npos)
+        << message_;
 }
 
 TEST_F(MeasureStage, OnePointInReachIsEnough) {

@@ -1,49 +1,18 @@
-#include "formats/image_io.h"
 #include "pipeline/measure_stage.h"
 #include "slim/base/parallel.h"
 #include "tests/pipeline/fit_stages_support.h"
+#include "tests/pipeline/measure_ways_support.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <numbers>
 
-// What measure does beside the errors of a cloud: the other way, per point, shapes and pictures.
+// What measure does beside the errors of a cloud: the other way, per point, and shapes.
 
 namespace slim::test {
 namespace {
-
-using nlohmann::json;
-
-class MeasureWays : public FitStages {
-protected:
-    json measured(const std::string& model, const std::string& cloud,
-                  const std::function<void(MeasureConfig&)>& change) {
-        MeasureConfig c;
-        c.model = model, c.cloud = cloud;
-        change(c);
-        return run_as("measure", c, run_measure, listener_);
-    }
-    json both_ways(const std::string& model, const std::string& cloud) {
-        return measured(model, cloud, [](MeasureConfig& c) { c.two_way = true, c.samples = 20000; });
-    }
-    void build_sphere(std::uint64_t n = 20000) {
-        cloud_ = sampled("sphere", n);
-        path_ = write(cloud_, "sphere.ply");
-        build(build_config(path_, "m.slim"));
-        model_ = file("m.slim");
-    }
-    std::string png(const std::string& name, std::vector<std::uint8_t> rgba) {
-        write_png_srgb8(file(name), 2, 1, rgba);
-        return file(name);
-    }
-
-    Cloud cloud_;
-    std::string path_, model_;
-};
 
 TEST_F(MeasureWays, SamplesOfASphereAddUpToItsAreaAndLieOnIt) {
     build_sphere();
@@ -71,20 +40,23 @@ TEST_F(MeasureWays, AModelWithoutItsCloudThereIsFoundTheOtherWayOnly) {
         c.two_way = true, c.tolerance = 0.02;
     });
     EXPECT_DOUBLE_EQ(m["completeness"].get<double>(), 1);
-    EXPECT_NEAR(m["model_to_cloud"]["within"].get<double>(), 0.53, 0.03);  // and what is near the rim
-    EXPECT_NEAR(m["model_to_cloud"]["max"].get<double>() * m["diagonal"].get<double>(), std::sqrt(2.0), 0.03);
+    // and what is near the rim
+    EXPECT_NEAR(m["model_to_cloud"]["within"].get<double>(), 0.53, 0.03);
+    EXPECT_NEAR(m["model_to_cloud"]["max"].get<double>() * m["diagonal"].get<double>(),
+                std::sqrt(2.0), 0.03);
     EXPECT_LT(m["model_to_cloud"]["max_at"][2].get<double>(), -0.98);
 }
 
 TEST_F(MeasureWays, FacesAreMeasuredExactly) {
     build_sphere();
     // A cube about the sphere: the sphere's farthest points are at (1, 1, 1) / sqrt(3).
-    const std::string cube = folder_.write(
-        "cube.ply",
-        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
-        "element face 6\nproperty list uchar int vertex_indices\nend_header\n"
-        "-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
-        "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n");
+    const std::string cube =
+        folder_.write("cube.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n"
+                      "property float y\nproperty float z\n"
+                      "element face 6\nproperty list uchar int vertex_indices\nend_header\n"
+                      "-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
+                      "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n");
     const json m = both_ways(model_, cube).at("model_to_cloud");
     EXPECT_EQ(m["to"], "faces");
     EXPECT_NEAR(m["max"].get<double>() * std::sqrt(12.0), 1 - 1 / std::sqrt(3.0),
@@ -93,21 +65,24 @@ TEST_F(MeasureWays, FacesAreMeasuredExactly) {
 
 TEST_F(MeasureWays, AMeshInAnotherFrameIsRefusedAlsoBothWays) {
     build_sphere();
-    const std::string away = folder_.write(
-        "away.ply",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-        "element face 1\nproperty list uchar int vertex_indices\nend_header\n9 0 0\n10 0 0\n9 1 0\n3 0 1 2\n");
+    const std::string away =
+        folder_.write("away.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                      "property float y\nproperty float z\n"
+                      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                      "9 0 0\n10 0 0\n9 1 0\n3 0 1 2\n");
     EXPECT_EQ(code_of([&] { both_ways(model_, away); }), ExitCode::numerical);
 }
 
 TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused) {
     build_sphere(2000);
     const auto mesh = [&](const std::string& faces) {
-        return folder_.write(
-            "mesh.ply",
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-            "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n0 1 0\n0 0 1\n" +
-                faces);
+        return folder_.write("mesh.ply",
+                             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                             "property float y\nproperty float z\n"
+                             "element face 1\nproperty list uchar int vertex_indices\n"
+                             "end_header\n1 0 0\n0 1 0\n0 0 1\n" +
+                                 faces);
     };
     const json point = both_ways(model_, mesh("3 2 2 2\n")).at("model_to_cloud");
     EXPECT_NEAR(point["max"].get<double>() * std::sqrt(12.0), 2, 0.01);
@@ -118,10 +93,12 @@ TEST_F(MeasureWays, DegenerateFacesAreMeasuredAsWhatIsLeftOfThemAndNoneIsRefused
 TEST_F(MeasureWays, AFaceTooFarForSquaresIsRefused) {
     // Its distance was null in the result.
     build_sphere(2000);
-    const std::string far = folder_.write(
-        "far.ply",
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
-        "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n1e300 0 0\n-1e300 0 1\n0 1e300 0\n3 1 2 3\n");
+    const std::string far =
+        folder_.write("far.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\n"
+                      "property double y\nproperty double z\n"
+                      "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n"
+                      "1e300 0 0\n-1e300 0 1\n0 1e300 0\n3 1 2 3\n");
     EXPECT_EQ(code_of([&] { both_ways(model_, far); }), ExitCode::bad_data);
     EXPECT_NE(message_.find("far.ply: two_way"), std::string::npos) << message_;
 }
@@ -150,9 +127,10 @@ TEST_F(MeasureWays, EveryPointHasItsFiguresInItsPlace) {
     measured(model_, write(one_off, "one_off.ply"),
              [&](MeasureConfig& c) { c.per_point = file("points.ply"); });
     const std::string bytes = read_bytes(file("points.ply"));
-    for (const char* name : {"scalar_distance", "scalar_normal_angle", "scalar_k1_error", "scalar_k2_error",
-                             "scalar_mean_curvature_error", "quality"})
-        EXPECT_NE(bytes.find(std::string("property float ") + name + "\n"), std::string::npos) << name;
+    for (const char* name : {"scalar_distance", "scalar_normal_angle", "scalar_k1_error",
+                             "scalar_k2_error", "scalar_mean_curvature_error", "quality"})
+        EXPECT_NE(bytes.find(std::string("property float ") + name + "\n"), std::string::npos)
+            << name;
     EXPECT_NE(bytes.find("element vertex 20000\n"), std::string::npos);
     // double x y z, float nx ny nz, ushort scan, six floats
     constexpr std::size_t kRow = 24 + 12 + 2 + 24;
@@ -176,7 +154,8 @@ TEST_F(MeasureWays, PercentilesAndCompletenessAreThoseOfTheDistances) {
     Cloud off = cloud_;  // a tenth is 1 % of L off
     const double step = 0.01 * std::sqrt(12.0);
     for (std::size_t i = 0; i < off.size(); i += 10) off.positions[i] *= 1 + step;
-    const json m = measured(model_, write(off, "off.ply"), [](MeasureConfig& c) { c.tolerance = 0.005; });
+    const json m =
+        measured(model_, write(off, "off.ply"), [](MeasureConfig& c) { c.tolerance = 0.005; });
     EXPECT_DOUBLE_EQ(m["completeness"].get<double>(), 0.9);
     EXPECT_NEAR(m["p95"].get<double>(), 0.01, 1e-4);
     EXPECT_LT(m["p90"].get<double>(), 1e-4);
@@ -191,113 +170,19 @@ TEST_F(MeasureWays, AShapeMeasuresACloudExactly) {
     EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), 0.01, 1e-9);
     EXPECT_LT(m["normal_rms_deg"].get<double>(), 1e-4);
     EXPECT_LT(m["k1_rms"].get<double>(), 1e-6);
-    EXPECT_EQ(code_of([&] { measured("shape:tours", path, [](MeasureConfig&) {}); }), ExitCode::usage);
+    EXPECT_EQ(code_of([&] { measured("shape:tours", path, [](MeasureConfig&) {}); }),
+              ExitCode::usage);
 }
 
 TEST_F(MeasureWays, AMissingTruthIsNamed) {
     build_sphere(2000);
-    EXPECT_EQ(code_of([&] { measured(model_, path_, [](MeasureConfig& c) { c.truth = "nowhere.truth"; }); }),
+    EXPECT_EQ(code_of([&] {
+                  measured(model_, path_, [](MeasureConfig& c) { c.truth = "nowhere.truth"; });
+              }),
               ExitCode::bad_data);
-    EXPECT_NE(message_.find("nowhere.truth: the truth cannot be read"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("nowhere.truth: the truth cannot be read"), std::string::npos)
+        << message_;
     EXPECT_NE(message_.find("expected"), std::string::npos);
-}
-
-TEST_F(MeasureWays, PicturesDifferWhereTheyDo) {
-    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
-    const std::string b = png("b.png", {255, 0, 0, 255, 10, 71, 30, 255});
-    const json same = measured(a, a, [](MeasureConfig&) {});
-    EXPECT_EQ(same["identical"], true);
-    EXPECT_EQ(same["above"], 0.0);
-    const json m = measured(a, b, [&](MeasureConfig& c) { c.output = file("d.png"); });
-    EXPECT_NEAR(m["max"].get<double>(), 51 / 255.0, 1e-12);
-    EXPECT_NEAR(m["rms"].get<double>(), 51 / 255.0 / std::sqrt(8.0), 1e-12);
-    EXPECT_DOUBLE_EQ(m["above"].get<double>(), 0.5);
-    EXPECT_EQ(m["max_at"], json({1, 0}));
-    EXPECT_EQ(m["channels"]["R"]["max"], 0.0);
-    const PngImage d = read_png(file("d.png"));
-    EXPECT_EQ(d.rgba[0], 0);
-    EXPECT_EQ(d.rgba[4], 255);
-    EXPECT_DOUBLE_EQ(measured(a, b, [](MeasureConfig& c) { c.threshold = 0.3; })["above"].get<double>(), 0);
-}
-
-TEST_F(MeasureWays, ExrChannelsAreComparedAsTheyAre) {
-    const std::vector<float> z{1, 2}, other{1, 2.5f}, nan{1, std::nanf("")};
-    const auto exr = [&](const char* name, const std::vector<float>& plane, const char* channel) {
-        write_exr(file(name), 2, 1, std::vector<ExrChannel>{{channel, ChannelType::float32, plane, {}}});
-        return file(name);
-    };
-    const std::string a = exr("a.exr", z, "Z");
-    const json m = measured(a, exr("b.exr", other, "Z"), [](MeasureConfig&) {});
-    EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 0.5);
-    EXPECT_EQ(measured(a, exr("n.exr", nan, "Z"), [](MeasureConfig&) {})["not_finite"], 1);
-    write_exr(
-        file("two.exr"), 2, 1,
-        std::vector<ExrChannel>{{"Z", ChannelType::float32, z, {}}, {"k1", ChannelType::float32, z, {}}});
-    for (const auto& [first, second] : {std::pair{a, file("two.exr")}, std::pair{file("two.exr"), a}})
-        EXPECT_EQ(measured(first, second, [](MeasureConfig&) {})["identical"], false);
-    EXPECT_EQ(measured(a, a, [](MeasureConfig&) {})["identical"], true);
-    EXPECT_EQ(code_of([&] { measured(a, exr("c.exr", z, "k1"), [](MeasureConfig&) {}); }),
-              ExitCode::bad_data);
-}
-
-/// A picture of more rows than two bands hold.
-constexpr int kTall = 2000, kNarrow = 300;
-
-TEST_F(MeasureWays, TallPicturesAreComparedInBandsAsInOne) {
-    constexpr std::size_t n = std::size_t{kTall} * kNarrow;
-    std::vector<std::uint8_t> a(4 * n, 255), b;
-    for (std::size_t i = 0; i < n; ++i) a[4 * i] = static_cast<std::uint8_t>(i % 251);
-    b = a;
-    b[4 * 7] ^= 3, b[4 * (n / 2) + 1] ^= 64, b[4 * (n - 1) + 2] ^= 64;  // in three bands
-    write_png_srgb8(file("a.png"), kNarrow, kTall, a);
-    write_png_srgb8(file("b.png"), kNarrow, kTall, b);
-    const json m =
-        measured(file("a.png"), file("b.png"), [&](MeasureConfig& c) { c.output = file("d.png"); });
-    EXPECT_EQ(m["max_at"], json({0, 1000}));  // the first of the greatest
-    EXPECT_DOUBLE_EQ(m["above"].get<double>(), 3.0 / n);
-    EXPECT_NEAR(m["rms"].get<double>(), std::sqrt((9.0 + 2 * 64 * 64) / (4 * n)) / 255, 1e-12);
-    EXPECT_DOUBLE_EQ(m["channels"]["B"]["above"].get<double>(), 1.0 / n);
-    const PngImage d = read_png(file("d.png"));
-    EXPECT_EQ(std::count_if(d.rgba.begin(), d.rgba.end(), [](int v) { return v > 0; }),
-              std::ptrdiff_t{n + 9});
-    EXPECT_EQ(d.rgba[4 * (n / 2)], 255);
-    EXPECT_EQ(d.rgba[4 * 7], std::lround(255 * std::sqrt(3 / 64.0)));
-}
-
-TEST_F(MeasureWays, TallExrOfEveryTypeAreComparedInBands) {
-    constexpr std::size_t n = std::size_t{kTall} * kNarrow;
-    std::vector<float> half_values(n, 0.5f), values(n);
-    std::vector<std::uint32_t> ids(n);
-    for (std::size_t i = 0; i < n; ++i)
-        values[i] = static_cast<float>(i), ids[i] = static_cast<std::uint32_t>(i);
-    const auto exr = [&](const char* name) {
-        write_exr(file(name), kNarrow, kTall,
-                  std::vector<ExrChannel>{{"R", ChannelType::half_float, half_values, {}},
-                                          {"Z", ChannelType::float32, values, {}},
-                                          {"surfel.id", ChannelType::uint32, {}, ids}});
-        return file(name);
-    };
-    const std::string a = exr("a.exr");
-    half_values[n / 2] = 0.25f, values[n - 1] += 3, ids[5] += 2;
-    const json m = measured(a, exr("b.exr"), [](MeasureConfig&) {});
-    EXPECT_DOUBLE_EQ(m["channels"]["R"]["max"].get<double>(), 0.25);
-    EXPECT_DOUBLE_EQ(m["channels"]["Z"]["max"].get<double>(), 3);
-    EXPECT_DOUBLE_EQ(m["channels"]["surfel.id"]["max"].get<double>(), 2);
-    EXPECT_EQ(m["max_at"], json({kNarrow - 1, kTall - 1}));
-    EXPECT_EQ(measured(a, a, [](MeasureConfig&) {})["identical"], true);
-}
-
-TEST_F(MeasureWays, NoDifferenceIsSaidInWords) {
-    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
-    const json m = measured(a, a, [&](MeasureConfig& c) { c.output = file("d.png"); });
-    EXPECT_EQ(m["identical"], true);
-    ASSERT_EQ(listener_.infos.size(), 1u);
-    EXPECT_NE(listener_.infos[0].find("no difference between"), std::string::npos) << listener_.infos[0];
-    EXPECT_NE(listener_.infos[0].find("d.png is black"), std::string::npos) << listener_.infos[0];
-    EXPECT_NE(read_png(file("d.png")).metadata.at("ImageDescription").find("no difference"),
-              std::string::npos);
-    measured(a, png("b.png", {255, 0, 0, 255, 10, 21, 30, 255}), [](MeasureConfig&) {});
-    EXPECT_EQ(listener_.infos.size(), 1u);
 }
 
 TEST_F(MeasureWays, TruthGoesWithItsPointsThroughAllChunks) {
@@ -314,16 +199,6 @@ TEST_F(MeasureWays, TruthGoesWithItsPointsThroughAllChunks) {
     EXPECT_LT(m["normal_rms_deg"].get<double>(), 1e-4);
 }
 
-TEST_F(MeasureWays, PicturesOfOtherSizesAndThingsThatAreNoneAreRefused) {
-    const std::string a = png("a.png", {255, 0, 0, 255, 10, 20, 30, 255});
-    write_png_srgb8(file("b.png"), 1, 1, std::vector<std::uint8_t>{1, 2, 3, 255});
-    EXPECT_EQ(code_of([&] { measured(a, file("b.png"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
-    EXPECT_NE(message_.find("2x1"), std::string::npos) << message_;
-    EXPECT_EQ(code_of([&] { measured(a, "m.slim", [](MeasureConfig&) {}); }), ExitCode::usage);
-    EXPECT_EQ(code_of([&] { measured(a, a, [&](MeasureConfig& c) { c.output = a; }); }), ExitCode::usage);
-    EXPECT_EQ(code_of([&] { measured(a, file("none.png"), [](MeasureConfig&) {}); }), ExitCode::bad_data);
-}
-
 TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
     const std::string few = folder_.write("few.xyz", "0 0 0\n3 4 0\n1e35 0 0\n");
     const json m = measured("shape:sphere", few, [](MeasureConfig&) {});
@@ -332,9 +207,11 @@ TEST_F(MeasureWays, PointsThatNoShapeIsNearestToAreCountedAndSaid) {
     EXPECT_NEAR(m["max"].get<double>() * m["diagonal"].get<double>(), 4, 1e-6);
     EXPECT_NEAR(m["l2"].get<double>() * m["diagonal"].get<double>(), std::sqrt(17.0 / 2), 1e-6);
     ASSERT_EQ(listener_.warnings.size(), 1u);
-    EXPECT_NE(listener_.warnings[0].find("1 of its 3 points not measured"), std::string::npos) << listener_.warnings[0];
+    EXPECT_NE(listener_.warnings[0].find("1 of its 3 points not measured"), std::string::npos)
+        << listener_.warnings[0];
     const std::string path = folder_.write("far.xyz", "1e35 0 0\n");
-    EXPECT_EQ(code_of([&] { measured("shape:sphere", path, [](MeasureConfig&) {}); }), ExitCode::numerical);
+    EXPECT_EQ(code_of([&] { measured("shape:sphere", path, [](MeasureConfig&) {}); }),
+              ExitCode::numerical);
 }
 
 }  // namespace

@@ -15,18 +15,22 @@ struct Given {
     }
 };
 
-std::string said(Given given, const std::string& what) { return with_option_names(fields_of(given), what); }
+std::string said(Given given, const std::string& what) {
+    return with_option_names(fields_of(given), what);
+}
 
 TEST(OptionNames, KeysOfOursAreOptions) {
     EXPECT_EQ(said({}, "degree: expected 1"), "--degree: expected 1");
     EXPECT_EQ(said({}, "say it with " + quoted_key("degree") + ", or " + quoted_key("output")),
               "say it with --degree, or --output");
-    EXPECT_EQ(said({}, "the word " + quoted_key("model") + " and " + quoted_key("other")), "the word `model` and `other`");
+    EXPECT_EQ(said({}, "the word " + quoted_key("model") + " and " + quoted_key("other")),
+              "the word `model` and `other`");
 }
 
 TEST(OptionNames, WordsOfAFilesNameStayWhatTheyAre) {
     EXPECT_EQ(said({}, "a `degree` b.slim: is a folder"), "a `degree` b.slim: is a folder");
-    EXPECT_EQ(said({}, "x`degree`.png: expected " + quoted_key("degree")), "x`degree`.png: expected --degree");
+    EXPECT_EQ(said({}, "x`degree`.png: expected " + quoted_key("degree")),
+              "x`degree`.png: expected --degree");
 }
 
 TEST(OptionNames, AFileThatIsCalledAsAnOptionBeginsAMessage) {

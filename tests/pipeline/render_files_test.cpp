@@ -118,43 +118,14 @@ TEST_F(RenderFiles, ExrHoldsTheConventionsChannels) {
     const ExrImage image = read_exr(file("x.exr"));
     std::vector<std::string> names;
     for (const auto& [name, channel] : image.channels) names.push_back(name);
-    EXPECT_EQ(names, (std::vector<std::string>{"A",
-                                               "B",
-                                               "G",
-                                               "N.X",
-                                               "N.Y",
-                                               "N.Z",
-                                               "P.X",
-                                               "P.Y",
-                                               "P.Z",
-                                               "R",
-                                               "Z",
-                                               "curvature.gauss",
-                                               "curvature.k1",
-                                               "curvature.k2",
-                                               "curvature.mean",
-                                               "dir1.X",
-                                               "dir1.Y",
-                                               "dir1.Z",
-                                               "dir2.X",
-                                               "dir2.Y",
-                                               "dir2.Z",
-                                               "environment.B",
-                                               "environment.G",
-                                               "environment.R",
-                                               "fit.coverage",
-                                               "fit.error",
-                                               "fit.level",
-                                               "hillshade.B",
-                                               "hillshade.G",
-                                               "hillshade.R",
-                                               "matcap.B",
-                                               "matcap.G",
-                                               "matcap.R",
-                                               "reflection.B",
-                                               "reflection.G",
-                                               "reflection.R",
-                                               "surfel.id"}));
+    const std::vector<std::string> conventions{
+        "A", "B", "G", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R", "Z", "curvature.gauss",
+        "curvature.k1", "curvature.k2", "curvature.mean", "dir1.X", "dir1.Y", "dir1.Z",
+        "dir2.X", "dir2.Y", "dir2.Z", "environment.B", "environment.G", "environment.R",
+        "fit.coverage", "fit.error", "fit.level", "hillshade.B", "hillshade.G", "hillshade.R",
+        "matcap.B", "matcap.G", "matcap.R", "reflection.B", "reflection.G", "reflection.R",
+        "surfel.id"};
+    EXPECT_EQ(names, conventions);
     for (const auto& [name, channel] : image.channels)
         EXPECT_EQ(channel.type, is_light(name)        ? ChannelType::half_float
                                 : name == "surfel.id" ? ChannelType::uint32
@@ -244,8 +215,10 @@ TEST_F(RenderFiles, MatricesMapPToItsPixel) {
         EXPECT_NEAR(mapped("worldToNDC", 0) / w * 80, 44.5, 1e-3);
         EXPECT_NEAR(mapped("worldToNDC", 1) / w * 60, 25.5, 1e-3);
         // The same in [-1, 1], y upwards.
-        EXPECT_NEAR(mapped("worldToScreen", 0) / mapped("worldToScreen", 3), 2 * 44.5 / 80 - 1, 1e-4);
-        EXPECT_NEAR(mapped("worldToScreen", 1) / mapped("worldToScreen", 3), 1 - 2 * 25.5 / 60, 1e-4);
+        EXPECT_NEAR(mapped("worldToScreen", 0) / mapped("worldToScreen", 3), 2 * 44.5 / 80 - 1,
+                    1e-4);
+        EXPECT_NEAR(mapped("worldToScreen", 1) / mapped("worldToScreen", 3), 1 - 2 * 25.5 / 60,
+                    1e-4);
         EXPECT_NEAR(-mapped("worldToCamera", 2), channels.at("Z").floats[i], 1e-4);
     }
 }
@@ -270,7 +243,9 @@ TEST_F(RenderFiles, AFolderInTheWayIsRefusedBeforeTheFirstPictureOfAFilm) {
             ADD_FAILURE() << name;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::usage);
-            EXPECT_NE(std::string(error.what()).find(std::string(name) + ": is a folder"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(std::string(name) + ": is a folder"),
+                      std::string::npos)
+                << error.what();
         }
         EXPECT_FALSE(exists("film_0001.png"));
         std::filesystem::remove(file(name));
@@ -287,7 +262,8 @@ TEST_F(RenderFiles, LinesBelowAFileAreRefusedBeforeThePicture) {
             ADD_FAILURE() << name;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::usage);
-            EXPECT_NE(std::string(error.what()).find("a_file is no folder"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("a_file is no folder"), std::string::npos)
+                << error.what();
         }
         EXPECT_FALSE(exists("x.png"));
     }

@@ -54,13 +54,15 @@ TEST_F(RenderLines, AloneOnADarkBackgroundAreLightThereAndInTheSvg) {
         black += image.rgba[i] == 0, light += image.rgba[i] > 200;
     EXPECT_GT(black, 200u * 150 * 9 / 10);
     EXPECT_GT(light, 100u);
-    EXPECT_NE(bytes("a.lines.svg").find("<g id=\"contour\" stroke=\"#f2f2f0\">"), std::string::npos);
+    EXPECT_NE(bytes("a.lines.svg").find("<g id=\"contour\" stroke=\"#f2f2f0\">"),
+              std::string::npos);
     // Over a drawn surface they stay dark.
     c.aov = {"shaded"};
     const PngImage over = draw(c);
     c.lines.clear();
     const PngImage plain = draw(c);
-    for (std::size_t i = 0; i < over.rgba.size(); i += 4) EXPECT_LE(over.rgba[i], std::max<int>(plain.rgba[i], 15)) << i;
+    for (std::size_t i = 0; i < over.rgba.size(); i += 4)
+        EXPECT_LE(over.rgba[i], std::max<int>(plain.rgba[i], 15)) << i;
 }
 
 TEST_F(RenderLines, AreTheSameWithSupersampling) {
@@ -111,7 +113,8 @@ TEST_F(RenderLines, CreasesOfACubeStandInAllOutputs) {
     c.camera = "iso", c.lines_ply = file("a.ply"), c.lines_obj = file("a.obj");
     const auto result = run(c);
     EXPECT_EQ(result["lines"]["convex_crease"]["polylines"], 9);
-    EXPECT_NEAR(result["lines"]["convex_crease"]["strength"].get<double>(), 90, 0.1);  // a mean, in degrees
+    // a mean, in degrees
+    EXPECT_NEAR(result["lines"]["convex_crease"]["strength"].get<double>(), 90, 0.1);
     EXPECT_EQ(result["lines"]["concave_crease"]["polylines"], 0);
     const std::string svg = bytes("a.lines.svg");
     EXPECT_NE(svg.find("<g id=\"crease-convex\""), std::string::npos);
@@ -145,7 +148,8 @@ TEST_F(RenderLines, CreasesOfSeveralModelsAreHiddenByAll) {
     const auto result = run(c);
     // The front faces: one whole, of the other's two sides lie behind it for three quarters each.
     const double px = 200.0 / 6;
-    EXPECT_NEAR(result["lines"]["convex_crease"]["length_px"].get<double>(), (8 + 4 + 2 * 0.5) * px, 1.3 * px);
+    EXPECT_NEAR(result["lines"]["convex_crease"]["length_px"].get<double>(), (8 + 4 + 2 * 0.5) * px,
+                1.3 * px);
     c.add.clear(), c.output = file("b.png");
     EXPECT_NEAR(run(c)["lines"]["convex_crease"]["length_px"].get<double>(), 8 * px, 0.8 * px);
 }
@@ -165,7 +169,8 @@ TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {
         return "none";
     };
     c.turntable = 3;
-    EXPECT_EQ(refusal(), "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
+    EXPECT_EQ(refusal(),
+              "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     c.lines.clear(), c.turntable = 0;
     EXPECT_EQ(refusal(), "--lines-ply is for --lines, which are not asked for");
     c.lines_ply.clear();

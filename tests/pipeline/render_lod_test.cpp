@@ -32,8 +32,8 @@ protected:
     }
 };
 
-/// Pixels of a picture that are two or more off its silhouette, and those of them that another one does not see or
-/// sees farther off than all about them.
+/// Pixels of a picture that are two or more off its silhouette, and those of them that another one
+/// does not see or sees farther off than all about them.
 struct Holes {
     int inner = 0, holes = 0;
 };
@@ -55,8 +55,8 @@ void add_holes(const GBuffer& full, const GBuffer& coarse, float depth, Holes& h
         }
 }
 
-// NUMERICS section 6, row 42. Cores of internal surfels leave gaps (3.3 % of these pixels were holes, or the far side seen
-// through them); outlines may grow.
+// NUMERICS section 6, row 42. Cores of internal surfels leave gaps (3.3 % of these pixels were
+// holes, or the far side seen through them); outlines may grow.
 TEST_F(LevelsOfDetail, Row42ARealModelHasNoHolesAndItsSilhouetteStaysWithinTwoPixels) {
     build_sculpture();
     const ModelFile model = ModelFile::open(file("m.slim"));

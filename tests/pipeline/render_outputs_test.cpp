@@ -1,4 +1,3 @@
-#include "pipeline/render_aov.h"
 #include "pipeline/render_directions.h"
 #include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
@@ -6,9 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 namespace slim {
@@ -156,155 +153,23 @@ TEST_F(RenderOutputs, MatcapsAreReadFromPictures) {
     EXPECT_NEAR(middle[2], 30, 1);
 }
 
-TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
-    std::ofstream(file("words.png")) << "no picture";
-    const std::pair<const char*, std::function<void(RenderConfig&)>> cases[] = {
-        {"aov environment", [&](RenderConfig& c) { c.environment = file("words.png"); }},
-        {"aov environment", [](RenderConfig& c) { c.environment_turn = 3; }},
-        {"aov environment", [](RenderConfig& c) { c.environment_behind = true; }},
-        {"aov matcap", [&](RenderConfig& c) { c.matcap = file("words.png"); }},
-        {"aov hillshade",
-         [](RenderConfig& c) {
-             c.sun = {10, 10};
-         }},
-        {"aov hillshade", [](RenderConfig& c) { c.contours = "3"; }},
-        {"contours: expected", [](RenderConfig& c) { c.contours = "-3", c.aov = {"hillshade"}; }},
-        {"2.3e-308", [](RenderConfig& c) { c.contours = "1e-310", c.aov = {"hillshade"}; }},
-        {"sun: expected",
-         [](RenderConfig& c) {
-             c.sun = {1, 91}, c.aov = {"hillshade"};
-         }},
-        {"words.png", [&](RenderConfig& c) { c.matcap = file("words.png"), c.aov = {"matcap"}; }},
-        {"nowhere.png",
-         [&](RenderConfig& c) { c.matcap = file("nowhere.png"), c.aov = {"matcap"}; }},
-        {"--ortho", [](RenderConfig& c) { c.scale_bar = true; }},
-        {"crop: expected", [](RenderConfig& c) { c.crop = "1,2,3"; }},
-        {"inside the picture of 80x60", [](RenderConfig& c) { c.crop = "70,0,11,10"; }},
-        {"tile: expected", [](RenderConfig& c) { c.tile = "3/2"; }},
-        {"give one", [](RenderConfig& c) { c.tile = "1/2", c.crop = "0,0,1,1"; }},
-        {"frames", [](RenderConfig& c) { c.path = "front; back"; }},
-        {"frames is for a ", [](RenderConfig& c) { c.frames = 3; }},
-        {"give one", [](RenderConfig& c) { c.path = "front", c.frames = 2, c.turntable = 3; }},
-        {"expected 1 to 3", [](RenderConfig& c) { c.turntable = 3, c.frame = 4; }},
-        {"path: keyframe 2 \"sideways\": expected", [](RenderConfig& c) { c.path = "front; sideways", c.frames = 4; }},
-        {"zoom", [](RenderConfig& c) { c.path = "front zoom x", c.frames = 4; }},
-    };
-    for (const auto& [words, change] : cases) {
-        RenderConfig c = config("x.png");
-        change(c);
-        EXPECT_NE(error_of(c).find(words), std::string::npos) << words << ": " << error_of(c);
-    }
-}
-
-// Whatever an option is called: a picture that ignores it fails here.
-TEST_F(RenderOutputs, EveryOptionChangesThePicture) {
-    struct Case {
-        const char* what;
-        std::function<void(RenderConfig&)> before, change;
-    };
-    const auto light = [](RenderConfig& c) { c.aov = {"environment"}; };
-    const auto relief = [](RenderConfig& c) { c.aov = {"hillshade"}, c.size = "400x300"; };
-    const Case cases[] = {
-        {"environment_turn", light, [](RenderConfig& c) { c.environment_turn = 90; }},
-        {"environment_behind", light, [](RenderConfig& c) { c.environment_behind = true; }},
-        {"up of light", light, [](RenderConfig& c) { c.up = "-y"; }},
-        {"sun", relief,
-         [](RenderConfig& c) {
-             c.sun = {135, 30};
-         }},
-        {"contours", relief, [](RenderConfig& c) { c.contours = "none"; }},
-        {"contours", relief, [](RenderConfig& c) { c.contours = "0.4"; }},
-        {"same_scale", [&](RenderConfig& c) { c.ortho = true, c.camera = "front", write_flat(); },
-         [](RenderConfig& c) { c.same_scale = true; }},
-        {"scale_bar", [](RenderConfig& c) { c.ortho = true, c.size = "400x300"; },
-         [](RenderConfig& c) { c.scale_bar = true; }},
-    };
-    for (const Case& each : cases) {
-        RenderConfig c = config("before.png");
-        each.before(c);
-        const auto before = draw(c).rgba;
-        c.output = file("after.png");
-        each.change(c);
-        EXPECT_NE(before, draw(c).rgba) << each.what;
-    }
-}
-
 TEST_F(RenderOutputs, WhereOneFileCannotBeWrittenNoneOfThePictureAppears) {
     write_torus(3);
     std::filesystem::create_directory(file("x.mean.legend.svg"));
     RenderConfig c = config("x.png");
-    c.aov = {"shaded", "mean"}, c.lines = {"contour"}, c.lines_ply = file("l.ply"), c.size = "300x240";
+    c.aov = {"shaded", "mean"}, c.lines = {"contour"}, c.lines_ply = file("l.ply"),
+    c.size = "300x240";
     EXPECT_THROW(run(c), IoError);
     c.output = file("x.exr"), c.aov = {"mean"};
     EXPECT_THROW(run(c), IoError);
     int n = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) n += entry.path().extension() != ".slim";
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+        n += entry.path().extension() != ".slim";
     EXPECT_EQ(n, 1);  // the folder
     std::filesystem::remove(file("x.mean.legend.svg"));
     run(c);
-    for (const char* name : {"x.exr", "x.png", "x.lines.svg", "l.ply", "x.mean.legend.svg"}) EXPECT_TRUE(exists(name)) << name;
-}
-
-TEST_F(RenderOutputs, AFilmThatShowsNothingLeavesNoPicture) {
-    write_torus(2);
-    RenderConfig c = config("film.png");
-    c.aov = {"mean"}, c.lines = {"contour"}, c.path = "0,0,50,0,0,90,0,1,0;0,0,60,0,0,90,0,1,0", c.frames = 3;
-    EXPECT_THROW(run(c), NumericalError);
-    int n = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) n += entry.path().extension() != ".slim";
-    EXPECT_EQ(n, 0);
-    c.path = "0,0,50,0,0,90,0,1,0;front";  // the last one shows something
-    run(c);
-    for (const char* name : {"film_0001.png", "film_0003.png", "film_0001.lines.svg", "film.mean.legend.svg"})
+    for (const char* name : {"x.exr", "x.png", "x.lines.svg", "l.ply", "x.mean.legend.svg"})
         EXPECT_TRUE(exists(name)) << name;
-}
-
-TEST_F(RenderOutputs, ATurntableIsNumberedAndKeepsItsRange) {
-    write_torus(2);
-    RenderConfig c = config("film.png");
-    c.aov = {"shaded", "mean"}, c.turntable = 4, c.size = "300x240";
-    const auto result = run(c);
-    EXPECT_EQ(result["frames"], 4);
-    EXPECT_EQ(result["film_commands"].size(), 2u);
-    EXPECT_NE(result["film_commands"][1].get<std::string>().find("film.mean_%04d.png"),
-              std::string::npos);
-    for (const char* name : {"film.shaded_0001.png", "film.mean_0004.png", "film.mean.legend.svg"})
-        EXPECT_TRUE(exists(name)) << name;
-    const auto range = [&](int k) {
-        return read_png(file("film.mean_000" + std::to_string(k) + ".png"))
-            .metadata.at("slim:range.mean");
-    };
-    EXPECT_EQ(range(1), range(3));
-    EXPECT_NE(bytes("film.shaded_0001.png"), bytes("film.shaded_0002.png"));
-    // Lines are numbered alike, however the picture is named.
-    c.aov = {"mean"}, c.lines = {"contour"}, c.turntable = 2, c.output = file("lined.mean.png");
-    run(c);
-    EXPECT_TRUE(exists("lined_0002.lines.svg"));
-    EXPECT_TRUE(exists("lined.mean_0002.png"));
-    c = config("film.png");
-    c.aov = {"shaded", "mean"}, c.turntable = 4, c.size = "300x240";
-    // One picture of an array job is that of the film.
-    const std::string second = bytes("film.shaded_0002.png");
-    const std::string camera = read_png(file("film.shaded_0002.png")).metadata.at("slim:camera");
-    c.frame = 2, c.output = file("one.png");
-    run(c);
-    EXPECT_EQ(read_png(file("one.shaded_0002.png")).metadata.at("slim:camera"), camera);
-    EXPECT_EQ(read_png(file("one.shaded_0002.png")).rgba,
-              read_png(file("film.shaded_0002.png")).rgba);
-    EXPECT_FALSE(exists("one.shaded_0001.png"));
-}
-
-TEST_F(RenderOutputs, APathGoesFromItsFirstKeyframeToItsLast) {
-    RenderConfig c = config("path.png");
-    c.path = "front; right zoom 2", c.frames = 3;
-    run(c);
-    RenderConfig still = config("still.png");
-    EXPECT_EQ(read_png(file("path_0001.png")).rgba, draw(still).rgba);
-    still.camera = "right", still.zoom = 2;
-    const auto last = draw(still).rgba, along = read_png(file("path_0003.png")).rgba;
-    std::size_t n_far = 0;
-    for (std::size_t i = 0; i < last.size(); ++i) n_far += std::abs(last[i] - along[i]) > 8;
-    EXPECT_LT(n_far, 40u);
 }
 
 TEST_F(RenderOutputs, OrthographicPicturesSayTheSizeOfAPixel) {

@@ -66,7 +66,8 @@ TEST_F(RenderParts, TilesMakeTheWhole) {
     EXPECT_EQ(rows, whole.rgba);
 }
 
-const std::vector<std::string> kAllLines{"contour", "suggestive", "crest", "parabolic", "reflection"};
+const std::vector<std::string> kAllLines{"contour", "suggestive", "crest", "parabolic",
+                                         "reflection"};
 
 TEST_F(RenderParts, PartsShowTheLinesOfTheWhole) {
     write_torus(3);
@@ -83,7 +84,8 @@ TEST_F(RenderParts, PartsShowTheLinesOfTheWhole) {
             EXPECT_EQ(read_png(file("part." + aov + ".png")).rgba,
                       part_of(read_png(file("whole." + aov + ".png")), 61, 83, 171, 202).rgba)
                 << aov << supersample;
-        EXPECT_NE(bytes("part.lines.svg").find("viewBox=\"16.140 21.960 45.244 53.446\""), std::string::npos);
+        EXPECT_NE(bytes("part.lines.svg").find("viewBox=\"16.140 21.960 45.244 53.446\""),
+                  std::string::npos);
     }
 }
 
@@ -127,18 +129,23 @@ TEST_F(RenderParts, LinesOfAPictureInBandsAreThoseOfTheWhole) {
     c.camera = "4,0,1.2,0,0,0,0,0,1", c.lod = 0;
     run(c);
     RenderRequest request;
-    request.camera.eye = {4, 0, 1.2}, request.camera.target = {0, 0, 0}, request.camera.up = {0, 0, 1};
+    request.camera.eye = {4, 0, 1.2}, request.camera.target = {0, 0, 0},
+    request.camera.up = {0, 0, 1};
     request.camera.fov_y_deg = c.fov, request.width = request.height = 2300, request.lod_px = 0;
     request.wanted = line_channels(kAllLineKinds, 3);
     GBuffer frame;
     const SurfelTree tree = model.view();
     render_forward(tree, request, frame);
-    const std::vector<LineKind> kinds{LineKind::reflection, LineKind::parabolic, LineKind::suggestive,
-                                      LineKind::valley,     LineKind::ridge,     LineKind::contour};
+    const std::vector<LineKind> kinds{LineKind::reflection, LineKind::parabolic,
+                                      LineKind::suggestive, LineKind::valley,
+                                      LineKind::ridge,      LineKind::contour};
     const LineScene scene{frame, pixel_view(request.camera, 2300, 2300), tree.header().diagonal, 3};
     EXPECT_EQ(bytes("x.ply"), lines_ply(extract_lines(scene, kinds), tree.header().origin));
-    // The planes that lines take do not fit a band: position, normal, k1, k2, Gauss, direction, four derivatives.
-    EXPECT_GT(picture_parts({2300, 2300}, {0, 0, 2300, 2300}, 4 * (3 + 3 + 3 + 3 + 4) + 20, 0).size(), 1u);
+    // The planes that lines take do not fit a band: position, normal, k1, k2, Gauss, direction,
+    // four derivatives.
+    EXPECT_GT(
+        picture_parts({2300, 2300}, {0, 0, 2300, 2300}, 4 * (3 + 3 + 3 + 3 + 4) + 20, 0).size(),
+        1u);
 }
 
 TEST_F(RenderParts, ACropsDataLieWhereTheyBelong) {

@@ -23,7 +23,8 @@ protected:
         RenderConfig c = config;
         const FieldList fields = fields_of(c);
         Listener listener;
-        StageContext context{listener, 1, true, "render", canonical_config(fields), print_config(fields), ""};
+        StageContext context{
+            listener, 1, true, "render", canonical_config(fields), print_config(fields), ""};
         run_render(c, context);
         return listener.warnings;
     }
@@ -65,11 +66,13 @@ TEST_F(RenderSays, WhatAovAllLeavesOut) {
     const auto left_out = [&] {
         std::string all;
         const auto result = run(c);
-        for (const auto& reason : result.value("left_out", nlohmann::json::array())) all += reason.get<std::string>() + "\n";
+        for (const auto& reason : result.value("left_out", nlohmann::json::array()))
+            all += reason.get<std::string>() + "\n";
         return all;
     };
     const std::string all = left_out();
-    for (const char* aov : {"e1, e2, dk1_dt2, dk2_dt1: ", "color: ", "ao: ", "truth_distance: "}) EXPECT_TRUE(has(all, aov)) << all;
+    for (const char* aov : {"e1, e2, dk1_dt2, dk2_dt1: ", "color: ", "ao: ", "truth_distance: "})
+        EXPECT_TRUE(has(all, aov)) << all;
     c.aov = {"all", "truth_distance"}, c.truth_shape = "sphere";
     EXPECT_TRUE(has(left_out(), "ao: "));
     EXPECT_FALSE(has(left_out(), "truth_distance"));
@@ -83,9 +86,12 @@ TEST_F(RenderSays, ThatAModelIsTooSmallToBeSeenBesideAnother) {
     RenderConfig c = config("x.png");
     c.mode = "raytrace", c.camera = "iso", c.add = {file("fair.slim"), file("small.slim")};
     const std::string warnings = warnings_of(c);
-    EXPECT_TRUE(has(warnings, (file("small.slim") + ": " + c.model + " is 11").c_str()) && has(warnings, "unit")) << warnings;
+    EXPECT_TRUE(has(warnings, (file("small.slim") + ": " + c.model + " is 11").c_str()) &&
+                has(warnings, "unit"))
+        << warnings;
     std::swap(c.model, c.add[1]);  // whichever comes first
-    EXPECT_TRUE(has(warnings_of(c), (c.model + ": " + c.add[1] + " is 11").c_str())) << warnings_of(c);
+    EXPECT_TRUE(has(warnings_of(c), (c.model + ": " + c.add[1] + " is 11").c_str()))
+        << warnings_of(c);
     std::swap(c.model, c.add[1]);
     c.camera = "0.003,0,2,0.003,0,0,0,1,0";  // whoever says where looks at what is there
     EXPECT_EQ(warnings_of(c), "");
@@ -135,7 +141,11 @@ TEST_F(RenderSays, HowMuchWasPassedOver) {
     // One sheet of discs, far from one another in depth only by rounding, hides nothing.
     std::vector<Surfel> discs;
     for (int i = 0; i < 100; ++i)
-        discs.push_back({{0.2 * (i % 10) - 0.9, 0.2 * (i / 10) - 0.9, 0}, 0.15, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+        discs.push_back({{0.2 * (i % 10) - 0.9, 0.2 * (i / 10) - 0.9, 0},
+                         0.15,
+                         frame_from_normal(Vec3d{0, 0, 1}),
+                         {},
+                         2});
     write_model(file("m.slim"), test::flat_tree(discs, 2), "{}");
     const auto sheet = run(c);
     EXPECT_EQ(sheet["surfels_cut_off"], 0);
@@ -168,7 +178,11 @@ TEST_F(RenderSays, FlatFacesDoNotSetTheRangeOfAPart) {
     // A wide plane of discs and a small ball on it.
     std::vector<Surfel> leaves;
     for (int i = 0; i < 400; ++i)
-        leaves.push_back({{0.5 * (i % 20) - 4.75, 0.5 * (i / 20) - 4.75, 0}, 0.6, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+        leaves.push_back({{0.5 * (i % 20) - 4.75, 0.5 * (i / 20) - 4.75, 0},
+                          0.6,
+                          frame_from_normal(Vec3d{0, 0, 1}),
+                          {},
+                          2});
     for (const Surfel& s : test::sphere_leaves(0.8, 300, 6, 2)) leaves.push_back(s);
     write_model(file("m.slim"), test::flat_tree(leaves, 2), "{}");
     RenderConfig c = config("x.png");

@@ -246,7 +246,7 @@ TEST_F(RenderStage, APictureWithoutAHitIsANumericalFailure) {
 }
 
 TEST_F(RenderStage, BadOptionsAreNamed) {
-    const std::pair<const char*, std::function<void(RenderConfig&)>> cases[] = {
+    const RefusedCase cases[] = {
         {"size", [](RenderConfig& c) { c.size = "80"; }},
         {"size", [](RenderConfig& c) { c.size = "0x60"; }},
         {"camera", [](RenderConfig& c) { c.camera = "fornt"; }},
@@ -261,16 +261,7 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
              c.aov = {"truth_distance"}, c.truth_shape = "sphere", c.offset = {1, 2};
          }},
     };
-    for (const auto& [word, change] : cases) {
-        RenderConfig c = config("x.png");
-        change(c);
-        try {
-            run(c);
-            ADD_FAILURE() << word;
-        } catch (const ConfigError& e) {
-            EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
-        }
-    }
+    expect_each_is_refused(config("x.png"), cases);
 }
 
 TEST_F(RenderStage, FineFramesAreAveragedAlikeInBandsAndAtOnce) {

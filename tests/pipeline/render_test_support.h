@@ -3,6 +3,7 @@
 #include "formats/image_io.h"
 #include "formats/model_file.h"
 #include "pipeline/render_stage.h"
+#include "slim/base/error.h"
 #include "tests/raytrace/support/analytic_models.h"
 
 #include <gtest/gtest.h>
@@ -73,6 +74,26 @@ protected:
             c.output = file("after.png");
             each.change(c);
             EXPECT_NE(before, draw(c).rgba) << each.what;
+        }
+    }
+
+    /// Of an option that does not go: a word of the message.
+    struct RefusedCase {
+        const char* word;
+        std::function<void(RenderConfig&)> change;
+    };
+    /// Each is a ConfigError that has its word.
+    template <class Cases>
+    void expect_each_is_refused(const RenderConfig& usual, const Cases& cases) {
+        for (const RefusedCase& each : cases) {
+            RenderConfig c = usual;
+            each.change(c);
+            try {
+                run(c);
+                ADD_FAILURE() << each.word;
+            } catch (const ConfigError& e) {
+                EXPECT_NE(std::string(e.what()).find(each.word), std::string::npos) << e.what();
+            }
         }
     }
 

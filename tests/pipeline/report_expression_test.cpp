@@ -47,12 +47,14 @@ TEST(ReportExpression, NamesWhatIsMissingOnlyWhereItIsNeeded) {
 }
 
 TEST(ReportExpression, RefusesWhatIsNoFormulaWithItsPlace) {
-    for (const char* text : {"", "1 +", "(1", "1 2", "frob(1)", "'open", "min(1)", "1..2", "x y", "=1"}) {
+    for (const char* text :
+         {"", "1 +", "(1", "1 2", "frob(1)", "'open", "min(1)", "1..2", "x y", "=1"}) {
         try {
             Expression(text, "file.toml:7");
             FAIL() << text;
         } catch (const ConfigError& error) {
-            EXPECT_NE(std::string(error.what()).find("file.toml:7"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("file.toml:7"), std::string::npos)
+                << error.what();
         }
     }
 }

@@ -33,7 +33,8 @@ protected:
 
 TEST_F(ReportClouds, AreMadeOfNothingByFormulas) {
     const std::string a = folder_.file("a.ply"), b = folder_.file("b.ply");
-    const auto f = formulas({{"x", "i/n"}, {"y", "x"}, {"z", "r1 + g1"}, {"nz", "1"}, {"keep", "i != 3"}});
+    const auto f =
+        formulas({{"x", "i/n"}, {"y", "x"}, {"z", "r1 + g1"}, {"nz", "1"}, {"keep", "i != 3"}});
     EXPECT_EQ(make_cloud({}, 10, f, lookup, 1, false, a).at("points"), 9);
     make_cloud({}, 10, f, lookup, 1, false, b);
     EXPECT_EQ(read_bytes(a), read_bytes(b));
@@ -49,7 +50,8 @@ TEST_F(ReportClouds, AreMadeOfNothingByFormulas) {
 
 TEST_F(ReportClouds, GoOneBehindTheOtherWithTheirTruth) {
     const std::string a = folder_.file("a.ply"), b = folder_.file("b.ply");
-    make_cloud({}, 4, formulas({{"x", "i"}, {"nz", "1"}, {"k1", "2"}, {"k2", "i"}}), lookup, 1, false, a);
+    make_cloud({}, 4, formulas({{"x", "i"}, {"nz", "1"}, {"k1", "2"}, {"k2", "i"}}), lookup, 1,
+               false, a);
     const auto said =
         make_cloud({a, a}, 0, formulas({{"x", "x + 10*file"}, {"k1", "k1/2"}}), lookup, 1, true, b);
     EXPECT_EQ(said.at("points"), 8);
@@ -66,7 +68,8 @@ TEST_F(ReportClouds, GoOneBehindTheOtherWithTheirTruth) {
 
 TEST(ReportFiles, AllReadyOnesAreUnderstood) {
     std::size_t n = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(SLIM_SOURCE_DIR "/configs/report")) {
+    for (const auto& entry :
+         std::filesystem::directory_iterator(SLIM_SOURCE_DIR "/configs/report")) {
         EXPECT_NO_THROW(read_report_files({entry.path().string()})) << entry.path();
         ++n;
     }
@@ -95,16 +98,19 @@ TEST(ReportFiles, ASettingChangesTheFilesThatHaveItsKeyAndIsRefusedWhereNoneHas)
 }
 
 TEST(ReportFiles, TheExtremesHaveEveryRow) {
-    const ReportFile file = read_report_files({SLIM_SOURCE_DIR "/configs/report/extremes.toml"}).at(0);
+    const ReportFile file =
+        read_report_files({SLIM_SOURCE_DIR "/configs/report/extremes.toml"}).at(0);
     for (int row = 1; row <= 44; ++row)
-        EXPECT_TRUE(std::any_of(file.experiments.begin(), file.experiments.end(), [&](const Experiment& e) {
-            return e.row == std::to_string(row) && e.is_case();
-        })) << row;
+        EXPECT_TRUE(std::any_of(
+            file.experiments.begin(), file.experiments.end(),
+            [&](const Experiment& e) { return e.row == std::to_string(row) && e.is_case(); }))
+            << row;
 }
 
 TEST(ReportPlots, KeepEveryPointInTheFrame) {
     SvgPlot plot{"x & more", "y", true, true, {}};
-    plot.curves.push_back({"a <curve>", {{1e-3, 1}, {1, 1e4}, {0, 5}, {1e3, 1e-8, true}}, -1, true});
+    plot.curves.push_back(
+        {"a <curve>", {{1e-3, 1}, {1, 1e4}, {0, 5}, {1e3, 1e-8, true}}, -1, true});
     plot.curves.push_back({"one point", {{1, 1}}, 0, false});
     const std::string svg = svg_of(plot);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
@@ -121,8 +127,10 @@ TEST(ReportPlots, KeepEveryPointInTheFrame) {
     plot.curves[0].name = "a curve of so long a name";
     EXPECT_EQ(svg_of(plot).find("viewBox=\"0 0 640 "), std::string::npos) << "its end is cut off";
     for (const bool log : {false, true})  // nothing to draw, and a single point
-        for (const auto& points : {std::vector<SvgCurve::Point>{}, std::vector<SvgCurve::Point>{{0, 0}}})
-            EXPECT_EQ(svg_of({"x", "y", log, log, {{"c", points, 0, false}}}).find("nan"), std::string::npos);
+        for (const auto& points :
+             {std::vector<SvgCurve::Point>{}, std::vector<SvgCurve::Point>{{0, 0}}})
+            EXPECT_EQ(svg_of({"x", "y", log, log, {{"c", points, 0, false}}}).find("nan"),
+                      std::string::npos);
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ TEST(ReportResults, ABandOfASlopeThatCannotBeToldFails) {
     ReportRow absent = row_with(1, 1);
     absent.steps[0].done = false, absent.steps[0].absent = true, absent.steps[0].figures = {};
     EXPECT_EQ(judged(e, {absent, absent}).checks.at(0).verdict, Verdict::not_run);
-    EXPECT_EQ(judged(e, {row_with(1, 1)}).checks.at(0).verdict, Verdict::not_run);  // one row below the cap
+    // one row below the cap
+    EXPECT_EQ(judged(e, {row_with(1, 1)}).checks.at(0).verdict, Verdict::not_run);
 }
 
 TEST(ReportResults, ACaseFailsWithAStepThatMayNotBesideOneThatMay) {
@@ -165,31 +166,37 @@ TEST(ReportPages, TimesOfAnEarlierRunAreMarked) {
         const char* runs[] = {first, second};
         for (std::size_t i = 0; i < 2; ++i) {
             StepRecord& step = rows[i].steps[0];
-            step.name = "m-" + std::to_string(i), step.run_started = runs[i], step.figures["seconds"] = 3.0;
+            step.name = "m-" + std::to_string(i), step.run_started = runs[i],
+            step.figures["seconds"] = 3.0;
         }
         report.results = {{judged(e, rows)}};
         return report_page(report);
     };
-    EXPECT_EQ(dated("2026-01-02T00:00:00Z", "2026-01-02T00:00:00Z").find("&dagger;"), std::string::npos);
-    const std::string page = dated("2026-01-01T00:00:00Z", "2026-01-02T00:00:00Z");
-    EXPECT_NE(page.find("<tr><td>1</td><td>3<span class=\"none\">&dagger;</span></td><td>5</td></tr>"),
+    EXPECT_EQ(dated("2026-01-02T00:00:00Z", "2026-01-02T00:00:00Z").find("&dagger;"),
               std::string::npos);
+    const std::string page = dated("2026-01-01T00:00:00Z", "2026-01-02T00:00:00Z");
+    EXPECT_NE(
+        page.find("<tr><td>1</td><td>3<span class=\"none\">&dagger;</span></td><td>5</td></tr>"),
+        std::string::npos);
     EXPECT_NE(page.find("<tr><td>2</td><td>3</td><td>6</td></tr>"), std::string::npos);
     EXPECT_NE(page.find("1 of 2 points timed in an earlier run"), std::string::npos);
-    EXPECT_EQ(rows_csv(report.results[0][0]), "x,s,error,timed in the run of\n1,3,5,2026-01-01T00:00:00Z\n"
-                                              "2,3,6,2026-01-02T00:00:00Z\n");
+    EXPECT_EQ(rows_csv(report.results[0][0]),
+              "x,s,error,timed in the run of\n1,3,5,2026-01-01T00:00:00Z\n"
+              "2,3,6,2026-01-02T00:00:00Z\n");
     const auto json = report_json(report);
     EXPECT_EQ(json["runs"]["2026-01-01T00:00:00Z"], 1);
     EXPECT_EQ(json["files"][0]["experiments"][0]["rows"][1]["timed in the run of"][0],
               "2026-01-02T00:00:00Z");
-    EXPECT_NE(dated("", "2026-01-02T00:00:00Z").find("(unknown) (1 steps), 2026-01-02"), std::string::npos);
+    EXPECT_NE(dated("", "2026-01-02T00:00:00Z").find("(unknown) (1 steps), 2026-01-02"),
+              std::string::npos);
 }
 
 TEST(ReportResults, ABandHoldsItsEndsAndNoNan) {
     Experiment e;
     e.grid = {{"x", {1.0}}};
     ReportCheck check;
-    check.name = "y", check.value = formula("m.y"), check.least = formula("1"), check.most = formula("2*x");
+    check.name = "y", check.value = formula("m.y"), check.least = formula("1"),
+    check.most = formula("2*x");
     e.checks = {check};
     const auto verdict = [&](double y) { return judged(e, {row_with(1, y)}).checks.at(0).verdict; };
     EXPECT_EQ(verdict(1), Verdict::passed);

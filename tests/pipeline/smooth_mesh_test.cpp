@@ -54,7 +54,8 @@ TEST_F(SmoothStage, AdvisesSharpLeavesWhereAMeshHasEdgesThatTheModelRoundsOff) {
         listener_.infos.clear();
         EXPECT_GT(smooth(in)["at_edges"], 0.1);
         ASSERT_EQ(listener_.infos.size(), 1u);
-        EXPECT_NE(listener_.infos[0].find("built with --sharp on"), std::string::npos) << listener_.infos[0];
+        EXPECT_NE(listener_.infos[0].find("built with --sharp on"), std::string::npos)
+            << listener_.infos[0];
         b.sharp = "on";
         build(b);
         listener_.infos.clear();

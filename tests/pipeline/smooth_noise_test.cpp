@@ -51,7 +51,8 @@ TEST_F(SmoothStage, NoiseThatVariesOverTheCloudIsTakenOffEverywhere) {
 }
 
 TEST_F(SmoothStage, ThickNoiseOnACurvedSurfaceLeavesNoOffset) {
-    // Noise of 0.035 in all directions lowers a unit sphere by its square, 0.0012, and wide quadratics raise it.
+    // Noise of 0.035 in all directions lowers a unit sphere by its square, 0.0012, and wide
+    // quadratics raise it.
     const std::string cloud = write(sampled("sphere", 100000, 1, 0.01), "c.ply");
     build(build_config(cloud, "m.slim"));
     smooth(cloud);

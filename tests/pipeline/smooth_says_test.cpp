@@ -40,7 +40,8 @@ TEST_F(SmoothStage, SaysWhereMostLeavesAreKeptWithoutAlarm) {
     EXPECT_GT(said["leaves_kept"], said["leaves_refitted"]);
     EXPECT_EQ(listener_.warnings.size(), 0u);
     ASSERT_EQ(listener_.infos.size(), 1u);
-    EXPECT_NE(listener_.infos[0].find("went only part of the way"), std::string::npos) << listener_.infos[0];
+    EXPECT_NE(listener_.infos[0].find("went only part of the way"), std::string::npos)
+        << listener_.infos[0];
     EXPECT_NE(listener_.infos[0].find("max_displacement"), std::string::npos) << listener_.infos[0];
     EXPECT_GT(2 * said["points_held_back"].get<int>(), said["moved"]);
     EXPECT_LT(said["noise"], 3e-5);

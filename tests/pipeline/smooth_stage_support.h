@@ -36,7 +36,8 @@ protected:
         build(build_config(cloud, "m.slim"));
         return cloud;
     }
-    /// The sides of a cube of edge 1, 24 squares along it; their corners that meet stand there once. Noise per coordinate.
+    /// The sides of a cube of edge 1, 24 squares along it; their corners that meet stand there
+    /// once. Noise per coordinate.
     std::string cube(double noise) {
         const int n = 24;
         std::map<std::array<int, 3>, int> number;
@@ -46,8 +47,10 @@ protected:
             if (is_new)
                 for (std::size_t k = 0; k < 3; ++k) {
                     const auto key = static_cast<std::uint64_t>(3 * number.size() + k);
-                    vertices += std::to_string(at[k] / double(n) + noise * 3.46 * (unit_interval(keyed_hash(2, key)) - 0.5)) +
-                                (k < 2 ? " " : "\n");
+                    vertices +=
+                        std::to_string(at[k] / double(n) +
+                                       noise * 3.46 * (unit_interval(keyed_hash(2, key)) - 0.5)) +
+                        (k < 2 ? " " : "\n");
                 }
             return std::to_string(found->second);
         };
@@ -61,14 +64,18 @@ protected:
                             at[axis] = side, at[(axis + 1) % 3] = i + u, at[(axis + 2) % 3] = k + v;
                             return " " + vertex(at);
                         };
-                        faces += side > 0 ? "4" + corner(0, 0) + corner(1, 0) + corner(1, 1) + corner(0, 1)
-                                          : "4" + corner(0, 0) + corner(0, 1) + corner(1, 1) + corner(1, 0);
+                        faces +=
+                            side > 0
+                                ? "4" + corner(0, 0) + corner(1, 0) + corner(1, 1) + corner(0, 1)
+                                : "4" + corner(0, 0) + corner(0, 1) + corner(1, 1) + corner(1, 0);
                         faces += "\n";
                     }
-        return folder_.write("cube.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string(number.size()) +
-                                             "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                                             std::to_string(n_faces) +
-                                             "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + faces);
+        return folder_.write(
+            "cube.ply",
+            "ply\nformat ascii 1.0\nelement vertex " + std::to_string(number.size()) +
+                "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+                std::to_string(n_faces) + "\nproperty list uchar int vertex_indices\nend_header\n" +
+                vertices + faces);
     }
     /// A sphere of n by 2 n quadrangles around a pole, noisy; open: without its lower half.
     std::string mesh(double noise, bool open = false) {

@@ -84,13 +84,18 @@ TEST_F(TreeStage, FitsWithoutASurfelSayWhatBecameOfTheCloud) {
     const auto told = [&](const char* counts) {
         write_fit(path, {}, fmt::format(R"({{"rules": {{"degree": 2}}, "counts": {}}})", counts));
         EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::bad_data);
-        EXPECT_NE(message_.find("c.ply: the fit left no surfel of 3000 points"), std::string::npos) << message_;
+        EXPECT_NE(message_.find("c.ply: the fit left no surfel of 3000 points"), std::string::npos)
+            << message_;
         return message_;
     };
-    const std::string isolated = told(R"({"leaves": 0, "dropped_isolated": 2900, "dropped_unexplained": 70})");
-    EXPECT_NE(isolated.find("2900 with too few neighbours, 70 that no surfel explains"), std::string::npos) << isolated;
+    const std::string isolated =
+        told(R"({"leaves": 0, "dropped_isolated": 2900, "dropped_unexplained": 70})");
+    EXPECT_NE(isolated.find("2900 with too few neighbours, 70 that no surfel explains"),
+              std::string::npos)
+        << isolated;
     EXPECT_NE(isolated.find("take out strays"), std::string::npos) << isolated;
-    const std::string unexplained = told(R"({"leaves": 0, "dropped_isolated": 5, "dropped_unexplained": 2995})");
+    const std::string unexplained =
+        told(R"({"leaves": 0, "dropped_isolated": 5, "dropped_unexplained": 2995})");
     EXPECT_NE(unexplained.find("--normals estimate"), std::string::npos) << unexplained;
     EXPECT_NE(told(R"({"leaves": 0})").find("none was dropped"), std::string::npos);
 }

@@ -42,8 +42,9 @@ TEST(ViewShares, LargeOnesAreDividedByTheirPixels) {
                       "['shaded', 'ao', 'normal', 'depth']")
                   .shares.size(),
               2u);
-    EXPECT_NE(explained("turntable = 72").find(
-                  "in plans 2 tasks and one that joins: 138 million pixels at up to 128 million a task"),
+    EXPECT_NE(explained("turntable = 72")
+                  .find("in plans 2 tasks and one that joins: 138 million pixels at up to 128 "
+                        "million a task"),
               std::string::npos);
 }
 
@@ -87,20 +88,24 @@ TEST(ViewShares, WhatCannotBeDividedIsRefusedWithItsLine) {
 
 TEST(ViewShares, WhatNoViewTakesOfAllIsUnknown) {
     for (const char* key : {"name = 'x'", "aovs = ['mean']", "join = 2"}) {
-        const std::string text = refusal(std::string("[input]\nfiles = ['a.ply']\n[render]\n") + key +
-                                         "\n[[view]]\n");
+        const std::string text =
+            refusal(std::string("[input]\nfiles = ['a.ply']\n[render]\n") + key + "\n[[view]]\n");
         EXPECT_NE(text.find("job.toml:4: unknown key"), std::string::npos) << text;
     }
 }
 
 TEST(ViewShares, KnowWhatEachLeaves) {
-    const JobStep film = view_of("turntable = 5\nshares = 2\naovs = ['shaded', 'mean']\nlines = ['contour']");
+    const JobStep film =
+        view_of("turntable = 5\nshares = 2\naovs = ['shaded', 'mean']\nlines = ['contour']");
     std::multiset<std::filesystem::path> of_shares;
-    for (const JobShare& share : film.shares) of_shares.insert(share.products.begin(), share.products.end());
-    EXPECT_EQ(of_shares, std::multiset<std::filesystem::path>(film.products.begin(), film.products.end()));
+    for (const JobShare& share : film.shares)
+        of_shares.insert(share.products.begin(), share.products.end());
+    EXPECT_EQ(of_shares,
+              std::multiset<std::filesystem::path>(film.products.begin(), film.products.end()));
     EXPECT_EQ(film.shares[0].products.size(), 6u);  // pictures 1 and 2, three files each
     EXPECT_EQ(film.shares[1].option, "--share=2/2");
-    EXPECT_EQ(film.shares[1].target.string(), film.output.string() + ".shares/0002_of_0002.done.json");
+    EXPECT_EQ(film.shares[1].target.string(),
+              film.output.string() + ".shares/0002_of_0002.done.json");
     const JobStep picture = view_of("shares = 2\naovs = ['mean']\nlines = ['contour']");
     const std::string folder = picture.output.string() + ".shares/0002_of_0002/";
     ASSERT_EQ(picture.shares[1].products.size(), 1u);

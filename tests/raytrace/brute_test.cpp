@@ -73,14 +73,17 @@ TEST_P(BruteTest, AgreesWithTheFastRendererInsideABall) {
     expect_agreement(model, request);
 }
 
-/// A surfel on the ellipsoid of these half axes at a point of the unit sphere: its height over the tangent plane, developed
-/// to the third order by differences.
+/// A surfel on the ellipsoid of these half axes at a point of the unit sphere: its height over the
+/// tangent plane, developed to the third order by differences.
 Surfel ellipsoid_surfel(const Vec3d& on_sphere, const Vec3d& axes, double rho) {
     const Vec3d c{on_sphere.x * axes.x, on_sphere.y * axes.y, on_sphere.z * axes.z};
-    const auto over = [&](const Vec3d& v) { return Vec3d{v.x / axes.x, v.y / axes.y, v.z / axes.z}; };
+    const auto over = [&](const Vec3d& v) {
+        return Vec3d{v.x / axes.x, v.y / axes.y, v.z / axes.z};
+    };
     Surfel s{c, rho, frame_from_normal(round_normal(normalized(over(over(c))))), {}, 3};
     const auto w = [&](double u, double v) {  // f(c + p + w n) = 0, the root near 0
-        const Vec3d q = over(c + s.frame.u_axis * (u * rho) + s.frame.v_axis * (v * rho)), n = over(s.frame.normal * rho);
+        const Vec3d q = over(c + s.frame.u_axis * (u * rho) + s.frame.v_axis * (v * rho)),
+                    n = over(s.frame.normal * rho);
         const double a = dot(n, n), b = dot(q, n), k = dot(q, q) - 1;
         return -k / (b + std::sqrt(b * b - a * k));
     };
@@ -89,14 +92,16 @@ Surfel ellipsoid_surfel(const Vec3d& on_sphere, const Vec3d& axes, double rho) {
                  wv3 = (w(0, 2 * h) - 2 * w(0, h) + 2 * w(0, -h) - w(0, -2 * h)) / (2 * h * h * h);
     const auto uu = [&](double v) { return (w(h, v) - 2 * w(0, v) + w(-h, v)) / (h * h); };
     const auto vv = [&](double u) { return (w(u, h) - 2 * w(u, 0) + w(u, -h)) / (h * h); };
-    s.polynomial.a = {0, 0, 0, uu(0) / 2, (w(h, h) - w(h, -h) - w(-h, h) + w(-h, -h)) / (4 * h * h), vv(0) / 2,
-                      wu3 / 6, (uu(h) - uu(-h)) / (4 * h), (vv(h) - vv(-h)) / (4 * h), wv3 / 6};
+    const double uv = (w(h, h) - w(h, -h) - w(-h, h) + w(-h, -h)) / (4 * h * h);
+    const double uuv = (uu(h) - uu(-h)) / (4 * h), uvv = (vv(h) - vv(-h)) / (4 * h);
+    s.polynomial.a = {0, 0, 0, uu(0) / 2, uv, vv(0) / 2, wu3 / 6, uuv, uvv, wv3 / 6};
     return s;
 }
 
 SurfelTreeData ellipsoid_model(const Vec3d& axes) {
     std::vector<Surfel> leaves;
-    for (std::size_t i = 0; i < 1500; ++i) leaves.push_back(ellipsoid_surfel(test::fibonacci_point(i, 1500), axes, 0.12));
+    for (std::size_t i = 0; i < 1500; ++i)
+        leaves.push_back(ellipsoid_surfel(test::fibonacci_point(i, 1500), axes, 0.12));
     return test::flat_tree(std::move(leaves), 3);
 }
 
@@ -115,20 +120,24 @@ double nearest_line(const LinePoint& p, LineKind kind, const std::vector<Feature
     return nearest;
 }
 
-/// Points of a kind of lines, and those of them farther than a tenth of a pixel from the others' lines.
+/// Points of a kind of lines, and those of them farther than a tenth of a pixel from the others'
+/// lines.
 struct LinePoints {
     std::size_t all = 0, off = 0;
 };
-LinePoints points_off(LineKind kind, const std::vector<FeatureLine>& lines, const std::vector<FeatureLine>& others) {
+LinePoints points_off(LineKind kind, const std::vector<FeatureLine>& lines,
+                      const std::vector<FeatureLine>& others) {
     LinePoints n;
     for (const FeatureLine& line : lines) {
         if (line.kind != kind) continue;
-        for (const LinePoint& p : line.points) ++n.all, n.off += nearest_line(p, kind, others) > 0.1;
+        for (const LinePoint& p : line.points)
+            ++n.all, n.off += nearest_line(p, kind, others) > 0.1;
     }
     return n;
 }
 
-std::vector<FeatureLine> lines_in(const SurfelTreeData& model, const RenderRequest& request, const GBuffer& buffer) {
+std::vector<FeatureLine> lines_in(const SurfelTreeData& model, const RenderRequest& request,
+                                  const GBuffer& buffer) {
     constexpr std::array kKinds{LineKind::contour, LineKind::suggestive, LineKind::ridge,
                                 LineKind::valley,  LineKind::parabolic,  LineKind::reflection};
     const PixelView view = pixel_view(request.camera, request.width, request.height);
@@ -141,7 +150,8 @@ TEST(BruteRenderer, LinesOfItsBufferAreThoseOfTheFastOnesPointByPoint) {
                ellipsoid = ellipsoid_model({1, 0.7, 0.4});
     const auto has_kind = [&](const SurfelTreeData& model, LineKind kind) {
         if (kind == LineKind::contour || kind == LineKind::reflection) return true;
-        if (kind == LineKind::ridge || kind == LineKind::valley) return &model == &ellipsoid && kind == LineKind::ridge;
+        if (kind == LineKind::ridge || kind == LineKind::valley)
+            return &model == &ellipsoid && kind == LineKind::ridge;
         return &model == &rough || (&model == &torus && kind == LineKind::parabolic);
     };
     for (const SurfelTreeData* model : {&torus, &rough, &ellipsoid}) {
@@ -150,11 +160,13 @@ TEST(BruteRenderer, LinesOfItsBufferAreThoseOfTheFastOnesPointByPoint) {
         render_forward(model->view(), request, fast);
         render_brute(model->view(), request, slow);
         const auto a = lines_in(*model, request, fast), b = lines_in(*model, request, slow);
-        for (const LineKind kind : {LineKind::contour, LineKind::suggestive, LineKind::ridge, LineKind::valley,
-                                    LineKind::parabolic, LineKind::reflection})
+        for (const LineKind kind : {LineKind::contour, LineKind::suggestive, LineKind::ridge,
+                                    LineKind::valley, LineKind::parabolic, LineKind::reflection})
             for (const bool forth : {true, false}) {
                 const LinePoints n = forth ? points_off(kind, a, b) : points_off(kind, b, a);
-                SCOPED_TRACE(std::string(model == &torus ? "torus " : model == &rough ? "rough " : "ellipsoid ") +
+                SCOPED_TRACE(std::string(model == &torus   ? "torus "
+                                         : model == &rough ? "rough "
+                                                           : "ellipsoid ") +
                              std::string(line_name(kind)));
                 EXPECT_GE(n.all, has_kind(*model, kind) ? 20u : 0u);
                 EXPECT_LE(n.off, 1 + n.all / 200) << n.all;

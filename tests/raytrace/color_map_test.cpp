@@ -97,8 +97,10 @@ TEST(ColorMap, FlatFacesLeaveCurvedOnesTheirRange) {
     for (std::size_t i = 0; i < 9; ++i) plane[i] = 5;
     EXPECT_DOUBLE_EQ(symmetric_range(plane, hit, 95, 1e-3, 0.01).hi, 1e-3);
     // Of a scan some is flat: the same as without.
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.00002f * static_cast<float>(i % 700);
-    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi, symmetric_range(values, hit, 95, 1e-3).hi);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = 0.00002f * static_cast<float>(i % 700);
+    EXPECT_DOUBLE_EQ(symmetric_range(values, hit, 95, 1e-3, 0.01).hi,
+                     symmetric_range(values, hit, 95, 1e-3).hi);
 }
 
 TEST(ColorMap, ZeroIsNeutralWhateverTheEndsOfASignedRange) {

@@ -80,7 +80,8 @@ TEST(ExtremeViews, Row36TangentRaysHitOrMissWithinSqrtOfRounding) {
     EXPECT_LE(d.hits, 2u);
 }
 
-/// The same paraboloid as a surfel of radius 1, seen along its tangent plane: rows of the picture lie 2e-8 apart.
+/// The same paraboloid as a surfel of radius 1, seen along its tangent plane:
+/// rows of the picture lie 2e-8 apart.
 TEST(ExtremeViews, Row36TangentRaysOfTheRenderersKernels) {
     constexpr int kRows = 201;
     constexpr double kStep = 2e-8;
@@ -97,10 +98,13 @@ TEST(ExtremeViews, Row36TangentRaysOfTheRenderersKernels) {
         for (int y = 0; y < kRows; ++y) {
             const double h = (kRows / 2 - y) * kStep;  // of the ray over the tangent plane
             const std::size_t i = out.index(8, y);
-            if (std::abs(h) > kReach * kReach / 2) { ASSERT_EQ(out.hit[i], h < 0) << degree << ' ' << h; }
+            if (std::abs(h) > kReach * kReach / 2) {
+                ASSERT_EQ(out.hit[i], h < 0) << degree << ' ' << h;
+            }
             if (!out.hit[i]) continue;
             ++n_hits;
-            EXPECT_NEAR(out.position[0][i], std::sqrt(std::max(0.0, -2 * h)), kReach) << degree << ' ' << h;
+            EXPECT_NEAR(out.position[0][i], std::sqrt(std::max(0.0, -2 * h)), kReach)
+                << degree << ' ' << h;
         }
         EXPECT_GT(n_hits, kRows / 2 - 5) << degree;
     }
@@ -122,7 +126,8 @@ TEST(ExtremeViews, Row37AnEyeInsideABallAndBallsAcrossTheNearPlane) {
 }
 
 TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
-    // Paraboloids of radius 0.155 lie within 1e-4 of the sphere, their normals within 2e-3, near and far.
+    // Paraboloids of radius 0.155 lie within 1e-4 of the sphere, their normals within 2e-3,
+    // near and far.
     constexpr double kOffSphere = 1e-4, kOffNormal = 2e-3;
     const auto model = test::sphere_model(1, 1000);
     const double far = 1e6 * model.header.diagonal;
@@ -202,12 +207,14 @@ TEST(ExtremeViews, PicturesMuchNarrowerThanASurfel) {
     }
 }
 
-/// A picture against the crop in the middle of a larger one of the same pixels: sides grow by an even number. (Bytes may
-/// differ: tiles begin elsewhere.)
-void expect_middle_of(const SurfelTreeData& model, const RenderRequest& small, int width, int height) {
+/// A picture against the crop in the middle of a larger one of the same pixels: sides grow by an
+/// even number. (Bytes may differ: tiles begin elsewhere.)
+void expect_middle_of(const SurfelTreeData& model, const RenderRequest& small, int width,
+                      int height) {
     RenderRequest large = small;
     large.width = width, large.height = height;
-    const double half = std::tan(small.camera.fov_y_deg * std::numbers::pi / 360) * height / small.height;
+    const double half =
+        std::tan(small.camera.fov_y_deg * std::numbers::pi / 360) * height / small.height;
     large.camera.fov_y_deg = std::atan(half) * 360 / std::numbers::pi;
     GBuffer alone, whole;
     const auto n_alone = render_forward(model.view(), small, alone).covered_pixels;
@@ -222,7 +229,8 @@ void expect_middle_of(const SurfelTreeData& model, const RenderRequest& small, i
             EXPECT_NEAR(alone.depth[i], whole.depth[j], 1e-6f * whole.depth[j]) << x << ' ' << y;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 EXPECT_NEAR(alone.normal[axis][i], whole.normal[axis][j], 2e-5f) << x << ' ' << y;
-                EXPECT_NEAR(alone.position[axis][i], whole.position[axis][j], 2e-6f) << x << ' ' << y;
+                EXPECT_NEAR(alone.position[axis][i], whole.position[axis][j], 2e-6f)
+                    << x << ' ' << y;
             }
         }
     EXPECT_EQ(n, n_alone);
@@ -230,10 +238,13 @@ void expect_middle_of(const SurfelTreeData& model, const RenderRequest& small, i
 
 TEST(ExtremeViews, Row40TinyPicturesAreCropsOfLargerOnes) {
     const auto model = test::sphere_model(1, 600);
-    // The sphere takes up 28 degrees from there: 93 of 97 rows of 30, 15 of 131 pixels in a row of 2.
-    const RenderRequest pixel = request_at({0, 0, 4}, {}, 2, 1, 1), column = request_at({0, 0, 4}, {}, 30, 1, 97),
+    // The sphere takes up 28 degrees from there: 93 of 97 rows of 30,
+    // 15 of 131 pixels in a row of 2.
+    const RenderRequest pixel = request_at({0, 0, 4}, {}, 2, 1, 1),
+                        column = request_at({0, 0, 4}, {}, 30, 1, 97),
                         row = request_at({0, 0, 4}, {}, 2, 131, 1);
-    for (const auto& [request, covered] : {std::pair{pixel, 1u}, std::pair{column, 93u}, std::pair{row, 15u}}) {
+    for (const auto& [request, covered] :
+         {std::pair{pixel, 1u}, std::pair{column, 93u}, std::pair{row, 15u}}) {
         const Difference d = against_brute(model, request);
         EXPECT_NEAR(static_cast<double>(d.covered), covered, 1.5);
         EXPECT_EQ(d.hits, 0u);

@@ -170,7 +170,8 @@ TEST(Legend, SvgIsAsWideAsItsWordsNeed) {
     const double width = std::stod(svg.substr(svg.find("width=\"") + 7));
     EXPECT_GT(width, 46);
     EXPECT_LT(width, 60);
-    EXPECT_NE(svg.find("viewBox=\"0 0 " + std::to_string(static_cast<int>(width)) + " "), std::string::npos);
+    EXPECT_NE(svg.find("viewBox=\"0 0 " + std::to_string(static_cast<int>(width)) + " "),
+              std::string::npos);
 }
 
 TEST(Legend, TheBarHasTheColoursOfItsValuesWhereTheSidesDifferInScale) {
@@ -178,7 +179,8 @@ TEST(Legend, TheBarHasTheColoursOfItsValuesWhereTheSidesDifferInScale) {
     legend.range = {-10, 300, true};
     Picture p = white(1000, 1000);
     ASSERT_TRUE(burn_legend(legend, p));
-    // The neutral colour is found where the tick of 0 is: a thirtieth of the bar above its lower end.
+    // The neutral colour is found where the tick of 0 is:
+    // a thirtieth of the bar above its lower end.
     int first = 1000, last = 0, neutral = 0;
     const int x = [&] {
         for (int u = 999; u > 0; --u)
@@ -212,7 +214,8 @@ TEST(Font, EveryPrintableCharacterHasAGlyphOfItsOwn) {
         EXPECT_GT(n_inked(p), 3) << c;
         EXPECT_GT(n_different(p, missing), 3) << c;
     }
-    for (const char* sign : {"\u2212", "\u00b0", "\u00b1", "\u00b2", "\u00b3", "\u00b5", "\u00b7"}) {
+    for (const char* sign :
+         {"\u2212", "\u00b0", "\u00b1", "\u00b2", "\u00b3", "\u00b5", "\u00b7"}) {
         Picture p = white(40, 40);
         draw_text(p, sign, 8, 30, {});
         EXPECT_GT(n_different(p, missing), 3) << sign;

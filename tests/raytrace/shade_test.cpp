@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace slim {
@@ -19,8 +18,10 @@ struct SphereBuffers {
     explicit SphereBuffers(int size, float side = 1) : n(size) {
         for (int row = 0; row < n; ++row)
             for (int column = 0; column < n; ++column) {
-                const float u = 1.25f * (2 * (static_cast<float>(column) + 0.5f) / static_cast<float>(n) - 1);
-                const float v = 1.25f * (1 - 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
+                const float u =
+                    1.25f * (2 * (static_cast<float>(column) + 0.5f) / static_cast<float>(n) - 1);
+                const float v =
+                    1.25f * (1 - 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
                 const float rest = 1 - u * u - v * v;
                 hit.push_back(rest > 0);
                 x.push_back(rest > 0 ? side * u : 0);
@@ -79,7 +80,8 @@ TEST(Shade, IsBlinnPhongWithinAQuarterOfAnEightBitStep) {
     const Picture p = sphere.shaded(orthographic_view());
     for (std::size_t i = 0; i < p.n_pixels(); ++i) {
         if (!sphere.hit[i]) continue;
-        const double expected = reference_green(Lighting{}, {sphere.x[i], sphere.y[i], sphere.z[i]});
+        const double expected =
+            reference_green(Lighting{}, {sphere.x[i], sphere.y[i], sphere.z[i]});
         ASSERT_NEAR(255 * srgb_from_linear(p.rgba[4 * i + 1]),
                     255 * srgb_from_linear(static_cast<float>(expected)), 0.25);
     }
@@ -142,13 +144,15 @@ TEST(Shade, AnOvershootAtTheTopEdgeIsNoDarkRim) {
 }
 
 TEST(Shade, OnlyANearbyFrontMakesASilhouette) {
-    // Just reversed normals with a front of two columns at their left end, from which they lean away.
+    // Just reversed normals with a front of two columns at their left end,
+    // from which they lean away.
     constexpr int kWidth = 9, kHeight = 5;
     const std::size_t n = kWidth * kHeight;
     const std::vector<float> x(n, -0.995f), y(n, 0.0f);
     std::vector<float> z(n, -0.1f);
     for (int row = 0; row < kHeight; ++row)
-        for (int column = 0; column < 2; ++column) z[static_cast<std::size_t>(row * kWidth + column)] = 0.1f;
+        for (int column = 0; column < 2; ++column)
+            z[static_cast<std::size_t>(row * kWidth + column)] = 0.1f;
     const std::vector<std::uint8_t> hit(n, 1);
     const Picture p = shade(kWidth, kHeight, orthographic_view(), {x, y, z}, hit);
     EXPECT_NEAR(brightness(p, 2, 2), brightness(p, 1, 2), 0.02f);
@@ -169,7 +173,8 @@ TEST(Shade, WhatOneFrontPixelOrAnotherSurfaceDoesHasNoShape) {
         for (int row = 0; row < kSide; ++row)
             for (int column = 0; column < kSide; ++column)
                 if (static_cast<std::size_t>(row * kSide + column) != middle)
-                    most = std::max(most, std::abs(brightness(p, column, row) - brightness(p, 0, 0)));
+                    most =
+                        std::max(most, std::abs(brightness(p, column, row) - brightness(p, 0, 0)));
         return most;
     };
     z[middle] = 0.1f;
@@ -266,37 +271,6 @@ TEST(Shade, CompositesOverAGradient) {
     Picture clear(1, 1);
     composite_over({{1, 1, 1}, {1, 1, 1}, 0}, clear);
     EXPECT_EQ(clear.rgba, std::vector<float>(4, 0.0f));
-}
-
-TEST(Picture, SrgbCurveHasItsPublishedPointsAndInverts) {
-    EXPECT_FLOAT_EQ(srgb_from_linear(0), 0);
-    EXPECT_FLOAT_EQ(srgb_from_linear(1), 1);
-    EXPECT_NEAR(srgb_from_linear(0.21404114f), 0.5f, 1e-6);  // IEC 61966-2-1
-    EXPECT_NEAR(srgb_from_linear(0.0031308f), 0.04045f, 1e-5);
-    EXPECT_EQ(srgb_from_linear(std::numeric_limits<float>::quiet_NaN()), 0);
-    EXPECT_EQ(srgb_from_linear(7), 1);
-    for (int i = 0; i < 256; ++i) {
-        const float v = static_cast<float>(i) / 255;
-        EXPECT_NEAR(srgb_from_linear(linear_from_srgb(v)), v, 1e-6f);
-    }
-}
-
-TEST(Picture, EncodingUnpremultiplies) {
-    Picture p(1, 1);
-    const float linear = linear_from_srgb(128.0f / 255);
-    for (int c = 0; c < 3; ++c) p.pixel(0, 0)[c] = 0.25f * linear;
-    p.pixel(0, 0)[3] = 0.25f;
-    EXPECT_EQ(encode_srgb8(p).rgba, (std::vector<std::uint8_t>{128, 128, 128, 64}));
-}
-
-TEST(Picture, BoxFilterAveragesBlocks) {
-    Picture p(4, 2);
-    for (std::size_t i = 0; i < p.rgba.size(); ++i) p.rgba[i] = static_cast<float>(i);
-    const Picture half = box_downsample(p, 2);
-    ASSERT_EQ(half.width, 2);
-    ASSERT_EQ(half.height, 1);
-    EXPECT_FLOAT_EQ(half.pixel(0, 0)[0], (0 + 4 + 16 + 20) / 4.0f);
-    EXPECT_FLOAT_EQ(half.pixel(1, 0)[3], (11 + 15 + 27 + 31) / 4.0f);
 }
 
 }  // namespace

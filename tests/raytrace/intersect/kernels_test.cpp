@@ -55,7 +55,8 @@ bool is_critical(const Case& c, double lo, double hi) {
     double least = std::min(std::abs(f(lo)), std::abs(f(hi)));
     for (int i = 0; i <= 2000; ++i) {
         const double t = -1.2 + 2.4 * i / 2000;
-        if (std::abs(k1 + t * (2 * k2 + t * 3 * k3)) < 5e-3) least = std::min(least, std::abs(f(t)));
+        if (std::abs(k1 + t * (2 * k2 + t * 3 * k3)) < 5e-3)
+            least = std::min(least, std::abs(f(t)));
     }
     return least < 2e-3;
 }
@@ -117,8 +118,8 @@ void check_lanes_are_independent() {
         for (std::uint64_t lane = 0; lane < Lanes::size(); ++lane)
             cases.push_back(random_case(batch * 16 + lane, Degree));
         const auto k = lanes_of<Lanes>(cases);
-        const auto together =
-            nearest_root<Degree, Lanes>(k, Lanes(0.1f), Lanes(-0.9f), Lanes(0.9f), Lanes::mask_type(true));
+        const auto together = nearest_root<Degree, Lanes>(k, Lanes(0.1f), Lanes(-0.9f), Lanes(0.9f),
+                                                          Lanes::mask_type(true));
         for (std::size_t lane = 0; lane < Lanes::size(); ++lane) {
             const auto alone = nearest_root<Degree, OneLane>(
                 lanes_of<OneLane>({cases[lane]}), OneLane(0.1f), OneLane(-0.9f), OneLane(0.9f),
@@ -145,7 +146,8 @@ TEST(RootKernel, ReportsNoRootWhereThereIsNone) {
     const PolynomialLanes<Lanes> line{Lanes(0.5f), one, zero, zero};
     EXPECT_TRUE(stdx::all_of(first_root<3, Lanes>(line, -one, one, all).hit));
     EXPECT_TRUE(stdx::none_of(first_root<3, Lanes>(line, -one, one, none).hit));
-    EXPECT_TRUE(stdx::none_of(first_root<3, Lanes>(line, one, -one, all).hit));  // behind the near plane
+    // behind the near plane
+    EXPECT_TRUE(stdx::none_of(first_root<3, Lanes>(line, one, -one, all).hit));
     const PolynomialLanes<Lanes> touching{Lanes(0.0625f), Lanes(-0.5f), one, zero};
     EXPECT_EQ((first_root<2, Lanes>(touching, -one, one, all).t[0]), 0.25f);
 }

@@ -5,6 +5,8 @@
 #include "slim/blend/curvature.h"
 
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace slim::test {
 
@@ -51,6 +53,20 @@ inline GBuffer ellipsoid_buffer(const Camera& camera, int size, const Vec3d& axe
             for (std::size_t j = 0; j < 4; ++j) out.third[j][i] = static_cast<float>(third[j]);
         }
     return out;
+}
+
+/// The same surface seen from within: -k2 takes the part of k1, t2 that of t1, e2 that of -e1.
+inline void turn_inside_out(GBuffer& b) {
+    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
+        std::swap(b.k1[i], b.k2[i]);
+        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
+        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
+        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
+        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
+        // N x t2 = -t1, along which k2 = -(the old k1) changes by +e1.
+        const float e1 = b.third[0][i];
+        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
+    }
 }
 
 }  // namespace slim::test

@@ -21,7 +21,8 @@ double length_of(const std::vector<FeatureLine>& lines) {
     return sum;
 }
 
-/// A wall that faces the eye, pixels of a unit, with a flake of 60 x 40 that stands `height` before it.
+/// A wall that faces the eye, pixels of a unit, with a flake of 60 x 40 that stands `height` before
+/// it.
 struct Flake {
     static constexpr int kSize = 200;
     GBuffer buffer;
@@ -36,12 +37,15 @@ struct Flake {
             for (int x = 0; x < kSize; ++x) {
                 const std::size_t i = buffer.index(x, y);
                 const bool on = x >= 70 && x < 130 && y >= 80 && y < 120;
-                const Vec3f p = to_float(view.point_at(x + 0.5, y + 0.5, on ? 100.0f - height : 100.0f));
+                const Vec3f p =
+                    to_float(view.point_at(x + 0.5, y + 0.5, on ? 100.0f - height : 100.0f));
                 buffer.hit[i] = 1, buffer.fit_error[i] = fit_error, buffer.normal[2][i] = 1;
                 for (std::size_t axis = 0; axis < 3; ++axis) buffer.position[axis][i] = p[axis];
             }
     }
-    std::vector<FeatureLine> lines() const { return extract_lines({buffer, view, kSize, 2}, kContours); }
+    std::vector<FeatureLine> lines() const {
+        return extract_lines({buffer, view, kSize, 2}, kContours);
+    }
 };
 
 TEST(Contours, AStepThatSurfelsDisagreeByIsNone) {
@@ -53,7 +57,8 @@ TEST(Contours, AStepThatSurfelsDisagreeByIsNone) {
     EXPECT_EQ(Flake(50, 2).lines().size(), 1u);
 }
 
-/// A sphere of 80 pixels whose surfels overshoot the limb by a pixel or two here and there, turned away and deep.
+/// A sphere of 80 pixels whose surfels overshoot the limb by a pixel or two here and there,
+/// turned away and deep.
 GBuffer frayed_sphere(const Camera& camera, const PixelView& view, int size) {
     GBuffer b = test::ellipsoid_buffer(camera, size, {1, 1, 1});
     const std::vector<std::uint8_t> sphere = b.hit;
@@ -61,14 +66,17 @@ GBuffer frayed_sphere(const Camera& camera, const PixelView& view, int size) {
         for (int x = 2; x < size - 2; ++x) {
             const std::size_t i = b.index(x, y);
             const double r = std::hypot(x + 0.5 - size / 2.0, y + 0.5 - size / 2.0);
-            const int part = static_cast<int>((std::atan2(y - size / 2.0, x - size / 2.0) + 4) * 12);
+            const int part =
+                static_cast<int>((std::atan2(y - size / 2.0, x - size / 2.0) + 4) * 12);
             if (sphere[i] || r > 81.2 || part % 3 == 0) continue;
             const Vec3f p = to_float(view.point_at(x + 0.5, y + 0.5, 10 + 0.1));
             const double across = 80.0 / 81;
-            const Vec3d out = normalized(Vec3d{0, static_cast<double>(p.y), static_cast<double>(p.z)}) * across;
+            const Vec3d out =
+                normalized(Vec3d{0, static_cast<double>(p.y), static_cast<double>(p.z)}) * across;
             const Vec3f n = to_float(Vec3d{-std::sqrt(1 - across * across), out.y, out.z});
             b.hit[i] = 1;
-            for (std::size_t axis = 0; axis < 3; ++axis) b.position[axis][i] = p[axis], b.normal[axis][i] = n[axis];
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                b.position[axis][i] = p[axis], b.normal[axis][i] = n[axis];
         }
     return b;
 }
@@ -81,7 +89,8 @@ TEST(Contours, ALimbThatSurfelsOvershootIsOneLine) {
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_TRUE(lines[0].closed);
     EXPECT_NEAR(lines[0].length_px, 2 * std::numbers::pi * 80, 16);  // up and down the frays
-    for (const LinePoint& p : lines[0].points) EXPECT_NEAR(std::hypot(p.x - 100, p.y - 100), 80.5, 1.3);
+    for (const LinePoint& p : lines[0].points)
+        EXPECT_NEAR(std::hypot(p.x - 100, p.y - 100), 80.5, 1.3);
 }
 
 Camera camera_from(const Vec3d& side, double distance) {
@@ -91,7 +100,8 @@ Camera camera_from(const Vec3d& side, double distance) {
     return camera;
 }
 
-std::vector<FeatureLine> torus_lines(const SurfelTreeData& model, const Camera& camera, const PixelView& view) {
+std::vector<FeatureLine> torus_lines(const SurfelTreeData& model, const Camera& camera,
+                                     const PixelView& view) {
     RenderRequest request;
     request.camera = camera, request.width = request.height = 400, request.lod_px = 0;
     request.wanted = line_channels(kContours, 2);
@@ -116,7 +126,9 @@ TEST(Contours, FromAMillionDiagonalsAwayAreThoseFromNearby) {
         EXPECT_NEAR(length_of(far), length_of(near), 0.01 * length_of(near)) << distance;
         for (const FeatureLine& line : far)
             for (const LinePoint& p : line.points)  // on the tube, to a pixel
-                EXPECT_NEAR(std::hypot(std::hypot(p.point.x, p.point.y) - 1, p.point.z), 0.35, 3.2 / 400) << distance;
+                EXPECT_NEAR(std::hypot(std::hypot(p.point.x, p.point.y) - 1, p.point.z), 0.35,
+                            3.2 / 400)
+                    << distance;
     }
 }
 
@@ -129,7 +141,8 @@ TEST(Contours, OfOneFrameDoNotDependOnTheEyesDistance) {
         return camera;
     };
     const auto ply = [&](double distance) {
-        return lines_ply(torus_lines(model, camera_at(16), pixel_view(camera_at(distance), 400, 400)), {});
+        return lines_ply(
+            torus_lines(model, camera_at(16), pixel_view(camera_at(distance), 400, 400)), {});
     };
     const std::string near = ply(16);
     EXPECT_EQ(near, ply(1 << 22));

@@ -48,9 +48,9 @@ Drawn drawn(const SurfelTreeData& model, const std::vector<SharpEdge>& edges, co
         render_brute(model.view(), request, out.buffer);
     else
         render_forward(model.view(), request, out.buffer);
-    out.lines = extract_lines(
-        {out.buffer, pixel_view(camera, kSize, kSize), model.header.diagonal, model.header.degree, edges},
-        kinds);
+    out.lines = extract_lines({out.buffer, pixel_view(camera, kSize, kSize), model.header.diagonal,
+                               model.header.degree, edges},
+                              kinds);
     return out;
 }
 
@@ -101,7 +101,8 @@ TEST(Creases, AreTheSameInBandsOfRows) {
             const int end = std::min(kSize, y + n_rows), margin = line_margin(kSize, kSize);
             const int top = std::max(0, y - margin), bottom = std::min(kSize, end + margin);
             const GBuffer part = crop(whole.buffer, {0, top, kSize, bottom - top});
-            search.add({part, view, model.header.diagonal, 2, edges, {top, kSize, y - top, end - top}});
+            search.add(
+                {part, view, model.header.diagonal, 2, edges, {top, kSize, y - top, end - top}});
         }
         EXPECT_EQ(lines_ply(search.finish(), {}), lines_ply(whole.lines, {})) << n_rows;
     }
@@ -123,7 +124,8 @@ TEST(Creases, OfACubeAreItsSeenEdgesToAFewHundredthsOfAPixel) {
         ASSERT_EQ(truth.size(), 9u);
         const auto lines = drawn(model, edges, camera).lines;
         EXPECT_EQ(lines.size(), 9u);
-        EXPECT_NEAR(length_px(lines), seen, 9 * 2);  // the last pixel before a corner may not be seen
+        // the last pixel before a corner may not be seen
+        EXPECT_NEAR(length_px(lines), seen, 9 * 2);
         for (const FeatureLine& line : lines) {
             EXPECT_EQ(line.kind, LineKind::convex_crease);
             EXPECT_NEAR(line.strength, 90, 0.1);
@@ -140,9 +142,11 @@ TEST(Creases, InTheBruteRenderersPictureAreTheSame) {
     const SurfelTreeData model = flat_tree(cube_leaves(), 2);
     const auto edges = trace_sharp_edges(model.view(), false);
     const Camera camera = camera_at({3, 4, 5});
-    const auto fast = drawn(model, edges, camera).lines, slow = drawn(model, edges, camera, true).lines;
+    const auto fast = drawn(model, edges, camera).lines,
+               slow = drawn(model, edges, camera, true).lines;
     ASSERT_EQ(fast.size(), slow.size());
-    for (std::size_t i = 0; i < fast.size(); ++i) EXPECT_NEAR(fast[i].length_px, slow[i].length_px, 2);
+    for (std::size_t i = 0; i < fast.size(); ++i)
+        EXPECT_NEAR(fast[i].length_px, slow[i].length_px, 2);
 }
 
 TEST(Creases, BehindASurfaceAreHidden) {
@@ -166,7 +170,8 @@ TEST(Creases, BehindASurfaceAreHidden) {
 }
 
 TEST(Creases, OfALeafThatAFaceRunsOverAreNotDrawn) {
-    // As beyond a corner that no leaf of three sheets has: its second sheet goes down inside the cube.
+    // As beyond a corner that no leaf of three sheets has:
+    // its second sheet goes down inside the cube.
     std::vector<Surfel> leaves = cube_leaves();
     leaves.push_back(edge_surfel({0, 0, 1}, {0, 0, 1}, {1, 0, 0}, 0.4));
     leaves.push_back(edge_surfel({0, 0.2, 1}, {0, 0, 1}, {1, 0, 0}, 0.4));
@@ -174,7 +179,8 @@ TEST(Creases, OfALeafThatAFaceRunsOverAreNotDrawn) {
     const auto edges = trace_sharp_edges(model.view(), false);
     ASSERT_EQ(edges.size(), 13u);
     for (const FeatureLine& line : drawn(model, edges, camera_at({3, 4, 5})).lines)
-        for (const LinePoint& p : line.points) EXPECT_GT(std::abs(p.point.x) + std::abs(p.point.y), 0.9f);
+        for (const LinePoint& p : line.points)
+            EXPECT_GT(std::abs(p.point.x) + std::abs(p.point.y), 0.9f);
 }
 
 TEST(Creases, StayInThePictureHoweverNear) {
@@ -193,9 +199,9 @@ TEST(Creases, StayInThePictureHoweverNear) {
         }
     for (const FeatureLine& line : lines)
         for (std::size_t i = 0; i + 1 < line.points.size(); ++i)
-            EXPECT_LT(
-                std::hypot(line.points[i + 1].x - line.points[i].x, line.points[i + 1].y - line.points[i].y),
-                1.01f);
+            EXPECT_LT(std::hypot(line.points[i + 1].x - line.points[i].x,
+                                 line.points[i + 1].y - line.points[i].y),
+                      1.01f);
 }
 
 TEST(Creases, OfAHollowAreOfTheirOwnKind) {
@@ -215,9 +221,11 @@ TEST(Creases, OfSmallTurnAreDrawnOnlyBesideStrongOnes) {
     auto edges = trace_sharp_edges(model.view(), false);
     const auto lines_of = [&] { return drawn(model, edges, camera_at({3, 4, 5})).lines.size(); };
     ASSERT_EQ(lines_of(), 9u);
-    const auto flatten = [](SharpEdge& e, float degrees) {  // as if its second face bent away from the first
+    // as if its second face bent away from the first
+    const auto flatten = [](SharpEdge& e, float degrees) {
         const float a = degrees * std::numbers::pi_v<float> / 180;
-        for (EdgePoint& p : e.points) p.normal[1] = p.normal[0] * std::cos(a) + p.normal[1] * std::sin(a);
+        for (EdgePoint& p : e.points)
+            p.normal[1] = p.normal[0] * std::cos(a) + p.normal[1] * std::sin(a);
     };
     auto all = edges;
     for (SharpEdge& e : edges) flatten(e, 22);
@@ -225,22 +233,27 @@ TEST(Creases, OfSmallTurnAreDrawnOnlyBesideStrongOnes) {
     edges = all;
     for (std::size_t i = 1; i < edges.size(); ++i) flatten(edges[i], 22);
     EXPECT_GE(lines_of(),
-              8u);  // linked by corners to the one that is left; a face's own edges may look as if it ran on
+              // linked by corners to the one that is left; a face's own edges may look as if it ran
+              // on
+              8u);
     for (std::size_t i = 1; i < edges.size(); ++i) edges[i].corner = {kNoCorner, kNoCorner};
     EXPECT_LE(lines_of(), 1u);
 }
 
 TEST(Creases, OfOneLeafAloneOrOfFewPixelsAreDropped) {
     const SurfelTreeData one = flat_tree({edge_surfel({}, {0, 0, 1}, {0, 1, 0}, 0.4)}, 2);
-    EXPECT_TRUE(drawn(one, trace_sharp_edges(one.view(), false), camera_at({0, 3, 3}, 1)).lines.empty());
-    const SurfelTreeData two = flat_tree(
-        {edge_surfel({}, {0, 0, 1}, {0, 1, 0}, 0.4), edge_surfel({0.2, 0, 0}, {0, 0, 1}, {0, 1, 0}, 0.4)}, 2);
+    EXPECT_TRUE(
+        drawn(one, trace_sharp_edges(one.view(), false), camera_at({0, 3, 3}, 1)).lines.empty());
+    const SurfelTreeData two = flat_tree({edge_surfel({}, {0, 0, 1}, {0, 1, 0}, 0.4),
+                                          edge_surfel({0.2, 0, 0}, {0, 0, 1}, {0, 1, 0}, 0.4)},
+                                         2);
     const auto edges = trace_sharp_edges(two.view(), false);
     const float least = line_rules(LineKind::convex_crease, kSize, kSize).least_px;
     const double length = 0.2 + 2 * kHitTrim * 0.4;
     EXPECT_EQ(drawn(two, edges, camera_at({0, 3, 3}, 1)).lines.size(), 1u);
-    EXPECT_TRUE(drawn(two, edges, camera_at({0, 3, 3}, length * kSize / static_cast<double>(least - 1)))
-                    .lines.empty());
+    EXPECT_TRUE(
+        drawn(two, edges, camera_at({0, 3, 3}, length * kSize / static_cast<double>(least - 1)))
+            .lines.empty());
 }
 
 TEST(Creases, AreTheSameForAnyNumberOfThreads) {
@@ -261,12 +274,14 @@ TEST(Creases, TakeTheirEdgesFromCrestLines) {
     const Camera camera = camera_at({3, 4, 5});
     const auto crest = drawn(model, edges, camera, false, {LineKind::ridge}).lines;
     EXPECT_GT(length_px(crest), 200);  // the three edges between seen faces
-    const auto both = drawn(model, edges, camera, false, {LineKind::ridge, LineKind::convex_crease}).lines;
+    const auto both =
+        drawn(model, edges, camera, false, {LineKind::ridge, LineKind::convex_crease}).lines;
     EXPECT_TRUE(std::none_of(both.begin(), both.end(),
                              [](const FeatureLine& l) { return l.kind == LineKind::ridge; }));
     EXPECT_EQ(both.size(), 9u);
     // Found by searches of their own, as of one model of several.
-    const Drawn view = drawn(model, edges, camera, false, {LineKind::ridge, LineKind::convex_crease});
+    const Drawn view =
+        drawn(model, edges, camera, false, {LineKind::ridge, LineKind::convex_crease});
     const PixelView pixels = pixel_view(camera, kSize, kSize);
     LineSearch ridges(std::vector{LineKind::ridge}), creases(std::vector{LineKind::convex_crease});
     ridges.add({view.buffer, pixels, model.header.diagonal, 3});
@@ -274,7 +289,8 @@ TEST(Creases, TakeTheirEdgesFromCrestLines) {
     EXPECT_TRUE(ridges.finish(creases.finish()).empty());
 }
 
-/// The cube, and one beside it whose edges no sharp leaf has: only the picture shows them, as crest lines.
+/// The cube, and one beside it whose edges no sharp leaf has: only the picture shows them,
+/// as crest lines.
 std::vector<Surfel> cube_beside_a_plain_one() {
     std::vector<Surfel> leaves = cube_leaves();
     const std::size_t n = leaves.size();
@@ -292,10 +308,12 @@ TEST(Creases, AndCrestLinesAreTheSameInBandsOfRows) {
     const SurfelTreeData model = flat_tree(cube_beside_a_plain_one(), 3);
     const auto edges = trace_sharp_edges(model.view(), false);
     const Camera camera = camera_at({5, 6, 7});
-    const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge, LineKind::convex_crease, LineKind::concave_crease};
+    const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge, LineKind::convex_crease,
+                                      LineKind::concave_crease};
     const auto length_of = [&](const std::vector<FeatureLine>& lines, LineKind kind) {
         double sum = 0;
-        for (const FeatureLine& line : lines) sum += line.kind == kind ? static_cast<double>(line.length_px) : 0;
+        for (const FeatureLine& line : lines)
+            sum += line.kind == kind ? static_cast<double>(line.length_px) : 0;
         return sum;
     };
     const Drawn whole = drawn(model, edges, camera, false, kinds);
@@ -311,7 +329,8 @@ TEST(Creases, AndCrestLinesAreTheSameInBandsOfRows) {
             const int end = std::min(kSize, y + n_rows), margin = line_margin(kSize, kSize);
             const int top = std::max(0, y - margin), bottom = std::min(kSize, end + margin);
             const GBuffer part = crop(whole.buffer, {0, top, kSize, bottom - top});
-            search.add({part, view, model.header.diagonal, 3, edges, {top, kSize, y - top, end - top}});
+            search.add(
+                {part, view, model.header.diagonal, 3, edges, {top, kSize, y - top, end - top}});
         }
         EXPECT_EQ(lines_ply(search.finish(), {}), lines_ply(whole.lines, {})) << n_rows;
     }

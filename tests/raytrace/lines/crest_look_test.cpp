@@ -17,7 +17,8 @@ double curvature_at(double z) {
 
 TEST(CrestLook, SharpnessOfAnEllipsesTipAtAnySize) {
     // Where the osculating circle (radius 0.16) has turned by 0.7.
-    const double fall = 1 - curvature_at(0.16 * std::sin(0.7)) / 6.25, expected = 2 * fall / (0.7 * 0.7);
+    const double fall = 1 - curvature_at(0.16 * std::sin(0.7)) / 6.25,
+                 expected = 2 * fall / (0.7 * 0.7);
     const Camera camera = test::camera_from_x(1.6);
     const LinePoint tip{0, 0, {1, 0, 0}, 6.25f, 0};
     for (const int size : {200, 799, 1600}) {
@@ -25,13 +26,14 @@ TEST(CrestLook, SharpnessOfAnEllipsesTipAtAnySize) {
         const PixelView view = pixel_view(camera, size, size);
         CurvatureSamples samples;
         samples.add({buffer, view, 2.6, 3});
-        EXPECT_NEAR(samples.sharpness(tip, {{1, 0, 0}, {0, 0, 1}}, true), expected, 0.05 * expected) << size;
+        EXPECT_NEAR(samples.sharpness(tip, {{1, 0, 0}, {0, 0, 1}}, true), expected, 0.05 * expected)
+            << size;
     }
 }
 
 TEST(CrestLook, BehindTheLimbNothingIsSeen) {
-    // A unit sphere but for its curvature, which falls away from z = 0 alone: of a point 20 degrees before the limb at +y, only
-    // the way back is seen.
+    // A unit sphere but for its curvature, which falls away from z = 0 alone: of a point 20 degrees
+    // before the limb at +y, only the way back is seen.
     const Camera camera = test::camera_from_x(2.4);
     GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 1, 1});
     for (std::size_t i = 0; i < buffer.n_pixels(); ++i)
@@ -51,7 +53,8 @@ TEST(CrestLook, WhereNoSideIsSeenItIsNotKnown) {
     const PixelView view = pixel_view(camera, 100, 100);
     CurvatureSamples samples;
     samples.add({nothing, view, 2.6, 3});
-    EXPECT_TRUE(std::isnan(samples.sharpness({0, 0, {1, 0, 0}, 6.25f, 0}, {{1, 0, 0}, {0, 0, 1}}, true)));
+    EXPECT_TRUE(
+        std::isnan(samples.sharpness({0, 0, {1, 0, 0}, 6.25f, 0}, {{1, 0, 0}, {0, 0, 1}}, true)));
 }
 
 }  // namespace

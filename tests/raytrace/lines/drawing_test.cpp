@@ -66,13 +66,15 @@ TEST(DrawLines, InkStandsOutFromTheBackground) {
     EXPECT_EQ(ink_on({grey(0), grey(0.02f), 1}), Ink::light);
     EXPECT_EQ(ink_on({grey(0.6f), grey(0.25f), 1}), Ink::dark);
     EXPECT_EQ(ink_on({{}, {}, 0}), Ink::dark);
-    // Of every kind, on black as on white: a contrast of 3 at least, as of graphics that must be seen (WCAG 2).
+    // Of every kind, on black as on white: a contrast of 3 at least,
+    // as of graphics that must be seen (WCAG 2).
     for (const LineKind kind : kAllLineKinds)
         for (const Ink ink : {Ink::dark, Ink::light}) {
             const Vec3f c = line_style(kind, ink).srgb;
             const float own = 0.2126f * linear_from_srgb(c.x) + 0.7152f * linear_from_srgb(c.y) +
                               0.0722f * linear_from_srgb(c.z);
-            EXPECT_GT(ink == Ink::dark ? 1.05f / (own + 0.05f) : (own + 0.05f) / 0.05f, 3) << line_name(kind);
+            EXPECT_GT(ink == Ink::dark ? 1.05f / (own + 0.05f) : (own + 0.05f) / 0.05f, 3)
+                << line_name(kind);
         }
     Picture picture(100, 100);
     draw_lines(std::span(kLines).first(1), picture, Ink::light);
@@ -84,23 +86,28 @@ TEST(LinesSvg, LightInkHasItsBackgroundUnderIt) {
     const PixelWindow all{0, 0, 96, 96};
     EXPECT_EQ(lines_svg(kLines, kinds, 96, 96, all).find("background"), std::string::npos);
     const std::string black = lines_svg(kLines, kinds, 96, 96, all, {{0, 0, 0}, {0, 0, 0}, 1});
-    EXPECT_NE(black.find("<rect id=\"background\" width=\"25.400\" height=\"25.400\" stroke=\"none\" fill=\"#000000\"/>"),
-              std::string::npos) << black;
+    EXPECT_NE(black.find("<rect id=\"background\" width=\"25.400\" height=\"25.400\" "
+                         "stroke=\"none\" fill=\"#000000\"/>"),
+              std::string::npos)
+        << black;
     EXPECT_NE(black.find("<g id=\"contour\" stroke=\"#f2f2f0\">"), std::string::npos) << black;
-    const std::string shade = lines_svg(kLines, kinds, 96, 96, all, {{0, 0, 0}, {0.01f, 0.01f, 0.01f}, 1});
+    const std::string shade =
+        lines_svg(kLines, kinds, 96, 96, all, {{0, 0, 0}, {0.01f, 0.01f, 0.01f}, 1});
     EXPECT_EQ(count(shade, "<stop "), 2u);
     EXPECT_EQ(count(shade, "fill=\"url(#shade)\""), 1u);
 }
 
 TEST(StrengthPlane, HoldsTheStrengthUnfiltered) {
-    const auto plane = strength_plane(kLines, std::vector{LineKind::ridge}, 100, 100, {0, 0, 100, 100});
+    const auto plane =
+        strength_plane(kLines, std::vector{LineKind::ridge}, 100, 100, {0, 0, 100, 100});
     EXPECT_EQ(plane[40 * 100 + 20], 4);
     EXPECT_EQ(plane[20 * 100 + 10], 0);  // another kind
 }
 
 TEST(LinesSvg, HasAGroupForEachKindInMillimetres) {
-    const std::string svg = lines_svg(
-        kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960, 480, {0, 0, 960, 480});
+    const std::string svg =
+        lines_svg(kLines, std::vector{LineKind::ridge, LineKind::valley, LineKind::contour}, 960,
+                  480, {0, 0, 960, 480});
     EXPECT_NE(svg.find("width=\"254.000mm\" height=\"127.000mm\" viewBox=\"0 0 254.000 127.000\""),
               std::string::npos);
     for (const char* id : {"crest-ridge", "crest-valley", "contour"})

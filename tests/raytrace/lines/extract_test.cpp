@@ -106,17 +106,7 @@ TEST(ExtractLines, RidgesOfAnEllipsoidLieOnItsSharpestSection) {
 TEST(ExtractLines, AnEllipsoidTurnedInsideOutHasValleys) {
     const Camera camera = test::camera_from_x(1.6);
     GBuffer b = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});
-    // Seen from within: -k2 takes the part of k1, t2 that of t1, e2 that of -e1.
-    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
-        std::swap(b.k1[i], b.k2[i]);
-        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
-        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
-        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
-        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
-        // N x t2 = -t1, along which k2 = -(the old k1) changes by +e1.
-        const float e1 = b.third[0][i];
-        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
-    }
+    test::turn_inside_out(b);
     const PixelView view = pixel_view(camera, 300, 300);
     const LineScene scene{b, view, 2.6, 3};
     const auto lines = extract_lines(scene, std::vector{LineKind::valley, LineKind::ridge});
@@ -207,7 +197,8 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
     std::vector<float> ratios;
     const auto exactly = by_edge(exact);
     for (const auto& [edge, evidence] : by_edge(differences))
-        if (const auto found = exactly.find(edge); found != exactly.end()) ratios.push_back(evidence / found->second);
+        if (const auto found = exactly.find(edge); found != exactly.end())
+            ratios.push_back(evidence / found->second);
     ASSERT_GT(ratios.size(), 20u);
     std::nth_element(ratios.begin(),
                      ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
@@ -216,7 +207,8 @@ TEST(ExtractLines, BothWaysOfTakingTheSlopeOfRadialCurvatureAgree) {
 
 TEST(ExtractLines, AreTheSameForAnyNumberOfThreads) {
     const Camera camera = test::camera_from_x(1.6);
-    const GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});  // several bands of rows
+    // several bands of rows
+    const GBuffer buffer = test::ellipsoid_buffer(camera, 300, {1, 0.7, 0.4});
     const PixelView view = pixel_view(camera, 300, 300);
     const auto lines_with = [&](int threads) {
         const ThreadLimit limit(threads);

@@ -36,7 +36,8 @@ View view_of(const SurfelTreeData& model, const Camera& camera, int width, int h
     request.width = width, request.height = height;
     request.wanted = line_channels(kAllLineKinds, model.header.degree) | kDirectionChannel;
     request.lod_px = 0;
-    View view{{}, pixel_view(request.camera, width, height), model.header.diagonal, model.header.degree};
+    View view{
+        {}, pixel_view(request.camera, width, height), model.header.diagonal, model.header.degree};
     render_forward(model.view(), request, view.buffer);
     return view;
 }
@@ -50,22 +51,14 @@ View torus_view(int degree, const Vec3d& side, int width, int height) {
 
 View ellipsoid_view(int size) {
     const Camera camera = test::camera_from_x(1.6);
-    return {test::ellipsoid_buffer(camera, size, {1, 0.7, 0.4}), pixel_view(camera, size, size), 2.6, 3};
+    return {test::ellipsoid_buffer(camera, size, {1, 0.7, 0.4}), pixel_view(camera, size, size),
+            2.6, 3};
 }
 
 /// The same seen from within: ridges are valleys.
 View hollow_view(int size) {
     View view = ellipsoid_view(size);
-    GBuffer& b = view.buffer;
-    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
-        std::swap(b.k1[i], b.k2[i]);
-        b.k1[i] = -b.k1[i], b.k2[i] = -b.k2[i];
-        const Vec3f n{b.normal[0][i], b.normal[1][i], b.normal[2][i]};
-        const Vec3f t2 = cross(n, Vec3f{b.direction[0][i], b.direction[1][i], b.direction[2][i]});
-        for (std::size_t axis = 0; axis < 3; ++axis) b.direction[axis][i] = t2[axis];
-        const float e1 = b.third[0][i];
-        b.third[0][i] = -b.third[3][i], b.third[3][i] = e1;
-    }
+    test::turn_inside_out(view.buffer);
     return view;
 }
 
@@ -81,7 +74,8 @@ View roof_view(int size) {
             const std::size_t i = b.index(x, y);
             const Vec3f p = to_float(view.pixels.point_at(x + 0.5, y + 0.5, 10));
             const float side = dot(p, across) - 0.123f;
-            const Vec3f n = Vec3f{1, 0, 0} * std::sqrt(0.5f) + across * std::copysign(std::sqrt(0.5f), side);
+            const Vec3f n =
+                Vec3f{1, 0, 0} * std::sqrt(0.5f) + across * std::copysign(std::sqrt(0.5f), side);
             b.hit[i] = 1;
             b.position[0][i] = -std::fabs(side), b.position[1][i] = p.y, b.position[2][i] = p.z;
             for (std::size_t axis = 0; axis < 3; ++axis) b.normal[axis][i] = n[axis];
@@ -102,10 +96,14 @@ View waves_view(int size) {
             const std::size_t i = b.index(x, y);
             const Vec3f p = to_float(view.pixels.point_at(x + 0.5, y + 0.5, 10));
             const float c = std::cos(w * dot(p, across)), s = std::sin(w * dot(p, across));
-            const float slope = -a * w * s, sq = 1 + slope * slope, k = a * w * w * c / std::pow(sq, 1.5f);
-            const Vec3f t = (across + Vec3f{slope, 0, 0}) * (1 / std::sqrt(sq)), n = cross(t, along);
+            const float slope = -a * w * s, sq = 1 + slope * slope,
+                        k = a * w * w * c / std::pow(sq, 1.5f);
+            const Vec3f t = (across + Vec3f{slope, 0, 0}) * (1 / std::sqrt(sq)),
+                        n = cross(t, along);
             // dk/ds over the length of an arc; k'' of the height is -w^2 of its slope.
-            const float rise = (w * w * slope / std::pow(sq, 1.5f) + 3 * k * slope * a * w * w * c / sq) / std::sqrt(sq);
+            const float rise =
+                (w * w * slope / std::pow(sq, 1.5f) + 3 * k * slope * a * w * w * c / sq) /
+                std::sqrt(sq);
             const Vec3f normal = n.x > 0 ? n : n * -1.0f, t1 = k > 0 ? t : along;
             b.hit[i] = 1, b.k1[i] = std::max(k, 0.0f), b.k2[i] = std::min(k, 0.0f);
             b.gauss[i] = 0;
@@ -139,13 +137,15 @@ std::vector<FeatureLine> whole_lines(const View& view) {
 
 /// The same, searched in bands of so many rows, each held with nothing but its margin.
 std::vector<FeatureLine> lines_in_bands(const View& view, int n_rows) {
-    const int width = view.buffer.width, height = view.buffer.height, margin = line_margin(width, height);
+    const int width = view.buffer.width, height = view.buffer.height,
+              margin = line_margin(width, height);
     LineSearch search(kAllLineKinds);
     for (int y = 0; y < height; y += n_rows) {
         const int end = std::min(height, y + n_rows);
         const int top = std::max(0, y - margin), bottom = std::min(height, end + margin);
         const GBuffer part = crop(view.buffer, {0, top, width, bottom - top});
-        search.add({part, view.pixels, view.diagonal, view.degree, {}, {top, height, y - top, end - top}});
+        search.add(
+            {part, view.pixels, view.diagonal, view.degree, {}, {top, height, y - top, end - top}});
     }
     return search.finish();
 }
@@ -158,7 +158,8 @@ std::string bytes_of(const std::vector<FeatureLine>& lines) {
         bytes += std::string(line_name(line.kind)) + (line.closed ? "o" : "-");
         put(line.length), put(line.length_px), put(line.strength);
         for (const LinePoint& p : line.points)
-            put(p.x), put(p.y), put(p.point.x), put(p.point.y), put(p.point.z), put(p.weight), put(p.evidence);
+            put(p.x), put(p.y), put(p.point.x), put(p.point.y), put(p.point.z), put(p.weight),
+                put(p.evidence);
     }
     return bytes;
 }
@@ -173,7 +174,8 @@ TEST(LineSearch, BandsGiveTheLinesOfTheWholeToTheBit) {
             ASSERT_EQ(bytes_of(lines_in_bands(view, n_rows)), bytes_of(whole)) << n_rows;
     }
     for (const LineKind kind : kAllLineKinds)
-        EXPECT_NE(seen.contains(kind), is_crease(kind)) << line_name(kind);  // creases: creases_test
+        // creases: creases_test
+        EXPECT_NE(seen.contains(kind), is_crease(kind)) << line_name(kind);
 }
 
 TEST(LineSearch, APictureOfPartsIsThePicture) {
@@ -190,7 +192,8 @@ TEST(LineSearch, APictureOfPartsIsThePicture) {
         for (float& v : part.rgba) v = 0.5f;
         draw_lines(lines, {part, w.x, w.y, 301, 215});
         EXPECT_EQ(part.rgba, crop(whole, w).rgba);
-        draw_lines(lines_within(lines, 301, 215, w), {part = Picture(w.width, w.height), w.x, w.y, 301, 215});
+        draw_lines(lines_within(lines, 301, 215, w),
+                   {part = Picture(w.width, w.height), w.x, w.y, 301, 215});
         Picture empty(301, 215);
         draw_lines(lines, empty);
         EXPECT_EQ(part.rgba, crop(empty, w).rgba);
@@ -200,14 +203,18 @@ TEST(LineSearch, APictureOfPartsIsThePicture) {
 
 TEST(LinesWithin, AreThoseThatTouchTheWindow) {
     const auto line = [](float y) {
-        return FeatureLine{LineKind::contour, false, {{10, y, {}, 1, 1}, {90, y, {}, 1, 1}}, 1, 80, 1};
+        return FeatureLine{
+            LineKind::contour, false, {{10, y, {}, 1, 1}, {90, y, {}, 1, 1}}, 1, 80, 1};
     };
     const std::vector<FeatureLine> lines{line(10), line(50.9f), line(90)};
-    const auto within = lines_within(lines, 1000, 1000, {0, 52, 100, 20});  // a stroke of 1.8 pixels reaches into it
+    // a stroke of 1.8 pixels reaches into it
+    const auto within = lines_within(lines, 1000, 1000, {0, 52, 100, 20});
     ASSERT_EQ(within.size(), 1u);
     EXPECT_EQ(within[0].points[0].y, 50.9f);
-    const std::string svg = lines_svg(within, std::vector{LineKind::contour}, 1000, 1000, {0, 52, 100, 20});
-    EXPECT_NE(svg.find("width=\"26.458mm\" height=\"5.292mm\" viewBox=\"0 13.758 26.458 5.292\""), std::string::npos)
+    const std::string svg =
+        lines_svg(within, std::vector{LineKind::contour}, 1000, 1000, {0, 52, 100, 20});
+    EXPECT_NE(svg.find("width=\"26.458mm\" height=\"5.292mm\" viewBox=\"0 13.758 26.458 5.292\""),
+              std::string::npos)
         << svg;
 }
 

@@ -37,8 +37,8 @@ protected:
         const auto at = [&](std::size_t i) {
             return f(static_cast<float>(i % kSize) + 0.5f, static_cast<float>(i / kSize) + 0.5f);
         };
-        const auto field =
-            find_on_sheets(s, Sheets(s), [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
+        const auto field = find_on_sheets(
+            s, Sheets(s), [&](std::size_t a, std::size_t b) -> std::optional<EdgeHit> {
                 const float fa = at(a), fb = at(b);
                 if ((fa > 0) == (fb > 0)) return std::nullopt;
                 return EdgeHit{fa / (fa - fb), 1};

@@ -57,7 +57,8 @@ TEST(SelectLines, ShortOnesThatMeetOthersMidwayWithBothEndsStayWhereTheRulesSayS
     LineRules rules{0, 0, 0, 0, 8, 2};
     const std::vector<FeatureLine> lines{level_line(0, 40, 0, 1), level_line(15, 18, 2, 1),
                                          level_line(20, 23, 3, 1),   // meets the one before too
-                                         level_line(42, 46, 1, 1),   // meets the end of the first, and no other
+                                         // meets the end of the first, and no other
+                                         level_line(42, 46, 1, 1),
                                          level_line(15, 18, 30, 1)}; // alone
     EXPECT_EQ(select_lines(lines, rules).size(), 2u);
     rules.meets_anywhere = true;

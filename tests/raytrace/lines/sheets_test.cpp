@@ -13,7 +13,8 @@
 namespace slim {
 namespace {
 
-/// A torus from above its rim, whose near side hides part of the far one; no whole number of lanes wide.
+/// A torus from above its rim, whose near side hides part of the far one;
+/// no whole number of lanes wide.
 class SheetsTest : public testing::Test {
 protected:
     SheetsTest() {
@@ -46,8 +47,12 @@ TEST_F(SheetsTest, SayOfEachPairWhatTheSceneSays) {
                 const auto first = [&](const BitRows& bits) { return (bits.at(y, x) & 1) != 0; };
                 ASSERT_EQ(first(edges.unbroken), hits && !breaks_off(s, a, b)) << x << ' ' << y;
                 ASSERT_EQ(first(edges.joined), hits && one_sheet(s, a, b)) << x << ' ' << y;
-                ASSERT_EQ(first(edges.creased), hits && !breaks_off(s, a, b) && dot(s.normal(a), s.normal(b)) < kCreaseTurn);
-                ASSERT_EQ(sheets.pairs(down, static_cast<std::size_t>(y), static_cast<std::size_t>(x)) & 1, inside);
+                ASSERT_EQ(first(edges.creased), hits && !breaks_off(s, a, b) &&
+                                                    dot(s.normal(a), s.normal(b)) < kCreaseTurn);
+                ASSERT_EQ(
+                    sheets.pairs(down, static_cast<std::size_t>(y), static_cast<std::size_t>(x)) &
+                        1,
+                    inside);
                 joined += first(edges.joined), broken += hits && !first(edges.unbroken);
             }
     EXPECT_GT(joined, 30000u);
@@ -62,7 +67,8 @@ TEST_F(SheetsTest, BlurIsTheMeanAlongRowsThenColumns) {
     for (std::size_t i = 0; i < plane.size(); ++i)
         plane[i] = s.hit(i) ? static_cast<float>(unit_interval(keyed_hash(1, i))) : std::nanf("");
     // Joined to the neighbour before and after, one pixel each.
-    const auto mean = [&](const std::vector<float>& from, std::size_t i, std::size_t step, bool before, bool after) {
+    const auto mean = [&](const std::vector<float>& from, std::size_t i, std::size_t step,
+                          bool before, bool after) {
         float sum = from[i], n = 1;
         if (after && one_sheet(s, i, i + step)) sum += from[i + step], ++n;
         if (before && one_sheet(s, i - step, i)) sum += from[i - step], ++n;
@@ -73,7 +79,9 @@ TEST_F(SheetsTest, BlurIsTheMeanAlongRowsThenColumns) {
     const std::vector<float> out = blurred(sheets, plane);
     for (std::size_t i = 0; i < plane.size(); ++i)
         if (s.hit(i)) {
-            ASSERT_NEAR(out[i], mean(along, i, kWidth, i >= kWidth, i + kWidth < plane.size()), 1e-6f) << i;
+            ASSERT_NEAR(out[i], mean(along, i, kWidth, i >= kWidth, i + kWidth < plane.size()),
+                        1e-6f)
+                << i;
         }
 }
 

@@ -25,7 +25,8 @@ FeatureLine arc(double radius, int from, int to) {
     FeatureLine line;
     for (int a = from; a <= to; ++a) {
         const double t = a * std::numbers::pi / 180;
-        const auto x = static_cast<float>(50 + radius * std::cos(t)), y = static_cast<float>(50 + radius * std::sin(t));
+        const auto x = static_cast<float>(50 + radius * std::cos(t)),
+                   y = static_cast<float>(50 + radius * std::sin(t));
         line.points.push_back({x, y, {x, y, 0}, 1, 1});
     }
     return line;
@@ -90,7 +91,8 @@ TEST(TidyContours, AnUnclearPartOpensALoopOnce) {
 TEST(TidyContours, AnUnclearPartAtALoopsSeamIsOne) {
     FeatureLine ring = arc(40, 0, 359);  // 0.7 pixels a point
     ring.closed = true;
-    for (std::size_t i = 0; i < 12; ++i) ring.points[i].evidence = ring.points[359 - i].evidence = 0;
+    for (std::size_t i = 0; i < 12; ++i)
+        ring.points[i].evidence = ring.points[359 - i].evidence = 0;
     const auto lines = tidy_contours({ring}, 1);
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_FALSE(lines[0].closed);
@@ -109,8 +111,10 @@ TEST(JoinEnds, EndsThatMeetAreOneLineHoweverTheyRun) {
 
 TEST(JoinEnds, NotOverAGapInSpaceOrASharpTurn) {
     EXPECT_EQ(join_ends({level_line(0, 40, 0), level_line(42, 80, 0, 100)}, 1).size(), 2u);
-    EXPECT_EQ(join_ends({level_line(0, 40, 0), level_line(0, 40, 3)}, 1).size(), 2u);   // beside each other
-    EXPECT_EQ(join_ends({level_line(0, 40, 0), level_line(48, 80, 0)}, 1).size(), 2u);  // 8 pixels away
+    // beside each other
+    EXPECT_EQ(join_ends({level_line(0, 40, 0), level_line(0, 40, 3)}, 1).size(), 2u);
+    // 8 pixels away
+    EXPECT_EQ(join_ends({level_line(0, 40, 0), level_line(48, 80, 0)}, 1).size(), 2u);
 }
 
 TEST(JoinEnds, ArcsOfACircleAreALoop) {

@@ -14,7 +14,9 @@
 namespace slim {
 namespace {
 
-double uniform(std::uint64_t seed, std::uint64_t i) { return 2 * unit_interval(keyed_hash(seed, i)) - 1; }
+double uniform(std::uint64_t seed, std::uint64_t i) {
+    return 2 * unit_interval(keyed_hash(seed, i)) - 1;
+}
 
 /// True if the ray of the pixel meets the ball at or behind the near plane.
 bool ray_meets(const PixelView& view, int x, int y, const Vec3d& center, double radius) {
@@ -32,7 +34,8 @@ TEST(ScreenRect, HoldsEveryPixelOfTheBallAndIsTightInFrontOfTheCamera) {
             for (std::uint64_t seed = 0; seed < 60; ++seed) {
                 SCOPED_TRACE(testing::Message() << fov << ' ' << orthographic << ' ' << seed);
                 Camera camera;
-                camera.fov_y_deg = fov, camera.orthographic = orthographic, camera.near_plane = 0.05;
+                camera.fov_y_deg = fov, camera.orthographic = orthographic,
+                camera.near_plane = 0.05;
                 camera.width = 2;
                 const PixelView view = pixel_view(camera, size, size);
                 const double z = 1.5 * (1 + uniform(seed, 0)) - 0.2;
@@ -46,10 +49,12 @@ TEST(ScreenRect, HoldsEveryPixelOfTheBallAndIsTightInFrontOfTheCamera) {
                         if (!ray_meets(view, x, y, c, radius)) continue;
                         true_rect = {std::min(true_rect.x0, x), std::min(true_rect.y0, y),
                                      std::max(true_rect.x1, x + 1), std::max(true_rect.y1, y + 1)};
-                        ASSERT_TRUE(x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1) << x << ' ' << y;
+                        ASSERT_TRUE(x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1)
+                            << x << ' ' << y;
                     }
                 if (true_rect.empty() || z <= 2 * radius || z < 0.1 + radius) continue;
-                // An extreme of the outline may lie between pixel centres: two pixels for a round one.
+                // An extreme of the outline may lie between pixel centres:
+                // two pixels for a round one.
                 EXPECT_GE(r.x0, true_rect.x0 - 3);
                 EXPECT_LE(r.x1, true_rect.x1 + 3);
             }
@@ -97,11 +102,15 @@ TEST(LodCut, TakesTheLeavesThatAWindowSees) {
         Camera camera;
         camera.orthographic = orthographic, camera.width = 4, camera.eye = {0, 0, 5};
         const PixelView view = pixel_view(camera, 400, 400);
-        for (const PixelWindow window : {PixelWindow{0, 0, 400, 400}, {0, 0, 200, 130}, {150, 150, 60, 60}, {190, 100, 3, 3}}) {
+        for (const PixelWindow window : {PixelWindow{0, 0, 400, 400},
+                                         {0, 0, 200, 130},
+                                         {150, 150, 60, 60},
+                                         {190, 100, 3, 3}}) {
             std::vector<std::uint32_t> seen;
             for (std::uint32_t i = 1; i < tree.n_nodes(); ++i)
                 if (tree.node(i).is_leaf() &&
-                    ViewVolume(view, window).may_see(view.camera_from_local(tree.center(i)), tree.support_radius(i)))
+                    ViewVolume(view, window)
+                        .may_see(view.camera_from_local(tree.center(i)), tree.support_radius(i)))
                     seen.push_back(i);
             CutCounts met;
             std::vector<std::uint32_t> visited;
@@ -120,7 +129,8 @@ TEST(LodCut, TakesTheLeavesThatAWindowSees) {
 TEST(LodCut, LeavesLooseSurfelsOutUnlessAsked) {
     auto model = test::two_level_sphere(1, 100, 900);
     const auto first = model.nodes[1].first_child;
-    for (std::uint32_t c = 0; c < model.nodes[1].n_children; ++c) model.nodes[first + c].flags |= kLoose;
+    for (std::uint32_t c = 0; c < model.nodes[1].n_children; ++c)
+        model.nodes[first + c].flags |= kLoose;
     model.nodes[1].flags |= kLoose;
     const std::size_t loose = model.nodes[1].n_children;
     Camera camera;
@@ -163,7 +173,8 @@ TEST(DrawList, IsSortedByTheNearEndOfTheTrimmedPatch) {
     // A patch seen from its edge may lie between the pixels.
     ASSERT_GE(list.order.size(), 480u);
     for (std::size_t i = 1; i < list.order.size(); ++i)
-        ASSERT_LE(list.items[list.order[i - 1]].near_hit, list.items[list.order[i]].near_hit + 1e-6);
+        ASSERT_LE(list.items[list.order[i - 1]].near_hit,
+                  list.items[list.order[i]].near_hit + 1e-6);
 }
 
 TEST(TileBins, HoldEachRectInItsTilesInOrder) {
@@ -187,18 +198,21 @@ TEST(TileBins, KeepTheOrderOfManyRectangles) {
     std::vector<ScreenRect> rects;
     std::vector<std::uint32_t> order;
     for (std::uint32_t i = 0; i < 20000; ++i) {
-        const int x = static_cast<int>(keyed_hash(1, i) % 300), y = static_cast<int>(keyed_hash(2, i) % 180);
+        const int x = static_cast<int>(keyed_hash(1, i) % 300),
+                  y = static_cast<int>(keyed_hash(2, i) % 180);
         rects.push_back({x, y, x + 1 + static_cast<int>(i % 20), y + 1 + static_cast<int>(i % 17)});
         if (i % 3) order.push_back((i * 7919) % 20000);
     }
     const TileBins bins = tile_bins(window, rects, order);
     ASSERT_EQ(bins.n_tiles(), 70u);
     for (std::size_t t = 0; t < bins.n_tiles(); ++t) {
-        const int x = static_cast<int>(t % 10) * kTileSize, y = static_cast<int>(t / 10) * kTileSize;
+        const int x = static_cast<int>(t % 10) * kTileSize,
+                  y = static_cast<int>(t / 10) * kTileSize;
         std::vector<std::uint32_t> touching;
         for (const std::uint32_t i : order) {
             const ScreenRect& r = rects[i];
-            if (r.x0 < x + kTileSize && r.x1 > x && r.y0 < y + kTileSize && r.y1 > y) touching.push_back(i);
+            if (r.x0 < x + kTileSize && r.x1 > x && r.y0 < y + kTileSize && r.y1 > y)
+                touching.push_back(i);
         }
         ASSERT_EQ(std::vector<std::uint32_t>(bins.of(t).begin(), bins.of(t).end()), touching) << t;
     }

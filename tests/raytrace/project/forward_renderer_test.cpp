@@ -3,6 +3,7 @@
 #include "slim/base/parallel.h"
 #include "slim/model/surfel_tree.h"
 #include "tests/raytrace/support/analytic_models.h"
+#include "tests/raytrace/support/iso_request.h"
 
 #include <gtest/gtest.h>
 
@@ -12,17 +13,7 @@
 namespace slim {
 namespace {
 
-RenderRequest request_for(const SurfelTreeData& model, int width, int height, bool orthographic) {
-    RenderRequest request;
-    Bbox box = model.header.bounds;
-    Framing framing;
-    framing.orthographic = orthographic;
-    request.camera = named_camera("iso", box, double(width) / height, framing);
-    request.width = width, request.height = height;
-    request.wanted = kAllChannels;
-    request.lod_px = 0;
-    return request;
-}
+using test::iso_request;
 
 /// Distance from the ray of a pixel to the origin.
 double ray_distance(const PixelView& view, int x, int y) {
@@ -43,7 +34,7 @@ TEST_P(SphereTest, HasTheRightSilhouetteDepthNormalsAndCurvature) {
     const auto [orthographic, degree] = GetParam();
     const double radius = 2;
     const auto model = test::sphere_model(radius, degree == 1 ? 4000 : 800, degree);
-    const RenderRequest request = request_for(model, 300, 200, orthographic);
+    const RenderRequest request = iso_request(model, 300, 200, orthographic);
     GBuffer out;
     const RenderStats stats = render_forward(model.view(), request, out);
     const PixelView view = pixel_view(request.camera, 300, 200);
@@ -88,7 +79,7 @@ TEST(ForwardRenderer, DrawsATorusWithItsCurvature) {
     std::array<double, 4> error{};
     for (const int degree : {2, 3}) {
         const auto model = test::torus_model(big, small, 192, 72, degree);
-        const RenderRequest request = request_for(model, 320, 240, false);
+        const RenderRequest request = iso_request(model, 320, 240, false);
         GBuffer out;
         render_forward(model.view(), request, out);
         const Vec3d eye = request.camera.eye;
@@ -117,7 +108,7 @@ TEST(ForwardRenderer, DrawsATorusWithItsCurvature) {
 
 TEST(ForwardRenderer, GivesTheSameBytesForAnyNumberOfThreads) {
     const auto model = test::sphere_model(1, 2000);
-    const RenderRequest request = request_for(model, 333, 211, false);
+    const RenderRequest request = iso_request(model, 333, 211, false);
     std::vector<GBuffer> buffers(3);
     const int threads[] = {1, 2, 7};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -138,7 +129,7 @@ TEST(ForwardRenderer, GivesTheSameBytesForAnyNumberOfThreads) {
 
 TEST(ForwardRenderer, AWindowEqualsTheCropOfTheWholePicture) {
     const auto model = test::sphere_model(1, 1000);
-    RenderRequest request = request_for(model, 200, 150, false);
+    RenderRequest request = iso_request(model, 200, 150, false);
     GBuffer whole, part;
     render_forward(model.view(), request, whole);
     for (const PixelWindow w : {PixelWindow{100, 75, 1, 1}, PixelWindow{97, 3, 1, 140},
@@ -160,7 +151,7 @@ TEST(ForwardRenderer, AWindowEqualsTheCropOfTheWholePicture) {
 
 TEST(ForwardRenderer, SeesTheSameSphereFromAMillionDiagonals) {
     const auto model = test::sphere_model(1, 1000);
-    RenderRequest request = request_for(model, 160, 160, false);
+    RenderRequest request = iso_request(model, 160, 160, false);
     const double far = 2e6 * std::sqrt(3.0);
     request.camera.eye = Vec3d{0, 0, far};
     request.camera.target = {};
@@ -180,99 +171,9 @@ TEST(ForwardRenderer, SeesTheSameSphereFromAMillionDiagonals) {
     EXPECT_LE(different, 4u);
 }
 
-TEST(ForwardRenderer, LevelOfDetailKeepsTheSilhouetteAndDrawsFewerSurfels) {
-    const auto model = test::two_level_sphere(1, 1500, 12000);
-    RenderRequest request = request_for(model, 160, 160, true);
-    request.camera.width = 12;  // a small sphere
-    GBuffer full, coarse;
-    const auto all = render_forward(model.view(), request, full);
-    request.lod_px = 4;
-    const auto cut = render_forward(model.view(), request, coarse);
-    EXPECT_GT(all.surfels_drawn, 6000u);  // many lie between the pixels
-    EXPECT_LE(cut.surfels_drawn, 1500u);
-    EXPECT_LT(cut.nodes_visited, all.nodes_visited / 4);
-    double area_full = 0, area_coarse = 0;
-    for (std::size_t i = 0; i < full.n_pixels(); ++i) {
-        area_full += full.hit[i];
-        area_coarse += coarse.hit[i];
-    }
-    EXPECT_NEAR(std::sqrt(area_full / std::numbers::pi), 160 / 12.0, 1);
-    EXPECT_NEAR(std::sqrt(area_coarse / std::numbers::pi), 160 / 12.0, 2);
-}
-
-/// 40 leaves of radius 0.02 below each of 1,500 surfels whose balls, of radius 0.07, cover the sphere, but
-/// not their cores.
-SurfelTreeData fine_sphere(bool marked) {
-    constexpr float kShrunken = 0.55f;
-    auto model = test::two_level_sphere(1, 1500, 60000);
-    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-        TreeNode& node = model.nodes[i];
-        node.fit_error = 1e-5f;
-        if (i == 0 || node.is_leaf()) continue;
-        float* record = model.records.data() + 12 * i;
-        for (const int k : {3, 9, 11}) record[k] *= kShrunken;  // radius, u^2, v^2
-        if (marked) node.flags |= kStandsIn;
-    }
-    return model;
-}
-
-TEST(ForwardRenderer, StandInsLeaveNoHoles) {
-    for (const double width : {8.9, 3.86}) {  // balls of 4 and 9 pixels
-        const auto model = fine_sphere(true);
-        RenderRequest request = request_for(model, 250, 250, true);
-        request.camera.width = width;
-        request.wanted |= kDepthChannel;
-        GBuffer full, coarse;
-        request.lod_px = 0;
-        render_forward(model.view(), request, full);
-        request.lod_px = 4;
-        const auto stats = render_forward(model.view(), request, coarse);
-        EXPECT_LE(stats.surfels_drawn, 1500u) << width;
-        std::size_t through = 0, n = 0;
-        for (std::size_t i = 0; i < full.n_pixels(); ++i) {
-            n += full.hit[i];
-            through += full.hit[i] && !(coarse.hit[i] && std::abs(full.depth[i] - coarse.depth[i]) < 0.5f);
-        }
-        EXPECT_GT(n, 1500u);
-        EXPECT_EQ(through, 0u) << width;
-    }
-}
-
-TEST(ForwardRenderer, LargerStandInsNeedTheMarkTheFitAndManyChildren) {
-    const auto drawn = [](const SurfelTreeData& model, double width) {
-        RenderRequest request = request_for(model, 250, 250, true);
-        request.camera.width = width;
-        request.lod_px = 4;
-        GBuffer out;
-        return render_forward(model.view(), request, out).surfels_drawn;
-    };
-    EXPECT_EQ(drawn(fine_sphere(true), 3.86), 1500u);
-    EXPECT_GT(drawn(fine_sphere(false), 3.86), 20000u);
-    SurfelTreeData model = fine_sphere(true);
-    for (TreeNode& node : model.nodes) node.fit_error = 0.002f;  // an eighth of a pixel
-    EXPECT_GT(drawn(model, 3.86), 20000u);
-    EXPECT_GT(drawn(fine_sphere(true), 2.2), 20000u);  // children of more than four pixels each
-}
-
-TEST(ForwardRenderer, APartOfAPictureOfStandInsIsThatOfTheWhole) {
-    const auto model = fine_sphere(true);
-    RenderRequest request = request_for(model, 256, 256, false);
-    request.lod_px = 8;
-    GBuffer whole, part;
-    render_forward(model.view(), request, whole);
-    for (const PixelWindow w : {PixelWindow{64, 96, 64, 32}, PixelWindow{128, 128, 32, 64}}) {
-        request.window = w;
-        render_forward(model.view(), request, part);
-        for (int y = 0; y < w.height; ++y)
-            for (int x = 0; x < w.width; ++x)
-                ASSERT_EQ(part.normal[0][part.index(x, y)], whole.normal[0][whole.index(w.x + x, w.y + y)])
-                    << x << ' ' << y;
-    }
-}
-
 TEST(ForwardRenderer, AllocatesAndWritesOnlyWhatIsWanted) {
     const auto model = test::sphere_model(1, 500);
-    RenderRequest request = request_for(model, 64, 64, false);
+    RenderRequest request = iso_request(model, 64, 64, false);
     request.wanted = kNormalChannel;
     GBuffer out;
     const auto stats = render_forward(model.view(), request, out);
@@ -285,7 +186,7 @@ TEST(ForwardRenderer, AllocatesAndWritesOnlyWhatIsWanted) {
 
 TEST(ForwardRenderer, CullsWhatIsOutsideTheViewOrBehindTheCamera) {
     const auto model = test::sphere_model(1, 500);
-    RenderRequest request = request_for(model, 64, 64, false);
+    RenderRequest request = iso_request(model, 64, 64, false);
     request.camera.target = request.camera.eye * 2.0;
     GBuffer out;
     const auto stats = render_forward(model.view(), request, out);
@@ -296,9 +197,10 @@ TEST(ForwardRenderer, CullsWhatIsOutsideTheViewOrBehindTheCamera) {
 
 TEST(ForwardRenderer, TheNearPlaneOpensTheSphere) {
     const auto model = test::sphere_model(1, 1000);
-    RenderRequest request = request_for(model, 64, 64, false);
+    RenderRequest request = iso_request(model, 64, 64, false);
     const PixelView view = pixel_view(request.camera, 64, 64);
-    request.camera.near_plane = length(request.camera.eye);  // through the centre: the inside is seen
+    // through the centre: the inside is seen
+    request.camera.near_plane = length(request.camera.eye);
     GBuffer out;
     render_forward(model.view(), request, out);
     const std::size_t i = out.index(32, 32);

@@ -10,8 +10,10 @@ TEST(TileBlocks, LanesStandWhereTheirPixelsDo) {
         const FloatV x = tile_columns(block), y = tile_rows(block);
         for (std::size_t k = 0; k < FloatV::size(); ++k) {
             const int column = static_cast<int>(x[k]), row = static_cast<int>(y[k]);
-            ASSERT_TRUE(column >= 0 && column < kTileSize && row >= 0 && row < kTileSize) << block << ' ' << k;
-            ASSERT_EQ(pixel_entry(column, row), static_cast<std::size_t>(block * kLanes) + k) << block << ' ' << k;
+            ASSERT_TRUE(column >= 0 && column < kTileSize && row >= 0 && row < kTileSize)
+                << block << ' ' << k;
+            ASSERT_EQ(pixel_entry(column, row), static_cast<std::size_t>(block * kLanes) + k)
+                << block << ' ' << k;
         }
     }
 }

@@ -23,8 +23,8 @@ inline Vec3d fibonacci_point(std::size_t i, std::size_t n) {
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Surfel on a sphere about the origin: the height field of its cap at `normal`, developed to the degree
-/// (the cap has no cubic part: degree 3 differs in the kernels that it exercises).
+/// Surfel on a sphere about the origin: the height field of its cap at `normal`, developed to the
+/// degree (the cap has no cubic part: degree 3 differs in the kernels that it exercises).
 inline Surfel sphere_surfel(const Vec3d& normal, double sphere_radius, double rho, int degree) {
     const Vec3d n = round_normal(normal);
     Surfel s{n * sphere_radius, rho, frame_from_normal(n), {}, degree};
@@ -32,8 +32,8 @@ inline Surfel sphere_surfel(const Vec3d& normal, double sphere_radius, double rh
     return s;
 }
 
-/// Surfel on the torus around the z axis at tube angle b and turn a: osculating paraboloid, for degree 3
-/// with the cubic term of the change of curvature along the tube.
+/// Surfel on the torus around the z axis at tube angle b and turn a: osculating paraboloid, for
+/// degree 3 with the cubic term of the change of curvature along the tube.
 inline Surfel torus_surfel(double big, double small, double a, double b, double rho, int degree) {
     const Vec3d out{std::cos(a), std::sin(a), 0};
     const Vec3d n = round_normal(out * std::cos(b) + Vec3d{0, 0, std::sin(b)});
@@ -72,7 +72,8 @@ inline SurfelTreeData flat_tree(std::vector<Surfel> leaves, int degree) {
     data.header.diagonal = box.diagonal();
     data.header.n_leaves = leaves.size();
     const auto n = static_cast<std::uint32_t>(leaves.size());
-    leaves.insert(leaves.begin(), Surfel{box.center(), bound, frame_from_normal(Vec3d{0, 0, 1}), {}, 0});
+    leaves.insert(leaves.begin(),
+                  Surfel{box.center(), bound, frame_from_normal(Vec3d{0, 0, 1}), {}, 0});
     encode_surfels(leaves, data);
     data.nodes.push_back({1, n, static_cast<float>(bound * 1.0001)});
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -109,7 +110,8 @@ inline SurfelTreeData torus_model(double big, double small, int n_around, int n_
     std::vector<Surfel> leaves;
     for (int i = 0; i < n_around; ++i)
         for (int j = 0; j < n_tube; ++j)
-            leaves.push_back(torus_surfel(big, small, 2 * std::numbers::pi * (i + 0.5 * (j % 2)) / n_around,
+            leaves.push_back(torus_surfel(big, small,
+                                          2 * std::numbers::pi * (i + 0.5 * (j % 2)) / n_around,
                                           2 * std::numbers::pi * j / n_tube, rho, degree));
     return flat_tree(std::move(leaves), degree);
 }

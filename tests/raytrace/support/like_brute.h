@@ -38,7 +38,8 @@ inline bool third_order_differs(const GBuffer& fast, const GBuffer& reference, s
     return std::abs(cos) < 1 - 1e-4 || off > 5e-3 * (size * size + third);
 }
 
-/// Whether one of the four curvatures differs by more than 1e-3 of the largest (Gauss: of its square).
+/// Whether one of the four curvatures differs by more than 1e-3 of the largest (Gauss:
+/// of its square).
 inline bool curvature_differs(const GBuffer& fast, const GBuffer& reference, std::size_t i) {
     const float size = 1 + std::max(std::abs(reference.k1[i]), std::abs(reference.k2[i]));
     for (const auto plane : {&GBuffer::mean, &GBuffer::k1, &GBuffer::k2})
@@ -46,20 +47,22 @@ inline bool curvature_differs(const GBuffer& fast, const GBuffer& reference, std
     return std::abs(fast.gauss[i] - reference.gauss[i]) > 2e-3f * size * size;
 }
 
-/// Whether the surfel that sets a pixel in one picture is hit as near as the one that does in the other: which of
-/// them does is for rounding to say.
-inline bool is_tie(const SurfelTree& tree, const PixelView& view, int x, int y, std::uint32_t a, std::uint32_t b) {
+/// Whether the surfel that sets a pixel in one picture is hit as near as the one that does in the
+/// other: which of them does is for rounding to say.
+inline bool is_tie(const SurfelTree& tree, const PixelView& view, int x, int y, std::uint32_t a,
+                   std::uint32_t b) {
     const double px = x + 0.5, py = y + 0.5;
     const Ray ray{view.ray_origin(px, py), view.ray_direction(px, py)};
     const double t_near = view.near_plane / dot(ray.direction, view.forward);
     Vec3d gradient;
     const auto t_a = first_hit(ray, tree.surfel(a), t_near, kHitTrim, gradient),
                t_b = first_hit(ray, tree.surfel(b), t_near, kHitTrim, gradient);
-    return t_a && t_b && std::abs(*t_a - *t_b) <= 1e-5 * tree.support_radius(b) + 2e-7 * std::abs(*t_b);
+    return t_a && t_b &&
+           std::abs(*t_a - *t_b) <= 1e-5 * tree.support_radius(b) + 2e-7 * std::abs(*t_b);
 }
 
-/// Pixels that differ: in the mask, or in position by more than 1e-5 of the winner's radius, and so on. All channels
-/// must be there.
+/// Pixels that differ: in the mask, or in position by more than 1e-5 of the winner's radius, and so
+/// on. All channels must be there.
 inline Difference difference(const SurfelTreeData& model, const RenderRequest& request,
                              const GBuffer& fast, const GBuffer& reference) {
     const PixelView view = pixel_view(request.camera, request.width, request.height);
@@ -85,12 +88,15 @@ inline Difference difference(const SurfelTreeData& model, const RenderRequest& r
         d.curvature += curvature_differs(fast, reference, i);
         d.third += third_order_differs(fast, reference, i);
         const auto at = static_cast<int>(i);
-        d.winner += fast.surfel_id[i] != reference.surfel_id[i] &&
-                    !is_tie(model.view(), view, request.window.x + at % fast.width, request.window.y + at / fast.width,
-                            fast.surfel_id[i], reference.surfel_id[i]);
+        d.winner +=
+            fast.surfel_id[i] != reference.surfel_id[i] &&
+            !is_tie(model.view(), view, request.window.x + at % fast.width,
+                    request.window.y + at / fast.width, fast.surfel_id[i], reference.surfel_id[i]);
         const TreeNode& node = model.nodes[fast.surfel_id[i]];
-        d.of_node += fast.level[i] != static_cast<float>(node.level) || fast.fit_error[i] != node.fit_error;
-        d.coverage += std::abs(fast.coverage[i] - reference.coverage[i]) > 1e-3f * (1 + reference.coverage[i]);
+        d.of_node +=
+            fast.level[i] != static_cast<float>(node.level) || fast.fit_error[i] != node.fit_error;
+        d.coverage += std::abs(fast.coverage[i] - reference.coverage[i]) >
+                      1e-3f * (1 + reference.coverage[i]);
         d.count += fast.count[i] != reference.count[i];
     }
     return d;
@@ -144,7 +150,8 @@ inline SurfelTreeData rough_model(int degree, std::uint64_t seed) {
                 0.15 * noise(10 + static_cast<std::uint64_t>(k));
     }
     SurfelTreeData data = flat_tree(std::move(leaves), degree);
-    for (std::size_t i = 1; i < data.nodes.size(); ++i) data.nodes[i].level = static_cast<unsigned>(1 + i % 9) & 63u;
+    for (std::size_t i = 1; i < data.nodes.size(); ++i)
+        data.nodes[i].level = static_cast<unsigned>(1 + i % 9) & 63u;
     return data;
 }
 

@@ -45,35 +45,37 @@ inline Vec3d axis_vector(std::size_t axis, double sign) {
     return v;
 }
 
-/// The cube [-1, 1]^3: a leaf of three sheets at each corner, leaves of two along the edges, smooth ones on
-/// the faces that end before the edges.
+/// The cube [-1, 1]^3: a leaf of three sheets at each corner, leaves of two along the edges, smooth
+/// ones on the faces that end before the edges.
 inline std::vector<Surfel> cube_leaves() {
     constexpr double kAlong[] = {-0.7, -0.4, -0.1, 0.2, 0.5, 0.75};
     std::vector<Surfel> out;
     for (const double x : {-1.0, 1.0})
         for (const double y : {-1.0, 1.0})
             for (const double z : {-1.0, 1.0})
-                out.push_back(
-                    corner_surfel({x, y, z}, {Vec3d{x, 0, 0}, Vec3d{0, y, 0}, Vec3d{0, 0, z}}, 0.5));
+                out.push_back(corner_surfel({x, y, z},
+                                            {Vec3d{x, 0, 0}, Vec3d{0, y, 0}, Vec3d{0, 0, z}}, 0.5));
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         for (const double a : {-1.0, 1.0}) {
             for (const double b : {-1.0, 1.0})
                 for (const double t : kAlong) {
-                    const Vec3d center = axis_vector(axis, t) + axis_vector(u, a) + axis_vector(v, b);
+                    const Vec3d center =
+                        axis_vector(axis, t) + axis_vector(u, a) + axis_vector(v, b);
                     out.push_back(edge_surfel(center, axis_vector(u, a), axis_vector(v, b), 0.4));
                 }
             for (const double s : {-0.6, -0.3, 0.0, 0.3, 0.6})
                 for (const double t : {-0.6, -0.3, 0.0, 0.3, 0.6})
-                    out.push_back(plane_surfel(axis_vector(axis, a) + axis_vector(u, s) + axis_vector(v, t),
-                                               axis_vector(axis, a), 0.39));
+                    out.push_back(
+                        plane_surfel(axis_vector(axis, a) + axis_vector(u, s) + axis_vector(v, t),
+                                     axis_vector(axis, a), 0.39));
         }
     }
     return out;
 }
 
-/// The rim of a cylinder of radius 1 about z, cut off by z < 0: n leaves of a plane and a quadric, and the
-/// faces about it.
+/// The rim of a cylinder of radius 1 about z, cut off by z < 0: n leaves of a plane and a quadric,
+/// and the faces about it.
 inline std::vector<Surfel> rim_leaves(int n, double rho) {
     std::vector<Surfel> out;
     for (int i = 0; i < n; ++i) {

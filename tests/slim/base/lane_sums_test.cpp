@@ -20,7 +20,8 @@ std::array<V, N> uneven_values() {
         v = V([&](auto) {
             const std::uint64_t bits = keyed_hash(1, ++n, 2);
             const double fraction = static_cast<double>(bits >> 11) * 0x1.0p-53 - 0.5;
-            return static_cast<typename V::value_type>(std::ldexp(fraction, static_cast<int>(bits % 40)));
+            return static_cast<typename V::value_type>(
+                std::ldexp(fraction, static_cast<int>(bits % 40)));
         });
     return values;
 }
@@ -43,7 +44,8 @@ TEST(LaneSums, AreSumsOfAllLanes) {
         values[k] = FloatV([&](auto lane) { return static_cast<float>(100 * k + lane); });
     const auto sums = lane_sums(values);
     constexpr double n = kLanes;
-    for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(sums[k], 100.0 * static_cast<double>(k) * n + n * (n - 1) / 2);
+    for (std::size_t k = 0; k < 8; ++k)
+        EXPECT_EQ(sums[k], 100.0 * static_cast<double>(k) * n + n * (n - 1) / 2);
 }
 
 }  // namespace

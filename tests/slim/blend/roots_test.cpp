@@ -10,10 +10,13 @@
 namespace slim {
 namespace {
 
-double uniform(std::uint64_t seed, std::uint64_t i) { return 2 * unit_interval(keyed_hash(seed, i)) - 1; }
+double uniform(std::uint64_t seed, std::uint64_t i) {
+    return 2 * unit_interval(keyed_hash(seed, i)) - 1;
+}
 
 /// Roots by brute force: sign changes on a fine grid in long double, then bisection.
-std::vector<long double> brute_roots(const RayPolynomial<double>& k, long double lo, long double hi) {
+std::vector<long double> brute_roots(const RayPolynomial<double>& k, long double lo,
+                                     long double hi) {
     const auto f = [&](long double t) {
         return k[0] + t * (k[1] + t * (k[2] + t * static_cast<long double>(k[3])));
     };
@@ -53,7 +56,8 @@ void compare_with_brute_force(double k3_scale, double tolerance, double skip) {
         const auto found = ray_roots(k, -s, s);
         ASSERT_EQ(found.n, static_cast<int>(expected.size()));
         for (std::size_t i = 0; i < expected.size(); ++i)
-            ASSERT_NEAR(static_cast<double>(found.t[i]), static_cast<double>(expected[i]), tolerance);
+            ASSERT_NEAR(static_cast<double>(found.t[i]), static_cast<double>(expected[i]),
+                        tolerance);
     }
 }
 

@@ -14,8 +14,8 @@
 namespace slim::test {
 namespace {
 
-/// Points of the faces z = 0 and x = 0 of a solid that meet in the y axis, outside at 90 degrees; or at 270, where the
-/// second face rises.
+/// Points of the faces z = 0 and x = 0 of a solid that meet in the y axis, outside at 90 degrees;
+/// or at 270, where the second face rises.
 PointBlock edge_points(bool rises, std::size_t n = 6000) {
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
@@ -29,7 +29,8 @@ PointBlock edge_points(bool rises, std::size_t n = 6000) {
 }
 
 /// The plane z = 0 about a place, its ball's points in `ball`.
-Surfel level_disc(const PointBlock& block, const Vec3d& center, double radius, BallPoints<double>& ball) {
+Surfel level_disc(const PointBlock& block, const Vec3d& center, double radius,
+                  BallPoints<double>& ball) {
     gather_ball(tree_of(block), center, radius, ball);
     return {center, radius, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
 }
@@ -37,7 +38,8 @@ Surfel level_disc(const PointBlock& block, const Vec3d& center, double radius, B
 /// World x of a place.
 double x_of(const Surfel& s, const AirPlace& p) {
     return s.center.x +
-           s.support_radius * s.frame.world_from_local({static_cast<double>(p.u), static_cast<double>(p.v), 0}).x;
+           s.support_radius *
+               s.frame.world_from_local({static_cast<double>(p.u), static_cast<double>(p.v), 0}).x;
 }
 
 TEST(AirPlaces, ThereAreHardlyAnyOnASurface) {
@@ -57,13 +59,16 @@ TEST(AirPlaces, TheyLieBeyondAnEdgeThatFallsAway) {
     const Surfel s = level_disc(block, {-0.03, 0, 0}, 0.15, ball);
     const auto air = air_places(s, ball);
     ASSERT_GT(air.size(), 20u);
-    // Right before the edge the nearest point may be the other face's: that is no more than a spacing, 0.026.
+    // Right before the edge the nearest point may be the other face's:
+    // that is no more than a spacing, 0.026.
     for (const AirPlace& p : air) EXPECT_GT(x_of(s, p), -0.026);
     const auto reach = [&](const AirPlace& p) { return x_of(s, p); };
-    EXPECT_GT(reach(*std::max_element(air.begin(), air.end(),
-                                      [&](const AirPlace& a, const AirPlace& b) { return reach(a) < reach(b); })),
+    EXPECT_GT(reach(*std::max_element(
+                  air.begin(), air.end(),
+                  [&](const AirPlace& a, const AirPlace& b) { return reach(a) < reach(b); })),
               0.05);  // the core ends at 0.07
-    EXPECT_TRUE(std::all_of(air.begin(), air.end(), [&](const AirPlace& p) { return p.far || reach(p) < 0.03; }));
+    EXPECT_TRUE(std::all_of(air.begin(), air.end(),
+                            [&](const AirPlace& p) { return p.far || reach(p) < 0.03; }));
 }
 
 TEST(AirPlaces, AHoleIsFar) {
@@ -103,7 +108,8 @@ TEST(AirPlaces, ARimEndsTheLeafBeforeThem) {
         for (const Covered& p : leaf.covered)
             for (const PackedRim packed : {rims.first, rims.second}) {
                 const Rim rim = unpack_rim(packed);
-                EXPECT_LE(rim.u * static_cast<double>(p.u) + rim.v * static_cast<double>(p.v), rim.reach + 1e-6);
+                EXPECT_LE(rim.u * static_cast<double>(p.u) + rim.v * static_cast<double>(p.v),
+                          rim.reach + 1e-6);
             }
         ++seen;
     }
@@ -144,9 +150,11 @@ TEST(WiderBalls, ABallGatheredForAllHoldsThoseOfEachRadius) {
 }
 
 TEST(WiderBalls, APoorFitIsNotWide) {
-    const PointBlock block = graph_points(4000, 1, 3, [](double x, double y) { return 0.3 * std::sin(9 * x) + 0 * y; });
+    const PointBlock block =
+        graph_points(4000, 1, 3, [](double x, double y) { return 0.3 * std::sin(9 * x) + 0 * y; });
     BallPoints<double> ball;
-    const CoveringSurfel leaf = fit_surfel(tree_of(block), block.position[3], {0, 0, 1}, 0.4, 1, false, 1e-10, ball);
+    const CoveringSurfel leaf =
+        fit_surfel(tree_of(block), block.position[3], {0, 0, 1}, 0.4, 1, false, 1e-10, ball);
     EXPECT_GT(leaf.fitted.fit_error, 0.06 * 0.4);
     EXPECT_FALSE(is_well_fitted(leaf));
 }

@@ -12,13 +12,15 @@
 namespace slim::test {
 namespace {
 
-/// RMS distance of points to the blend of leaves, along their normals; points that no leaf supports fail.
+/// RMS distance of points to the blend of leaves, along their normals;
+/// points that no leaf supports fail.
 double rms_off(const PointBlock& points, const std::vector<FittedSurfel>& leaves) {
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::vector<const Surfel*> near;
         for (const FittedSurfel& s : leaves)
-            if (sq_length(points.position[i] - s.surfel.center) < s.surfel.support_radius * s.surfel.support_radius)
+            if (sq_length(points.position[i] - s.surfel.center) <
+                s.surfel.support_radius * s.surfel.support_radius)
                 near.push_back(&s.surfel);
         const auto at = project_along(points.position[i], to_double(points.normal[i]), near);
         if (!at) {
@@ -46,12 +48,14 @@ Pair covers_of(const PointBlock& block, double mdl_threshold, int degree = 2) {
 
 // The points that are measured are not those that were fitted.
 TEST(BlendRefit, SameLeavesAreNearerToTheTruth) {
-    const PointBlock block = block_of(sampled("torus", 20000)), truth = block_of(sampled("torus", 3000, 2));
+    const PointBlock block = block_of(sampled("torus", 20000)),
+                     truth = block_of(sampled("torus", 3000, 2));
     for (const int degree : {2, 3}) {
         const Pair p = covers_of(block, 0.02, degree);
         ASSERT_EQ(p.once.counts.leaves, p.twice.counts.leaves);
         EXPECT_GT(p.twice.counts.refitted, p.twice.counts.leaves / 2);
-        EXPECT_LT(rms_off(truth, leaves_of(p.twice)), 0.95 * rms_off(truth, leaves_of(p.once))) << degree;
+        EXPECT_LT(rms_off(truth, leaves_of(p.twice)), 0.95 * rms_off(truth, leaves_of(p.once)))
+            << degree;
     }
 }
 
@@ -63,7 +67,8 @@ TEST(BlendRefit, OnlyPolynomialsAndErrorsChange) {
     for (std::size_t i = 0; i < a.size(); ++i) {
         moved += a[i].surfel.polynomial.a != b[i].surfel.polynomial.a;
         FittedSurfel other = b[i];
-        EXPECT_GE(other.fit_error, a[i].fit_error);  // the first fit was the nearest to its own points
+        // the first fit was the nearest to its own points
+        EXPECT_GE(other.fit_error, a[i].fit_error);
         other.surfel.polynomial = a[i].surfel.polynomial, other.fit_error = a[i].fit_error;
         EXPECT_TRUE(same(a[i], other)) << i;
     }

@@ -40,7 +40,8 @@ inline std::vector<FittedSurfel> leaves_of(const Cover& c) {
 }
 
 inline bool same(const FittedSurfel& a, const FittedSurfel& b) {
-    return a.surfel.center == b.surfel.center && a.surfel.support_radius == b.surfel.support_radius &&
+    return a.surfel.center == b.surfel.center &&
+           a.surfel.support_radius == b.surfel.support_radius &&
            a.surfel.frame.normal == b.surfel.frame.normal &&
            a.surfel.frame.u_axis == b.surfel.frame.u_axis &&
            a.surfel.polynomial.a == b.surfel.polynomial.a && a.surfel.degree == b.surfel.degree &&
@@ -50,14 +51,16 @@ inline bool same(const FittedSurfel& a, const FittedSurfel& b) {
 
 inline void expect_same(const Cover& a, const Cover& b) {
     ASSERT_EQ(a.surfels.size(), b.surfels.size());
-    for (std::size_t i = 0; i < a.surfels.size(); ++i) ASSERT_TRUE(same(a.surfels[i], b.surfels[i])) << i;
+    for (std::size_t i = 0; i < a.surfels.size(); ++i)
+        ASSERT_TRUE(same(a.surfels[i], b.surfels[i])) << i;
     EXPECT_EQ(a.counts.leaves, b.counts.leaves);
     EXPECT_EQ(a.counts.evaluated, b.counts.evaluated);
     EXPECT_EQ(a.counts.point_visits, b.counts.point_visits);
 }
 
 /// Points that are neither covered by the leaves nor the centre of one.
-inline std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_variance) {  // without refits
+// without refits
+inline std::size_t uncovered(const PointBlock& block, const Cover& c, double noise_variance) {
     const PointTree tree = tree_of(block);
     std::vector<double> weight(block.size(), 0);
     std::vector<bool> core(block.size(), false);

@@ -80,7 +80,8 @@ TEST(FarPoints, WhatMayBeFarHoldsAllThatIs) {
     const double farthest = 4 * std::sqrt(rules.noise_variance);
     const auto may_be = maybe_far(tree, leaves, farthest);
     EXPECT_LT(may_be.size(), tree.size() / 2);
-    const auto few = far_points(tree, may_be, leaves, farthest), all = far_points(tree, all_places(tree), leaves, farthest);
+    const auto few = far_points(tree, may_be, leaves, farthest),
+               all = far_points(tree, all_places(tree), leaves, farthest);
     ASSERT_GT(all.size(), 0u);
     ASSERT_EQ(few.size(), all.size());
     for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(few[i].place, all[i].place);

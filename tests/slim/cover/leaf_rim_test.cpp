@@ -59,26 +59,31 @@ TEST(LeafRim, EndsALittleBeyondABorderInItsDirection) {
 TEST(LeafRim, AScoreOfPointsOnOneSideEndHalfASpacingBeyondTheLast) {
     PointBlock block;
     std::size_t n = 0;
-    const auto leaf = leaf_at({0, 0, 0}, block,
-                              [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 20; }, flat);
+    const auto leaf = leaf_at(
+        {0, 0, 0}, block,
+        [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 20; }, flat);
     const Rim rim = unpack_rim(rims_of(leaf).first);
     ASSERT_FALSE(rim.is_whole());
-    // The last is the centre; the spacing is sqrt(pi / 2 / 20) = 0.28, and reaches are multiples of 0.08.
+    // The last is the centre; the spacing is sqrt(pi / 2 / 20) = 0.28,
+    // and reaches are multiples of 0.08.
     EXPECT_LE(rim.reach, 0.24 + 1e-9);
-    EXPECT_GT(rim.u * leaf.fitted.surfel.frame.u_axis.x + rim.v * leaf.fitted.surfel.frame.v_axis.x, 0.9);
+    EXPECT_GT(rim.u * leaf.fitted.surfel.frame.u_axis.x + rim.v * leaf.fitted.surfel.frame.v_axis.x,
+              0.9);
 }
 
 TEST(LeafRim, FewPointsAreNoRim) {
     // Six points may leave a half of the disc empty by chance.
     PointBlock block;
     std::size_t n = 0;
-    const auto leaf = leaf_at({0, 0, 0}, block,
-                              [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 6; }, flat);
+    const auto leaf = leaf_at(
+        {0, 0, 0}, block,
+        [&](const Vec3d& p) { return p.x <= 0 && sq_length(p) < 0.09 && n++ < 6; }, flat);
     EXPECT_EQ(rims_of(leaf), PackedRims{});
 }
 
-/// A leaf on the upper face z = 0 of a solid whose other faces have the outer normals `walls`, all through the line or the
-/// point that lies 0.05 from its centre. The walls have a quarter of its points, so that its normal is its own.
+/// A leaf on the upper face z = 0 of a solid whose other faces have the outer normals `walls`, all
+/// through the line or the point that lies 0.05 from its centre. The walls have a quarter of its
+/// points, so that its normal is its own.
 CoveringSurfel leaf_at_edge(const std::vector<Vec3d>& walls, PointBlock& block) {
     block = {};
     const auto add = [&](const Vec3d& p, const Vec3d& n) {
@@ -137,14 +142,15 @@ TEST(LeafRim, ACornerHasTwo) {
     ASSERT_NE(rims.second, 0);
     for (const PackedRim rim : {rims.first, rims.second}) {
         const Rim r = unpack_rim(rim);
-        const Vec3d out = leaf.fitted.surfel.frame.u_axis * r.u + leaf.fitted.surfel.frame.v_axis * r.v;
+        const Vec3d out =
+            leaf.fitted.surfel.frame.u_axis * r.u + leaf.fitted.surfel.frame.v_axis * r.v;
         EXPECT_GT(std::max(out.x, out.y), 0.98);
         EXPECT_LE(r.reach, 0.05 / 0.3 + 1.5 * kRimStep);
     }
 }
 
-/// A leaf of few points of a square's corner or straight edge on a grid; the edge's own points have the mean normal
-/// of their faces.
+/// A leaf of few points of a square's corner or straight edge on a grid; the edge's own points have
+/// the mean normal of their faces.
 CoveringSurfel leaf_of_edge_points(bool corner, Edges edges, PointBlock& block) {
     block = {};
     for (int x = -3; x <= 0; ++x)
@@ -180,7 +186,8 @@ TEST(LeafRim, EndsAtTheEdgeWhoseOwnPointsItCovers) {
 }
 
 TEST(LeafRim, AWallThatRisesIsNoEdge) {
-    // A concave edge: the leaf ends behind the wall, where nothing sees it; the wall's points say nothing.
+    // A concave edge: the leaf ends behind the wall, where nothing sees it;
+    // the wall's points say nothing.
     PointBlock block;
     auto leaf = leaf_at_edge({{1, 0, 0}}, block);
     const std::size_t n_signs = leaf.edges.size();
@@ -190,7 +197,8 @@ TEST(LeafRim, AWallThatRisesIsNoEdge) {
     for (std::size_t i = 0; i < block.size(); ++i)
         if (block.normal[i].x > 0.5f) block.normal[i].x = -1, block.position[i].z *= -1;
     BallPoints<double> work;
-    const auto concave = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work);
+    const auto concave =
+        fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.3, 1, false, 1e-10, work);
     ASSERT_GT(concave.edges.size(), 10u);
     EXPECT_EQ(rims_of(concave), by_border);
 }

@@ -26,8 +26,8 @@ CoverRules choosing(CoverRules rules) {
 }
 
 TEST(LevelCover, TheSmallestLeavesOfACleanSurfaceKeepTheirDegree) {
-    // T so small that nearly all leaves are as small as the points allow: some 20 lean by chance, more have
-    // fewer effective points than an estimate wants.
+    // T so small that nearly all leaves are as small as the points allow: some 20 lean by chance,
+    // more have fewer effective points than an estimate wants.
     for (const char* shape : {"torus", "bumpy"})
         for (const int degree : {2, 3}) {
             SCOPED_TRACE(testing::Message() << shape << ", degree " << degree);

@@ -31,7 +31,8 @@ TEST(LevelCover, Row20AThinSheetsLeavesStayOnTheirSide) {
     for (const FittedSurfel& s : leaves_of(c)) {
         const double side = positions[s.point_id].z > 0 ? 1 : -1;
         ASSERT_NEAR(s.surfel.frame.normal.z, side, 1e-9);
-        ASSERT_NEAR(s.surfel.polynomial.a[0], 0, 1e-9);  // through its own sheet, not between the two
+        // through its own sheet, not between the two
+        ASSERT_NEAR(s.surfel.polynomial.a[0], 0, 1e-9);
         ASSERT_LT(s.fit_error, 1e-9);
     }
     EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
@@ -52,7 +53,8 @@ TEST(LevelCover, Row26AStrayPointMakesNoLeaf) {
 }
 
 TEST(LevelCover, APoleGetsNoDiscsOfTheSizeOfItsSearch) {
-    // 60 points of a thin pole above a plane: a ball that holds enough of them for a fit is 0.15 in radius.
+    // 60 points of a thin pole above a plane: a ball that holds enough of them for a fit is 0.15 in
+    // radius.
     PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < 60; ++i) {
         const double z = 0.2 + 0.015 * static_cast<double>(i);
@@ -73,7 +75,8 @@ TEST(LevelCover, AClumpInTheAirGetsNoDiscFarBeyondIt) {
     // 20 points of one normal, 0.6 above a plane: any ball up to there holds them all.
     PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < 20; ++i)
-        block.position[i] = {0.05 * random_at(4, i), 0.05 * random_at(5, i), 0.6 + 0.002 * random_at(6, i)};
+        block.position[i] = {0.05 * random_at(4, i), 0.05 * random_at(5, i),
+                             0.6 + 0.002 * random_at(6, i)};
     std::size_t on_clump = 0;
     for (const FittedSurfel& s : leaves_of(cover(block, rules_for(block)))) {
         if (s.surfel.center.z < 0.5) continue;
@@ -87,7 +90,8 @@ TEST(LevelCover, NoLeafIsAsThickAsPointsAtRandom) {
     // A bush on a plane.
     PointBlock block = graph_points(8000, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < 150; ++i) {
-        block.position[i] = {0.12 * random_at(4, i), 0.12 * random_at(5, i), 0.15 + 0.15 * random_at(6, i)};
+        block.position[i] = {0.12 * random_at(4, i), 0.12 * random_at(5, i),
+                             0.15 + 0.15 * random_at(6, i)};
         block.normal[i] = to_float(normalized(Vec3d{random_at(7, i), random_at(8, i), 1}));
     }
     for (const FittedSurfel& s : leaves_of(cover(block, rules_for(block)))) {
@@ -181,14 +185,16 @@ TEST(LevelCover, TwelvefoldDuplicatesGiveAboutTheUniqueSet) {
         }
     const CoverRules rules = rules_for(unique);
     const Cover a = cover(unique, rules), b = cover(all, rules);
-    EXPECT_NEAR(static_cast<double>(b.counts.leaves) / static_cast<double>(a.counts.leaves), 1, 0.1);
+    EXPECT_NEAR(static_cast<double>(b.counts.leaves) / static_cast<double>(a.counts.leaves), 1,
+                0.1);
     EXPECT_LE(uncovered(all, b, rules.noise_variance), b.counts.unexplained + b.counts.isolated);
 }
 
 TEST(LevelCover, AFewPointsMakeAFewDiscs) {
     for (const std::size_t n : {3u, 5u, 9u, 30u}) {
         SCOPED_TRACE(n);
-        const PointBlock block = graph_points(n, 1, 7, [](double u, double v) { return 0.1 * u * v; });
+        const PointBlock block =
+            graph_points(n, 1, 7, [](double u, double v) { return 0.1 * u * v; });
         const Cover c = cover(block, rules_for(block));
         EXPECT_GE(c.counts.leaves + c.counts.isolated + c.counts.unexplained, 1u);
         EXPECT_LE(c.counts.leaves, n);

@@ -14,8 +14,8 @@
 namespace slim::test {
 namespace {
 
-/// Points on the faces of the unit cube, on a grid of `n` a side; those on edges and corners have the mean
-/// normal of their faces, as a mesh's vertices.
+/// Points on the faces of the unit cube, on a grid of `n` a side; those on edges and corners have
+/// the mean normal of their faces, as a mesh's vertices.
 PointBlock cube_points(int n) {
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
@@ -33,8 +33,8 @@ PointBlock cube_points(int n) {
     return block_of(std::move(positions), std::move(normals));
 }
 
-/// Largest distance of a place on the cube's edges, off the grid, to the joined function of a leaf that holds
-/// it in its core; infinite if none does.
+/// Largest distance of a place on the cube's edges, off the grid, to the joined function of a leaf
+/// that holds it in its core; infinite if none does.
 double worst_on_edges(const std::vector<FittedSurfel>& leaves) {
     double worst = 0;
     for (double t = 0.0071; t < 1; t += 0.0173)
@@ -58,7 +58,8 @@ TEST(LevelCover, ACubeWithSharpEdgesIsExactInFewerLeaves) {
     EXPECT_EQ(smooth.counts.sharp_rungs, 0u);
     rules.sharp = true;
     const Cover sharp = cover(block, rules);
-    EXPECT_LT(sharp.counts.leaves, smooth.counts.leaves);  // today 300 and 312, which round the edges off
+    // today 300 and 312, which round the edges off
+    EXPECT_LT(sharp.counts.leaves, smooth.counts.leaves);
     EXPECT_GT(worst_on_edges(leaves_of(smooth)), 1e-3);
     EXPECT_GE(sharp.counts.sharp_corners, 8u);
     EXPECT_GE(sharp.counts.sharp_edges, 12u);

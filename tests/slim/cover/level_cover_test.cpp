@@ -49,7 +49,8 @@ TEST(LevelCover, Row09APlaneIsSaturatedLeavesAtTheRoot) {
         EXPECT_NEAR(s.surfel.support_radius, root, 1e-7);  // radii are kept as floats
         EXPECT_LT(s.fit_error, 1e-12 * box_of(block).diagonal());
     }
-    // About C_ov area / (pi rho^2), C_ov 5.4 to 6.3 (NUMERICS 3.4); balls of the border lie half outside.
+    // About C_ov area / (pi rho^2), C_ov 5.4 to 6.3 (NUMERICS 3.4);
+    // balls of the border lie half outside.
     const double balls = std::numbers::pi * root * root, side = 2 + 2 * root;
     EXPECT_GT(static_cast<double>(c.counts.leaves), 0.8 * 5.4 * 4 / balls);
     EXPECT_LT(static_cast<double>(c.counts.leaves), 6.3 * side * side / balls);
@@ -94,7 +95,8 @@ TEST(LevelCover, TheOrderOfThePointsDoesNotMatter) {
     other.seed = 1;
     const Cover c = cover(block, other);
     EXPECT_NE(a.surfels[0].point_id, c.surfels[0].point_id);
-    EXPECT_NEAR(static_cast<double>(c.counts.leaves) / static_cast<double>(a.counts.leaves), 1, 0.15);
+    EXPECT_NEAR(static_cast<double>(c.counts.leaves) / static_cast<double>(a.counts.leaves), 1,
+                0.15);
 }
 
 TEST(LevelCover, EveryPointIsCoveredOrCountedAsDropped) {
@@ -104,7 +106,8 @@ TEST(LevelCover, EveryPointIsCoveredOrCountedAsDropped) {
             const PointBlock block = block_of(sampled(shape, 10000, 3, noise));
             const CoverRules rules = rules_for(block, 0.01);
             const Cover c = cover(block, rules);
-            EXPECT_LE(uncovered(block, c, rules.noise_variance), c.counts.unexplained + c.counts.isolated);
+            EXPECT_LE(uncovered(block, c, rules.noise_variance),
+                      c.counts.unexplained + c.counts.isolated);
             EXPECT_LT(c.counts.unexplained + c.counts.isolated, 50u);
             std::uint64_t degrees = 0, fallbacks = 0;
             for (const std::uint64_t n : c.counts.degrees) degrees += n;

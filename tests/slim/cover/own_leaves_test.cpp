@@ -14,8 +14,8 @@
 namespace slim::test {
 namespace {
 
-/// Largest distance of points to the blend of leaves as the file holds them, along their normals; infinite where none
-/// supports one.
+/// Largest distance of points to the blend of leaves as the file holds them, along their normals;
+/// infinite where none supports one.
 double farthest_off(const PointBlock& points, const Cover& c) {
     double most = 0;
     auto leaves = leaves_of(c);
@@ -23,21 +23,27 @@ double farthest_off(const PointBlock& points, const Cover& c) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::vector<const Surfel*> near;
         for (const FittedSurfel& s : leaves)
-            if (length(points.position[i] - s.surfel.center) < s.surfel.support_radius) near.push_back(&s.surfel);
-        const auto at = project_along(points.position[i], normalized(to_double(points.normal[i])), near);
+            if (length(points.position[i] - s.surfel.center) < s.surfel.support_radius)
+                near.push_back(&s.surfel);
+        const auto at =
+            project_along(points.position[i], normalized(to_double(points.normal[i])), near);
         most = std::max(most, at ? std::abs(at->t) : INFINITY);
     }
     return most;
 }
 
-/// A bowl with a ridge across it, two points wide: too little of a large leaf for its eps to show it.
+/// A bowl with a ridge across it, two points wide: too little of a large leaf for its eps to show
+/// it.
 PointBlock ridge() {
-    const auto height = [](double u, double v) { return 0.1 * (u * u + v * v) + 0.025 * std::exp(-u * u / 4e-4); };
+    const auto height = [](double u, double v) {
+        return 0.1 * (u * u + v * v) + 0.025 * std::exp(-u * u / 4e-4);
+    };
     PointBlock block = along_curve(graph_points(20000, 1, 1, height));
     for (std::size_t i = 0; i < block.size(); ++i) {
         const Vec3d p = block.position[i];
         const double e = 0.025 * std::exp(-p.x * p.x / 4e-4);
-        block.normal[i] = to_float(normalized(Vec3d{-0.2 * p.x + e * 2 * p.x / 4e-4, -0.2 * p.y, 1}));
+        block.normal[i] =
+            to_float(normalized(Vec3d{-0.2 * p.x + e * 2 * p.x / 4e-4, -0.2 * p.y, 1}));
     }
     return block;
 }
@@ -56,10 +62,12 @@ TEST(OwnLeaves, NoPointIsFartherOffThanTAndNoiseAllow) {
     EXPECT_GT(c.counts.own, 0u);
     EXPECT_EQ(c.counts.leaves, leaves_of(c).size());
     rules.refits = false;
-    EXPECT_GT(farthest_off(block, cover(block, rules)), 1.5 * rules.farthest()) << "the ridge is no test of it";
+    EXPECT_GT(farthest_off(block, cover(block, rules)), 1.5 * rules.farthest())
+        << "the ridge is no test of it";
 }
 
-// Upright walls are where frames of normals near each other differ most: the rims of linear leaves turn with the file's.
+// Upright walls are where frames of normals near each other differ most: the rims of linear leaves
+// turn with the file's.
 TEST(OwnLeaves, OfAWallOfLinearLeavesToo) {
     PointBlock wall = ridge();
     for (Vec3d& p : wall.position) p = {p.z, p.x, p.y};

@@ -21,7 +21,8 @@ PointBlock plate() {
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
     std::uint64_t key = 0;
-    const auto noise = [&key] { return 3.46 * (unit_interval(keyed_hash(3, ++key)) - 0.5); };  // of variance 1
+    // of variance 1
+    const auto noise = [&key] { return 3.46 * (unit_interval(keyed_hash(3, ++key)) - 0.5); };
     const auto add = [&](const Vec3d& p, const Vec3d& n) {
         positions.push_back(p + Vec3d{noise(), noise(), noise()} * kNoise);
         normals.push_back(to_float(normalized(n + Vec3d{noise(), noise(), noise()} * 0.2)));
@@ -29,7 +30,8 @@ PointBlock plate() {
     const int n = static_cast<int>(1 / kSpacing), rows = static_cast<int>(kThick / kSpacing);
     for (int i = 0; i <= n; ++i)
         for (int k = 0; k <= n; ++k)
-            for (const double side : {-1.0, 1.0}) add({i * kSpacing, k * kSpacing, side * kThick / 2}, {0, 0, side});
+            for (const double side : {-1.0, 1.0})
+                add({i * kSpacing, k * kSpacing, side * kThick / 2}, {0, 0, side});
     for (int i = 0; i <= n; ++i)
         for (int k = 1; k < rows; ++k)
             for (const double side : {-1.0, 1.0}) {
@@ -40,13 +42,16 @@ PointBlock plate() {
     return block_of(std::move(positions), std::move(normals));
 }
 
-/// The mean angle between the smooth leaves in the middle of the plate's upper side and the side, degrees.
+/// The mean angle between the smooth leaves in the middle of the plate's upper side and the side,
+/// degrees.
 double tilt_of(const Cover& c) {
     double sum = 0, n = 0;
     for (const FittedSurfel& f : leaves_of(c)) {
         const Vec3d& at = f.surfel.center;
-        if (f.surfel.sharp || std::abs(at.x - 0.5) > 0.3 || std::abs(at.y - 0.5) > 0.3 || at.z < 0) continue;
-        sum += std::acos(std::min(1.0, normalized(f.surfel.sheet_gradient(0, {})).z)) * 180 / M_PI, ++n;
+        if (f.surfel.sharp || std::abs(at.x - 0.5) > 0.3 || std::abs(at.y - 0.5) > 0.3 || at.z < 0)
+            continue;
+        sum += std::acos(std::min(1.0, normalized(f.surfel.sheet_gradient(0, {})).z)) * 180 / M_PI,
+            ++n;
     }
     return n > 0 ? sum / n : INFINITY;
 }

@@ -17,8 +17,8 @@ TEST(SurfelFit, StandsInTheFrameThatTheFileKeeps) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 1000) {
-        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.15, 2,
-                                            false, 1e-10, work);
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]),
+                                            0.15, 2, false, 1e-10, work);
         const Surfel& surfel = s.fitted.surfel;
         EXPECT_EQ(surfel.center, block.position[i]);
         EXPECT_EQ(surfel.frame.normal, round_normal(surfel.frame.normal));
@@ -62,8 +62,8 @@ TEST(SurfelFit, CoveredPointsAreThoseOfTheFit) {
     const PointTree tree = tree_of(block);
     BallPoints<double> work;
     for (std::size_t i = 0; i < block.size(); i += 500) {
-        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2,
-                                            false, 1e-6, work);
+        const CoveringSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]),
+                                            0.3, 2, false, 1e-6, work);
         const CoveringSurfel whole = cover_again(tree, s.fitted, 1e-6, work);
         const auto& again = whole.covered;
         EXPECT_EQ(whole.beside, s.beside);
@@ -89,12 +89,17 @@ TEST(SurfelFit, OfWantedPointsItCoversThoseThatItCoversOfAll) {
     };
     std::size_t n_left_out = 0;
     for (std::size_t i = 0; i < block.size(); i += 100) {
-        const FittedSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3, 2, false, 1e-6, work).fitted;
+        const FittedSurfel s = fit_surfel(tree, block.position[i], to_double(block.normal[i]), 0.3,
+                                          2, false, 1e-6, work)
+                                   .fitted;
         const CoveringSurfel some = cover_again(tree, s, 1e-6, work, wanted);
         CoveringSurfel all = cover_again(tree, s, 1e-6, work);
         std::set<std::uint32_t> left_out;
-        for (std::size_t k = 160; k < 160 + PointTree::kBucket; ++k) left_out.insert(tree.source(k));
-        n_left_out += std::erase_if(all.covered, [&](const Covered& p) { return !is_wanted(p.point) || left_out.contains(p.point); });
+        for (std::size_t k = 160; k < 160 + PointTree::kBucket; ++k)
+            left_out.insert(tree.source(k));
+        n_left_out += std::erase_if(all.covered, [&](const Covered& p) {
+            return !is_wanted(p.point) || left_out.contains(p.point);
+        });
         ASSERT_EQ(some.covered.size(), all.covered.size());
         for (std::size_t k = 0; k < some.covered.size(); ++k) {
             EXPECT_EQ(some.covered[k].point, all.covered[k].point);
@@ -107,7 +112,8 @@ TEST(SurfelFit, OfWantedPointsItCoversThoseThatItCoversOfAll) {
 
 TEST(SurfelFit, AForcedLeafTakesTheLowestDegreeThatTheNoiseAsksFor) {
     const auto degree = [](double bend, double noise_variance) {
-        const PointBlock block = graph_points(200, 1, 3, [=](double u, double) { return bend * u * u; });
+        const PointBlock block =
+            graph_points(200, 1, 3, [=](double u, double) { return bend * u * u; });
         BallPoints<double> work;
         return fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, true, noise_variance, work)
             .fitted.surfel.degree;
@@ -136,7 +142,8 @@ TEST(SurfelFit, ReportsNormalsThatDisagree) {
         block.normal[i] = to_float(normalized(Vec3d{std::cos(angle), std::sin(angle), 0.05}));
     }
     BallPoints<double> work;
-    const CoveringSurfel s = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, false, 1e-10, work);
+    const CoveringSurfel s =
+        fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.5, 2, false, 1e-10, work);
     EXPECT_TRUE(s.normals_disagree);
     EXPECT_NEAR(s.fitted.surfel.frame.normal.z, 1, 1e-6);
 }
@@ -152,7 +159,8 @@ TEST(SurfelFit, AFewPointsKeepTheirDegreeUnlessAnEdgeIsAmongThem) {
         }
     BallPoints<double> work;
     const auto degree = [&](Edges edges) {
-        const auto leaf = fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.21, 2, false, 1e-12, work, edges);
+        const auto leaf =
+            fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.21, 2, false, 1e-12, work, edges);
         EXPECT_EQ(leaf.fitted.n_points, 13u);
         return leaf.fitted.surfel.degree;
     };

@@ -24,7 +24,9 @@ const Vec3f kUp{0, 0, 1}, kDown{0, 0, -1}, kAside{1, 0, 0};
 TEST(WiderBalls, ShareSidewaysIsOfThePointsThatDoNotFaceAway) {
     EXPECT_EQ(share_sideways(ball_of({kUp, kUp, kUp}), {0, 0, 1}), 0);
     EXPECT_EQ(share_sideways(ball_of({kUp, kUp, kUp, kAside}), {0, 0, 1}), 0.25);
-    EXPECT_EQ(share_sideways(ball_of({kUp, kUp, kUp, kAside, kDown, kDown, kDown, kDown}), {0, 0, 1}), 0.25);
+    EXPECT_EQ(
+        share_sideways(ball_of({kUp, kUp, kUp, kAside, kDown, kDown, kDown, kDown}), {0, 0, 1}),
+        0.25);
     EXPECT_EQ(share_sideways(ball_of({kUp, kDown}), {1, 0, 0}), 1);
 }
 

@@ -27,7 +27,8 @@ Overshoot overshoot_of(const Built& model, const std::function<double(const Vec3
         for (int i = -10; i <= 10; ++i)
             for (int j = -10; j <= 10; ++j) {
                 const double u = kTrim * i / 10, v = kTrim * j / 10, w = s.polynomial.value(u, v);
-                if (u * u + v * v + w * w >= kTrim * kTrim || !(rim_share(s.rims, u, v) > 0)) continue;
+                if (u * u + v * v + w * w >= kTrim * kTrim || !(rim_share(s.rims, u, v) > 0))
+                    continue;
                 const Vec3d p = s.center + s.frame.world_from_local({u, v, w}) * s.support_radius;
                 if (!counts(p)) continue;
                 const double d = distance(p);

@@ -12,7 +12,8 @@ namespace slim::test {
 inline const Frame<double> kUpright = frame_from_normal(Vec3d{0, 0, 1});
 inline const Vec3d kCenter{3, -2, 0.5};
 
-/// The ball about `center` filled by points center + radius (u, v, height(u, v)), |u|, |v| <= extent.
+/// The ball about `center` filled by points center + radius (u, v, height(u, v)), |u|,
+/// |v| <= extent.
 template <class T, class Height>
 BallPoints<T> ball_of(std::size_t n, double radius, std::uint64_t seed, Height&& height,
                       double extent = 1) {

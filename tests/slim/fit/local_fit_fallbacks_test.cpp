@@ -17,7 +17,11 @@ BallPoints<T> scan_lines(int lines, std::size_t n, double angle) {
     std::vector<Vec3d> positions;
     for (std::size_t i = 0; i < n; ++i) {
         const double u = 0.9 * random_at(1, i);
-        const double v = lines == 1 ? 0 : 0.4 * (2.0 * static_cast<double>(i % static_cast<std::size_t>(lines)) / (lines - 1) - 1);
+        const double v =
+            lines == 1 ? 0
+                       : 0.4 * (2.0 * static_cast<double>(i % static_cast<std::size_t>(lines)) /
+                                    (lines - 1) -
+                                1);
         positions.push_back(kCenter + Vec3d{std::cos(angle) * u - std::sin(angle) * v,
                                             std::sin(angle) * u + std::cos(angle) * v,
                                             0.01 * gaussian(2, i)});
@@ -51,7 +55,8 @@ TEST(LocalFitFallbacks, Row08ScanLinesLowerTheDegreeWhateverTheirDirection) {
 
 TEST(LocalFitFallbacks, FewPointsLowerTheDegree) {
     const auto degree_of = [](std::size_t n, int wanted, Enough enough = Enough::points) {
-        const auto ball = ball_of<double>(n, 1, 11, [](double u, double v) { return 0.1 * u * v; }, 0.6);
+        const auto ball = ball_of<double>(
+            n, 1, 11, [](double u, double v) { return 0.1 * u * v; }, 0.6);
         EXPECT_EQ(ball.n, n);
         const LocalFit fit = fit_ball(ball, 1, kUpright, wanted, enough);
         EXPECT_TRUE(std::isfinite(fit.sq_error));
@@ -63,7 +68,8 @@ TEST(LocalFitFallbacks, FewPointsLowerTheDegree) {
     EXPECT_EQ(degree_of(19, 3), 2);
     EXPECT_EQ(degree_of(12, 2), 2);
     EXPECT_EQ(degree_of(11, 2), 1);
-    // The weights make a third of the points count here: K + 2 effective ones, for an estimate of eps, are more.
+    // The weights make a third of the points count here: K + 2 effective ones,
+    // for an estimate of eps, are more.
     EXPECT_EQ(degree_of(60, 3, Enough::freedom), 3);
     EXPECT_EQ(degree_of(20, 3, Enough::freedom), 2);
     EXPECT_EQ(degree_of(24, 2, Enough::freedom), 2);
@@ -75,7 +81,8 @@ TEST(LocalFitFallbacks, FewPointsLowerTheDegree) {
 }
 
 TEST(LocalFitFallbacks, SteepFieldsFallBackUntilTheyStayInTheirBall) {
-    const auto bowl = ball_of<double>(400, 1, 4, [](double u, double v) { return 4 * u * u + 0.1 * v; }, 0.48);
+    const auto bowl = ball_of<double>(
+        400, 1, 4, [](double u, double v) { return 4 * u * u + 0.1 * v; }, 0.48);
     const LocalFit linear = fit_ball(bowl, 1, kUpright, 2);
     EXPECT_EQ(linear.degree, 1);
     EXPECT_EQ(linear.fallback, Fallback::steep);
@@ -91,7 +98,10 @@ TEST(LocalFitFallbacks, ARightAngledEdgeIsAParabolaWhereverItRuns) {
     for (double angle = 0; angle < 3; angle += 0.19) {
         SCOPED_TRACE(angle);
         const auto edge = ball_of<double>(
-            400, 1, 4, [&](double u, double v) { return -std::abs(u * std::cos(angle) + v * std::sin(angle)); },
+            400, 1, 4,
+            [&](double u, double v) {
+                return -std::abs(u * std::cos(angle) + v * std::sin(angle));
+            },
             0.7);
         const LocalFit fit = fit_ball(edge, 1, kUpright, 2);
         EXPECT_EQ(fit.degree, 2);

@@ -59,8 +59,10 @@ TEST(LocalFit, Row18RecoversANoiselessHeightFieldOfItsDegree) {
                 Polynomial<double> scaled;  // in coordinates divided by the fit's own radius
                 std::size_t k = 0;
                 for (int d = 0; d <= 3; ++d)
-                    for (int t = 0; t <= d; ++t, ++k) scaled.a[k] = truth.a[k] * std::pow(shrink, d - 1);
-                // Coordinates about a centre of size 3 carry 4e-16 / radius; NUMERICS section 6, 18.
+                    for (int t = 0; t <= d; ++t, ++k)
+                        scaled.a[k] = truth.a[k] * std::pow(shrink, d - 1);
+                // Coordinates about a centre of size 3 carry 4e-16 / radius; NUMERICS section 6,
+                // 18.
                 const double rounding = 1e-12 + 2e-15 / radius;
                 expect_coefficients(fit, scaled, rounding);
                 EXPECT_LT(std::sqrt(fit.sq_error), rounding * radius);
@@ -86,7 +88,8 @@ TEST(LocalFit, TakesTheWeightOfItsBall) {
 }
 
 TEST(LocalFit, EveryDegreeAtOnceIsEachDegreeAlone) {
-    for (const std::size_t n : {300u, 40u, 20u, 9u})  // the last are too few for cubics, for quadratics
+    // the last are too few for cubics, for quadratics
+    for (const std::size_t n : {300u, 40u, 20u, 9u})
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
             SCOPED_TRACE(testing::Message() << n << " points, seed " << seed);
             std::uint64_t i = 0;
@@ -116,7 +119,8 @@ TEST(LocalFit, AgreesWithQrOnNoisyPoints) {
             });
             for (const double shrink : {1.0, 0.6}) {
                 const LocalFit fit = fit_ball(ball, shrink, kUpright, degree);
-                // 60 points in the shrunken ball leave cubics short of effective points in some seeds.
+                // 60 points in the shrunken ball leave cubics short of effective points in some
+                // seeds.
                 EXPECT_TRUE(fit.degree == degree || shrink < 1);
                 const Eigen::VectorXd reference = fit_by_qr(ball, shrink, fit.degree);
                 for (Eigen::Index k = 0; k < reference.size(); ++k)
@@ -164,9 +168,9 @@ TEST(LocalFit, ErrorIsTheNoiseWhereThereAreManyPoints) {
 }
 
 TEST(LocalFit, ErrorOfFewPointsIsNeverBelowTheNoise) {
-    // What follows noise must not look better than what does not: that is what the correction is for.
-    // 1 - K / n_eff corrects too much under G (the terms of higher order live where G is small): measured
-    // 1.09, 1.26 and 1.76 at 79 points. The bound holds it there.
+    // What follows noise must not look better than what does not: that is what the correction is
+    // for. 1 - K / n_eff corrects too much under G (the terms of higher order live where G is
+    // small): measured 1.09, 1.26 and 1.76 at 79 points. The bound holds it there.
     constexpr double most[] = {1.15, 1.35, 1.95};
     for (int degree = 1; degree <= 3; ++degree) {
         SCOPED_TRACE(degree);
@@ -199,15 +203,17 @@ TEST(LocalFit, FloatWorkspaceAgreesWithDouble) {
 
 TEST(LocalFit, ExactPlaneKeepsAnErrorOfRounding) {
     // The difference of sums would leave 1e-8 of the heights; the pass over the residuals does not.
-    const auto ball = ball_of<double>(500, 1, 3, [](double u, double v) { return 0.3 * u - 0.2 * v; });
+    const auto ball =
+        ball_of<double>(500, 1, 3, [](double u, double v) { return 0.3 * u - 0.2 * v; });
     EXPECT_LT(std::sqrt(fit_ball(ball, 1, kUpright, 2).sq_error), 1e-14);
-    const auto single = ball_of<float>(500, 1, 3, [](double u, double v) { return 0.3 * u - 0.2 * v; });
+    const auto single =
+        ball_of<float>(500, 1, 3, [](double u, double v) { return 0.3 * u - 0.2 * v; });
     EXPECT_LT(std::sqrt(fit_ball(single, 1, kUpright, 2).sq_error), 1e-6);
 }
 
 TEST(LocalFit, NoiseAloneMissesNothing) {
-    // Sums over 400 balls of noise: what the next degree takes off, less its share, has the mean 0 and
-    // the standard error that the fit states.
+    // Sums over 400 balls of noise: what the next degree takes off, less its share, has the mean 0
+    // and the standard error that the fit states.
     constexpr double noise = 1e-3, rho = 0.5;
     for (const int degree : {1, 2, 3}) {
         SCOPED_TRACE(degree);
@@ -234,8 +240,9 @@ TEST(LocalFit, WhatTheNextDegreeWouldFindIsFound) {
     // Heights of one degree more than the fit's, without noise: all of eps^2 is missed.
     for (const int degree : {1, 2, 3}) {
         SCOPED_TRACE(degree);
-        const auto ball = ball_of<float>(
-            2000, 0.5, 3, [&](double u, double v) { return 0.05 * std::pow(u - v / 2, degree + 1); });
+        const auto ball = ball_of<float>(2000, 0.5, 3, [&](double u, double v) {
+            return 0.05 * std::pow(u - v / 2, degree + 1);
+        });
         const LocalFit fit = fit_ball_ahead(ball, 1, kUpright, degree);
         EXPECT_NEAR(fit.sq_missed / fit.sq_error, 1, 0.05);
     }

@@ -12,7 +12,8 @@ namespace slim::test {
 namespace {
 
 TEST(MdlEnergy, SeesTheWholeOfNoiseThatTheBallCutsOff) {
-    // Balls from 20 down to 6 times the noise: the weight along the normal hides 4 to 31 % of the variance.
+    // Balls from 20 down to 6 times the noise: the weight along the normal hides 4 to 31 % of the
+    // variance.
     constexpr double noise = 1;
     for (const double rho : {20., 10., 6.}) {
         SCOPED_TRACE(rho);
@@ -41,7 +42,8 @@ TEST(MdlEnergy, IsThePapersAndScalesAsALengthSquared) {
     EXPECT_DOUBLE_EQ(scaled(3e-5 * s * s, 0.1 * s), s * s * energy(3e-5, 0.1));
     LocalFit fit;
     fit.degree = 2, fit.sq_error = 3e-5, fit.n_effective = 56;
-    EXPECT_DOUBLE_EQ(energy.upper_bound(fit, 0.1), energy(3e-5, 0.1) + 2 * whole * std::sqrt(2.0 / 50));
+    EXPECT_DOUBLE_EQ(energy.upper_bound(fit, 0.1),
+                     energy(3e-5, 0.1) + 2 * whole * std::sqrt(2.0 / 50));
     fit.n_effective = 1;
     EXPECT_TRUE(std::isfinite(energy.upper_bound(fit, 0.1)));
 }

@@ -29,11 +29,14 @@ BallPoints<T> ball_of(std::size_t n) {
 
 /// Point by point in doubles.
 template <int Degree, class T>
-Moments<Degree> plain_moments(const BallPoints<T>& ball, const Frame<double>& frame, double shrink) {
+Moments<Degree> plain_moments(const BallPoints<T>& ball, const Frame<double>& frame,
+                              double shrink) {
     Moments<Degree> out;
     for (std::size_t i = 0; i < ball.n; ++i) {
-        const Vec3d p = frame.local_from_world(Vec3d{double(ball.x[i]), double(ball.y[i]), double(ball.z[i])});
-        const double g = fit_weight(ball.weight, static_cast<double>(ball.sq[i]) / (shrink * shrink));
+        const Vec3d p =
+            frame.local_from_world(Vec3d{double(ball.x[i]), double(ball.y[i]), double(ball.z[i])});
+        const double g =
+            fit_weight(ball.weight, static_cast<double>(ball.sq[i]) / (shrink * shrink));
         std::size_t k = 0;
         for (int d = 0; d <= 2 * Degree; ++d)
             for (int b = 0; b <= d; ++b, ++k) {
@@ -56,7 +59,8 @@ void expect_moments(double tolerance) {
         const auto wanted = plain_moments<Degree>(ball, frame, 0.9);
         const double most = tolerance * wanted.weight();
         for (std::size_t k = 0; k < found.monomial.size(); ++k)
-            EXPECT_NEAR(found.monomial[k], wanted.monomial[k], most) << Degree << " " << n << " " << k;
+            EXPECT_NEAR(found.monomial[k], wanted.monomial[k], most)
+                << Degree << " " << n << " " << k;
         for (std::size_t k = 0; k < found.height.size(); ++k)
             EXPECT_NEAR(found.height[k], wanted.height[k], most) << Degree << " " << n << " " << k;
         EXPECT_NEAR(found.sq_height, wanted.sq_height, most);
@@ -65,7 +69,8 @@ void expect_moments(double tolerance) {
 }
 
 TEST(Moments, AreSumsOverThePoints) {
-    expect_moments<1, double>(1e-8), expect_moments<2, double>(1e-8);  // G's polynomial is exact to 5e-9 either way
+    // G's polynomial is exact to 5e-9 either way
+    expect_moments<1, double>(1e-8), expect_moments<2, double>(1e-8);
     expect_moments<3, double>(1e-8), expect_moments<4, double>(1e-8);
     expect_moments<1, float>(2e-6), expect_moments<2, float>(2e-6);
     expect_moments<3, float>(2e-6), expect_moments<4, float>(2e-6);

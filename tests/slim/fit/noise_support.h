@@ -14,7 +14,8 @@ namespace slim::test {
 /// The noise of a cloud as its points show it, at most so many of them, chosen by a hash of their
 /// ids.
 inline NoiseVariance measured_noise(const std::vector<Vec3d>& points, std::size_t neighbors = 0,
-                                    std::size_t most_samples = 1000000) {
+                                    std::size_t most_samples = 1000000,
+                                    std::size_t fewest = kFewestSamples) {
     const PointBlock block = along_curve(block_of(points, std::vector<Vec3f>(points.size())));
     std::vector<std::uint32_t> samples(block.size());
     std::iota(samples.begin(), samples.end(), 0u);
@@ -23,7 +24,7 @@ inline NoiseVariance measured_noise(const std::vector<Vec3d>& points, std::size_
     });
     samples.resize(std::min(samples.size(), most_samples));
     const NearestSearch search(block.position);
-    return estimate_noise_variance(search, samples, neighbors);
+    return estimate_noise_variance(search, samples, neighbors, {}, fewest);
 }
 
 }  // namespace slim::test

@@ -67,8 +67,9 @@ TEST(NoiseVariance, NoiseLargerThanTheSpacingTakesMoreNeighbours) {
 }
 
 TEST(NoiseVariance, EdgesDoNotPassForNoise) {
-    // A coarse cube, where no neighbourhood is flat, has the noise of the flattest; with as many neighbours
-    // as it takes, the whole cube, it would be a tenth of its size. sigma is half a spacing.
+    // A coarse cube, where no neighbourhood is flat, has the noise of the flattest; with as many
+    // neighbours as it takes, the whole cube, it would be a tenth of its size. sigma is half a
+    // spacing.
     constexpr double sigma = 0.015;
     std::vector<Vec3d> points;
     for (std::uint64_t i = 0; i < 6000; ++i) {
@@ -99,6 +100,34 @@ TEST(NoiseVariance, ScalesAsALengthSquaredBitByBit) {
     const NoiseVariance large = noise_of(points);
     EXPECT_EQ(large.value, one.value * 1024 * 1024);
     EXPECT_EQ(large.flatness, one.flatness);
+}
+
+TEST(NoiseVariance, IsOverFewerSamplesTheMoreNeighboursButNotFewerThanAsked) {
+    const std::vector<Vec3d> points = noisy_plane(5000, 1e-3);
+    const auto n_sampled = [&](std::size_t neighbors, std::size_t fewest) {
+        return measured_noise(points, neighbors, 1000000, fewest).n_sampled;
+    };
+    EXPECT_EQ(n_sampled(10, 1), 5000u);
+    EXPECT_EQ(n_sampled(100, 1), 500u);
+    EXPECT_EQ(n_sampled(100, 499), 500u);
+    EXPECT_EQ(n_sampled(100, 501), 501u);
+    EXPECT_EQ(n_sampled(100, kFewestSamples), 1000u);
+    EXPECT_EQ(n_sampled(100, 6000), 5000u);  // there are no more
+    EXPECT_EQ(measured_noise(points, 100).n_sampled, kFewestSamples);
+}
+
+// The share of one slice of many: the mean is noisier, not another.
+TEST(NoiseVariance, OverFewSamplesIsThatOfAllUpToTheirScatter) {
+    // Thicker than the spacing, so that many neighbours are taken; their number does not depend on
+    // how many samples the mean is over.
+    const std::vector<Vec3d> points = noisy_plane(40000, 0.03);
+    const NoiseVariance all = measured_noise(points, 0, 1000000, 40000),
+                        few = measured_noise(points, 0, 1000000, 100);
+    EXPECT_EQ(few.neighbors, all.neighbors);
+    EXPECT_EQ(all.n_sampled, 40000u);
+    EXPECT_LT(few.n_sampled, 10000u);
+    EXPECT_NEAR(few.value / all.value, 1, 0.05);
+    EXPECT_NEAR(few.spacing / all.spacing, 1, 0.02);
 }
 
 TEST(NoiseVariance, IsTheSameForAnyNumberOfThreads) {

@@ -19,7 +19,8 @@ namespace {
 const Frame<double> kUpright = frame_from_normal(Vec3d{0, 0, 1});
 constexpr double kNoise = 0.02;
 
-/// A cubic with noisy heights over the disc of radius 1; normals are those of the cubic, tilted along u.
+/// A cubic with noisy heights over the disc of radius 1; normals are those of the cubic,
+/// tilted along u.
 BallPoints<double> noisy_cubic(const Polynomial<double>& truth, std::uint64_t seed, double noise,
                                double tilt = 0) {
     std::uint64_t i = 0;
@@ -28,7 +29,8 @@ BallPoints<double> noisy_cubic(const Polynomial<double>& truth, std::uint64_t se
     });
     for (std::size_t k = 0; k < block.size(); ++k) {
         const Vec3d p = block.position[k];
-        block.normal[k] = to_float(normalized(Vec3d{-truth.d_u(p.x, p.y) + tilt, -truth.d_v(p.x, p.y), 1}));
+        block.normal[k] =
+            to_float(normalized(Vec3d{-truth.d_u(p.x, p.y) + tilt, -truth.d_v(p.x, p.y), 1}));
     }
     BallPoints<double> ball;
     gather_ball(tree_of(block), {0, 0, 0}, 1, ball);
@@ -43,7 +45,8 @@ Polynomial<double> a_cubic() {
 
 double off_slopes(const LocalFit& fit, const Polynomial<double>& truth) {
     double sum = 0;
-    for (std::size_t k = 1; k < kMaxCoefficients; ++k) sum += std::pow(fit.polynomial.a[k] - truth.a[k], 2);
+    for (std::size_t k = 1; k < kMaxCoefficients; ++k)
+        sum += std::pow(fit.polynomial.a[k] - truth.a[k], 2);
     return std::sqrt(sum);
 }
 
@@ -58,7 +61,8 @@ TEST(NormalsInFit, BetterThanThePointsTheyMakeTheShapeBetter) {
             Polynomial<double> scaled;
             std::size_t k = 0;
             for (int d = 0; d <= 3; ++d)
-                for (int t = 0; t <= d; ++t, ++k) scaled.a[k] = truth.a[k] * std::pow(shrink, d - 1);
+                for (int t = 0; t <= d; ++t, ++k)
+                    scaled.a[k] = truth.a[k] * std::pow(shrink, d - 1);
             EXPECT_LT(off_slopes(both, scaled), 0.02 * off_slopes(alone, truth));
             EXPECT_NEAR(both.polynomial.a[0], 0, 4 * kNoise / std::sqrt(both.n_effective));
             EXPECT_NEAR(std::sqrt(both.sq_error) / kNoise, 1, 0.1);
@@ -131,7 +135,8 @@ double variance_of(double curvature, double noise) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
         const double u = random_at(1, i), v = random_at(2, i);
         positions.push_back({u, v, 0});
-        normals.push_back(to_float(Vec3d{curvature * u + noise * gaussian(3, i), noise * gaussian(4, i), 1}));
+        normals.push_back(
+            to_float(Vec3d{curvature * u + noise * gaussian(3, i), noise * gaussian(4, i), 1}));
     }
     std::vector<std::uint32_t> all(positions.size());
     std::iota(all.begin(), all.end(), 0u);
@@ -153,7 +158,8 @@ TEST(NormalVariance, NormalsInformWhereTheyAreBetterThanNoisyPoints) {
     EXPECT_FALSE(normals_inform(0, 0, 0));
 }
 
-/// normal_independence of a noisy sphere's normals: exact ones, or those of planes through so many neighbours.
+/// normal_independence of a noisy sphere's normals: exact ones,
+/// or those of planes through so many neighbours.
 double independence(std::size_t estimated_from, std::size_t first_k) {
     PointBlock points = along_curve(block_of(sampled("sphere", 40000, 1, 1e-3)));
     const NearestSearch search(points.position);
@@ -162,10 +168,11 @@ double independence(std::size_t estimated_from, std::size_t first_k) {
     for (std::uint32_t i = 0; i < points.size(); i += 67) samples.push_back(i);
     const std::vector<Vec3f> exact = points.normal;
     if (estimated_from > 0)
-        search.for_each(all, estimated_from, [&](std::size_t w, std::span<const std::uint32_t> near) {
-            const Vec3d n = spread_of(points.position, near).normal;
-            points.normal[w] = to_float(n * std::copysign(1.0, dot(n, to_double(exact[w]))));
-        });
+        search.for_each(
+            all, estimated_from, [&](std::size_t w, std::span<const std::uint32_t> near) {
+                const Vec3d n = spread_of(points.position, near).normal;
+                points.normal[w] = to_float(n * std::copysign(1.0, dot(n, to_double(exact[w]))));
+            });
     return normal_independence(search, samples, points.normal, first_k);
 }
 

@@ -14,8 +14,8 @@ namespace slim::test {
 namespace {
 
 double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
     return values[values.size() / 2];
 }
 
@@ -31,8 +31,9 @@ struct Ground {
         noise_variance = measured_noise(block.position, 0, 20000).value;
     }
     RadiusLadder ladder(double mdl_threshold, int degree, const LadderRules& rules = {}) const {
-        return {*pyramid, {noise_variance, mdl_threshold * diagonal}, diagonal / 10, diagonal * 1e-15,
-                degree, rules};
+        return {*pyramid,      {noise_variance, mdl_threshold * diagonal},
+                diagonal / 10, diagonal * 1e-15,
+                degree,        rules};
     }
     RadiusChoice choose(const RadiusLadder& ladder, std::size_t i) const {
         LadderWork work;
@@ -60,7 +61,8 @@ double median_radius(const RadiusLadder& ladder, const Ground& ground) {
 }
 
 TEST(RadiusLadder, Row11FindsTheOptimumOfASphere) {
-    // NUMERICS 3.2, R = 1: quadratic rho^10 = 16 lambda T^2 L^2 / c4^2, linear rho^6 = 2 lambda T^2 L^2 / c2^2.
+    // NUMERICS 3.2, R = 1: quadratic rho^10 = 16 lambda T^2 L^2 / c4^2,
+    // linear rho^6 = 2 lambda T^2 L^2 / c2^2.
     constexpr double sq_c4 = 4.1003e-4, sq_c2 = 0.013015;
     const Ground& g = sphere();
     const auto optimum = [&](double t, int degree) {
@@ -127,7 +129,8 @@ TEST(RadiusLadder, NoiseTakesLargeBallsNotSpecks) {
     Ground g(block_of(sampled("sphere", 50000, 1, 1e-3)));
     const RadiusLadder ladder = g.ladder(0.01, 2);
     std::vector<double> radii;
-    for (std::size_t i = 0; i < g.block.size(); i += 250) radii.push_back(g.choose(ladder, i).radius);
+    for (std::size_t i = 0; i < g.block.size(); i += 250)
+        radii.push_back(g.choose(ladder, i).radius);
     std::sort(radii.begin(), radii.end());
     // Measured 0.052, 0.10 and 0.349; a speck would be a radius of one or two spacings, 0.016 each.
     EXPECT_GT(radii.front(), 0.045);
@@ -136,19 +139,21 @@ TEST(RadiusLadder, NoiseTakesLargeBallsNotSpecks) {
 }
 
 TEST(RadiusLadder, NoiseThickerThanTheSpacingIsSeenWhole) {
-    // 0.7 % of the diagonal is two spacings. Small balls cut the noise off and would pass for good fits.
+    // 0.7 % of the diagonal is two spacings. Small balls cut the noise off and would pass for good
+    // fits.
     Ground g(block_of(sampled("sphere", 50000, 1, 0.007)));
     const RadiusLadder ladder = g.ladder(0.01, 2);
     std::vector<double> radii;
-    for (std::size_t i = 0; i < g.block.size(); i += 250) radii.push_back(g.choose(ladder, i).radius);
+    for (std::size_t i = 0; i < g.block.size(); i += 250)
+        radii.push_back(g.choose(ladder, i).radius);
     std::sort(radii.begin(), radii.end());
     // Measured: 0.055, two sigma, at the least; 0.37, the largest, from one in ten on.
     EXPECT_GT(radii[radii.size() / 10], 0.2);
 }
 
 TEST(RadiusLadder, ABiasThatHidesInTheNoiseIsFound) {
-    // Height c u^3 and noise: what a quadric misses in the largest ball is 0.39 of the noise, 0.15 of
-    // its variance, which hides in two standard errors of eps^2, 0.25.
+    // Height c u^3 and noise: what a quadric misses in the largest ball is 0.39 of the noise, 0.15
+    // of its variance, which hides in two standard errors of eps^2, 0.25.
     constexpr double noise = 1e-3, reach = 1;
     const auto chosen = [&](double c) {
         std::uint64_t i = 0;
@@ -180,7 +185,8 @@ TEST(RadiusLadder, ContraryNormalsEndTheBall) {
         const double edge = std::max(std::abs(positions[i].x), std::abs(positions[i].z));
         const RadiusChoice choice = g.choose(ladder, i);
         if (choice.forced) continue;  // no ball of enough points keeps to one side
-        // Average normals lean over as the other side comes in; the ball ends before it holds much of it.
+        // Average normals lean over as the other side comes in;
+        // the ball ends before it holds much of it.
         EXPECT_LT(choice.radius, 1.35 * edge + 0.02) << edge;
     }
 }
@@ -223,7 +229,8 @@ TEST(RadiusLadder, FewerPointsThanARungWantsAreTakenAllTogether) {
     }
 }
 
-/// Of 40 balls on a plane with 1 % contrary normals, those points `off` above it, how many reach rho_0.
+/// Of 40 balls on a plane with 1 % contrary normals, those points `off` above it,
+/// how many reach rho_0.
 std::size_t saturated_with_contrary(double off, double contrary_share) {
     PointBlock block = graph_points(20000, 1, 2, [](double, double) { return 0.0; });
     for (std::size_t i = 5; i < block.size(); i += 100) {

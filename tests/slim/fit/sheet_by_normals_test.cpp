@@ -18,7 +18,8 @@ PointBlock quadric_points(std::size_t n) {
     });
     for (std::size_t i = 0; i < n; ++i) {
         const double u = block.position[i].x, v = block.position[i].y;
-        block.normal[i] = to_float(normalized(Vec3d{-(0.2 + 0.6 * u - 0.2 * v), -(-0.1 - 0.2 * u + 0.2 * v), 1}));
+        block.normal[i] =
+            to_float(normalized(Vec3d{-(0.2 + 0.6 * u - 0.2 * v), -(-0.1 - 0.2 * u + 0.2 * v), 1}));
     }
     return block;
 }
@@ -53,8 +54,8 @@ TEST(SheetByNormals, WithoutNormalsOrWithTooFewPointsThereIsNone) {
 }
 
 TEST(SheetByNormals, AFaceThatCurvesAwayAlongAnEdgeTakesAQuadricOfFewPoints) {
-    // The plane z = 0 above a wall: a cylinder of radius 0.8 about an axis along z. Ten points of the wall and five
-    // of the edge are no quadric by themselves, under G.
+    // The plane z = 0 above a wall: a cylinder of radius 0.8 about an axis along z. Ten points of
+    // the wall and five of the edge are no quadric by themselves, under G.
     constexpr double kRadius = 0.8;
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
@@ -74,7 +75,8 @@ TEST(SheetByNormals, AFaceThatCurvesAwayAlongAnEdgeTakesAQuadricOfFewPoints) {
     EXPECT_EQ(fit->outer, Join::max);
     const Surfel s = fit->surfel({}, 1);
     for (double t = -0.6; t <= 0.6; t += 0.1) {
-        const Vec3d on_wall = (Vec3d{std::cos(t), std::sin(t), 0} - Vec3d{1, 0, 0}) * kRadius - Vec3d{0, 0, 0.1};
+        const Vec3d on_wall =
+            (Vec3d{std::cos(t), std::sin(t), 0} - Vec3d{1, 0, 0}) * kRadius - Vec3d{0, 0, 0.1};
         EXPECT_NEAR(s.value(on_wall), 0, 0.05) << t;  // planes: 0.1 at the ends
     }
 }

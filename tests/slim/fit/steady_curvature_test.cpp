@@ -49,37 +49,40 @@ TEST(SteadyCurvature, LeavesExactDataAsTheyAre) {
 }
 
 TEST(SteadyCurvature, NoiseNoLongerSpeckles) {
-    // A weakly curved cylinder (H = 0.125) with noise of 0.02 in balls of radius 0.1: the error of a fit to one
-    // ball is some tens.
+    // A weakly curved cylinder (H = 0.125) with noise of 0.02 in balls of radius 0.1: the error of
+    // a fit to one ball is some tens.
     double plain = 0, steady = 0;
     constexpr int kSeeds = 40;
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-        PointBlock block =
-            graph_points(4000, 1, seed, [](double u, double) { return std::sqrt(1 - 0.25 * u * u); });
+        PointBlock block = graph_points(
+            4000, 1, seed, [](double u, double) { return std::sqrt(1 - 0.25 * u * u); });
         for (std::size_t i = 0; i < block.size(); ++i)
             block.position[i].z += 0.02 * gaussian(seed + 1000, i) - 1;
         const Result r = at_origin(block, 2, 0.02 * 0.02, 2);
         plain += std::pow(mean_curvature(r.plain) - 0.125, 2);
         steady += std::pow(mean_curvature(r.steady) - 0.125, 2);
     }
-    // Two rungs of g each widen the ball 2.6 times: the error falls as rho^-3, by up to 18, and what passes the
-    // test of two standard errors is rare.
+    // Two rungs of g each widen the ball 2.6 times: the error falls as rho^-3, by up to 18, and
+    // what passes the test of two standard errors is rare.
     EXPECT_LT(std::sqrt(steady / kSeeds), 0.25 * std::sqrt(plain / kSeeds));
 }
 
 TEST(SteadyCurvature, KeepsABumpThatStandsOutOfTheNoise) {
-    // A Gaussian bump of the ball's size: H = 10 at its top, noise of 1e-4 gives an error of some tenths.
+    // A Gaussian bump of the ball's size: H = 10 at its top,
+    // noise of 1e-4 gives an error of some tenths.
     PointBlock block = graph_points(40000, 1, 3, [](double u, double v) {
         return 0.025 * std::exp(-(u * u + v * v) / (2 * 0.05 * 0.05));
     });
-    for (std::size_t i = 0; i < block.size(); ++i) block.position[i].z += 1e-4 * gaussian(9, i) - 0.025;
+    for (std::size_t i = 0; i < block.size(); ++i)
+        block.position[i].z += 1e-4 * gaussian(9, i) - 0.025;
     const Result r = at_origin(block, 2, 1e-8, 2);
     EXPECT_GT(mean_curvature(r.plain), 3);
     EXPECT_NEAR(mean_curvature(r.steady), mean_curvature(r.plain), 0.05 * mean_curvature(r.plain));
 }
 
 TEST(SteadyCurvature, LendsAPlaneTheCurvatureOfItsSurroundings) {
-    // A forced leaf takes a plane; its curvature comes from the wider balls: 2 * 0.2 of z = -0.2 (u^2 + v^2).
+    // A forced leaf takes a plane; its curvature comes from the wider balls:
+    // 2 * 0.2 of z = -0.2 (u^2 + v^2).
     const PointBlock block = graph_points(
         4000, 1, 7, [](double u, double v) { return -0.2 * (u * u + v * v); });
     const Result r = at_origin(block, 2, 1e-12, 1);

@@ -54,7 +54,10 @@ TEST(DistinctPoints, WithoutNormalsThePlaceDecidesAndAZeroNormalGivesWay) {
 }
 
 TEST(DistinctPoints, OnlyWhatIsAskedForCounts) {
-    PointBlock block = block_of({{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {0, 0, 1}}, {{5, 0, 0}, {0, 0, 1}}, {{5, 0, 0}, {0, 0, 1}}});
+    PointBlock block = block_of({{{0, 0, 0}, {0, 0, 1}},
+                                 {{0, 0, 0}, {0, 0, 1}},
+                                 {{5, 0, 0}, {0, 0, 1}},
+                                 {{5, 0, 0}, {0, 0, 1}}});
     EXPECT_EQ(keep_distinct(block, [](const Vec3d& p) { return p.x > 1; }), 1u);
     EXPECT_EQ(block.size(), 2u);
     PointBlock none;

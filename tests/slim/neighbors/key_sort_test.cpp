@@ -13,20 +13,25 @@
 namespace slim::test {
 namespace {
 
+/// By key, items of equal keys in their order, on several threads.
+void expect_sorts(KeyedIndices items) {
+    KeyedIndices expected = items;
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](const auto& a, const auto& b) { return a.key < b.key; });
+    const ThreadLimit limit(3);
+    sort_by_key(items);
+    EXPECT_TRUE(items == expected);
+    sort_by_key(items);
+    EXPECT_TRUE(items == expected);
+}
+
 TEST(KeySort, SortsByKeyAndKeepsTheOrderOfEqualOnes) {
     for (const std::size_t n : {0u, 1u, 100u, 5000u, 200000u})
         for (const std::uint64_t mask : {~0ull, 0xffull, 0xff00ff0000ull, 0ull}) {
             SCOPED_TRACE(testing::Message() << n << " items, mask " << mask);
             KeyedIndices items(n);
             for (std::uint32_t i = 0; i < n; ++i) items[i] = {keyed_hash(3, i) & mask, i};
-            KeyedIndices expected = items;
-            std::stable_sort(expected.begin(), expected.end(),
-                             [](const auto& a, const auto& b) { return a.key < b.key; });
-            const ThreadLimit limit(3);
-            sort_by_key(items);
-            EXPECT_TRUE(items == expected);
-            sort_by_key(items);
-            EXPECT_TRUE(items == expected);
+            expect_sorts(std::move(items));
         }
 }
 
@@ -36,12 +41,7 @@ TEST(KeySort, SortsACrowdInOneCornerOfTheRange) {
         const std::uint64_t key = keyed_hash(5, i) >> 1;
         items[i] = {i % 8 == 0 ? key : key >> 20, i};
     }
-    KeyedIndices expected = items;
-    std::stable_sort(expected.begin(), expected.end(),
-                     [](const auto& a, const auto& b) { return a.key < b.key; });
-    const ThreadLimit limit(3);
-    sort_by_key(items);
-    EXPECT_TRUE(items == expected);
+    expect_sorts(std::move(items));
 }
 
 TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {
@@ -50,7 +50,8 @@ TEST(SortAlongCurve, PutsRepeatsSideBySideWhateverTheOrderTheyCameIn) {
     for (std::size_t i = 0; i < block.size(); ++i)
         block.scan.push_back(static_cast<std::uint16_t>(block.id[i] % 7));
     PointBlock other = permuted(block, 5);
-    for (const std::uint64_t id : other.id) other.scan.push_back(static_cast<std::uint16_t>(id % 7));
+    for (const std::uint64_t id : other.id)
+        other.scan.push_back(static_cast<std::uint16_t>(id % 7));
     const Bbox box = box_of(block);
     sort_along_curve(block, box);
     sort_along_curve(other, box);

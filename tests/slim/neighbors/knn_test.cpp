@@ -18,7 +18,8 @@ TEST(KnnIndex, FindsTheNearestAtTheirDistances) {
         ASSERT_EQ(index.size(), block.size());
         std::vector<Vec3d> queries;
         for (std::uint64_t q = 0; q < 100; ++q)
-            queries.push_back(q % 2 ? random_in_cube(96, q) * 2.0 : block.position[q % block.size()]);
+            queries.push_back(q % 2 ? random_in_cube(96, q) * 2.0
+                                    : block.position[q % block.size()]);
         std::vector<std::uint32_t> found;
         std::vector<double> sq_distances;
         const std::size_t k = index.search(queries, 20, found, sq_distances);
@@ -27,7 +28,8 @@ TEST(KnnIndex, FindsTheNearestAtTheirDistances) {
             const std::vector<double> expected = brute_distances(block, queries[q], k);
             for (std::size_t j = 0; j < k; ++j) {
                 ASSERT_NEAR(sq_distances[q * k + j], expected[j], 1e-14);
-                ASSERT_NEAR(sq_length(block.position[found[q * k + j]] - queries[q]), expected[j], 1e-14);
+                ASSERT_NEAR(sq_length(block.position[found[q * k + j]] - queries[q]), expected[j],
+                            1e-14);
             }
         }
     }

@@ -25,7 +25,8 @@ std::vector<double> brute_place_distances(const PointBlock& block, const Vec3d& 
 }
 
 /// Every wanted point's neighbours against brute force.
-void expect_nearest(const PointBlock& block, const std::vector<std::uint32_t>& wanted, std::size_t k) {
+void expect_nearest(const PointBlock& block, const std::vector<std::uint32_t>& wanted,
+                    std::size_t k) {
     const NearestSearch search(block.position);
     std::vector<std::vector<std::uint32_t>> found(wanted.size());
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
@@ -50,7 +51,8 @@ void expect_nearest(const PointBlock& block, const std::vector<std::uint32_t>& w
 
 std::vector<std::uint32_t> every(const PointBlock& block, std::size_t step) {
     std::vector<std::uint32_t> wanted;
-    for (std::size_t i = 0; i < block.size(); i += step) wanted.push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < block.size(); i += step)
+        wanted.push_back(static_cast<std::uint32_t>(i));
     return wanted;
 }
 
@@ -99,9 +101,11 @@ TEST(NearestSearch, AnswersTheSameForAnyNumberOfThreads) {
         const ThreadLimit limit(n);
         std::vector<std::uint32_t> all(block.size() * 12);
         NearestSearch(block.position)
-            .for_each(every(block, 1), 12, [&](std::size_t w, std::span<const std::uint32_t> found) {
-                std::copy(found.begin(), found.end(), all.begin() + static_cast<std::ptrdiff_t>(w * 12));
-            });
+            .for_each(every(block, 1), 12,
+                      [&](std::size_t w, std::span<const std::uint32_t> found) {
+                          std::copy(found.begin(), found.end(),
+                                    all.begin() + static_cast<std::ptrdiff_t>(w * 12));
+                      });
         answers.push_back(all);
     }
     EXPECT_EQ(answers[0], answers[1]);

@@ -22,7 +22,8 @@ TEST(PointPyramid, ThinningsAreNestedAndKeepTheirShare) {
         EXPECT_NEAR(static_cast<double>(tree.size()), expected, 4 * std::sqrt(expected));
         std::set<std::uint32_t> here, prefix;
         for (std::size_t i = 0; i < tree.size(); ++i) here.insert(tree.source(i));
-        for (std::size_t i = 0; i < pyramid.level_size(l); ++i) prefix.insert(pyramid.by_priority()[i]);
+        for (std::size_t i = 0; i < pyramid.level_size(l); ++i)
+            prefix.insert(pyramid.by_priority()[i]);
         EXPECT_EQ(here, prefix);
         expected *= 0.381966;
     }

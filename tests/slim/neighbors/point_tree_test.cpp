@@ -12,7 +12,8 @@
 namespace slim::test {
 namespace {
 
-/// How far a bucket's floats may be off in a cloud of width 2: half a unit of 2^-24 on each axis, and some.
+/// How far a bucket's floats may be off in a cloud of width 2: half a unit of 2^-24 on each axis,
+/// and some.
 constexpr double kOfBuckets = 3e-7;
 
 std::vector<std::uint32_t> brute_ball(const PointBlock& block, const Vec3d& c, double radius) {
@@ -40,7 +41,8 @@ TEST(PointTree, BucketsInABallHoldEveryPointOfIt) {
                     EXPECT_TRUE(offered.insert(tree.source(i)).second) << "a bucket came twice";
                 }
             });
-            for (const std::uint32_t i : brute_ball(block, c, radius)) EXPECT_TRUE(offered.contains(i));
+            for (const std::uint32_t i : brute_ball(block, c, radius))
+                EXPECT_TRUE(offered.contains(i));
         }
     }
 }
@@ -93,7 +95,8 @@ TEST(PointTree, CountsLikeBruteForceUpToEnough) {
             const double radius = 0.05 * static_cast<double>(q + 1);
             const std::size_t all = brute_ball(block, c, radius).size();
             for (const std::size_t enough : {1u, 10u, 100000u})
-                EXPECT_EQ(count_in_ball(tree, c, radius, enough), std::min<std::size_t>(all, enough));
+                EXPECT_EQ(count_in_ball(tree, c, radius, enough),
+                          std::min<std::size_t>(all, enough));
         }
     }
 }
@@ -123,8 +126,10 @@ TEST(GatherDisc, HoldsThePointsWhoseFeetAreInIt) {
                 const Vec3d d = tree.position(i) - c, n = to_double(tree.normal(i));
                 const double foot = length(d - normal * dot(d, normal)), cosine = dot(n, normal);
                 const bool own = sq_length(n) > 0;
-                least += length(d) < kBall - kMargin && foot < kDisc - kMargin && (!own || cosine > 0.2 + 1e-3);
-                most += length(d) < kBall + kMargin && foot < kDisc + kMargin && (!own || cosine > 0.2 - 1e-3);
+                least += length(d) < kBall - kMargin && foot < kDisc - kMargin &&
+                         (!own || cosine > 0.2 + 1e-3);
+                most += length(d) < kBall + kMargin && foot < kDisc + kMargin &&
+                        (!own || cosine > 0.2 - 1e-3);
             }
             EXPECT_GE(disc.n, least);
             EXPECT_LE(disc.n, most);

@@ -63,7 +63,8 @@ TEST(CloudSample, LeavesOutWhatIsNotFiniteButCountsIt) {
 }
 
 TEST(RefitBudget, DividesWhatTheModelLeaves) {
-    const RefitBudget usual = refit_budget(std::uint64_t{1} << 30, 15000), small = refit_budget(kLeastSmoothMemory, 15000);
+    const RefitBudget usual = refit_budget(std::uint64_t{1} << 30, 15000),
+                      small = refit_budget(kLeastSmoothMemory, 15000);
     EXPECT_GT(usual.points, 3500000u);
     EXPECT_LT(small.points, usual.points / 20);
     EXPECT_GT(small.points, 50000u);

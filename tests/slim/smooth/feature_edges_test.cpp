@@ -46,7 +46,8 @@ TEST(FeatureEdges, AreThoseOfRoofsNotOfWaves) {
 }
 
 TEST(FeatureEdges, AreTheSameForAnyNumberOfThreads) {
-    const Mesh mesh = sheet(40, [](double x, double y) { return roofs(x, y) + 0.002 * std::sin(400 * x + 300 * y); });
+    const Mesh mesh = sheet(
+        40, [](double x, double y) { return roofs(x, y) + 0.002 * std::sin(400 * x + 300 * y); });
     std::vector<std::size_t> at_edges, asked;
     for (const int threads : {1, 2, 3, 8}) {
         const ThreadLimit limit(threads);

@@ -24,7 +24,13 @@ std::vector<std::vector<PlacedFit>> grid(double lift, double noise) {
             const auto key = static_cast<std::uint64_t>(21 * i + j);
             const double off = noise * (2 * unit_interval(keyed_hash(1, key, 3)) - 1);
             out[static_cast<std::size_t>(i)].push_back(
-                {{{0.1 * i, 0.1 * j, 0}, 0.5 * kRadius, facing(1), {}, 2}, kRadius, lift + off, noise * noise / 3, 0, {}, 0});
+                {{{0.1 * i, 0.1 * j, 0}, 0.5 * kRadius, facing(1), {}, 2},
+                 kRadius,
+                 lift + off,
+                 noise * noise / 3,
+                 0,
+                 {},
+                 0});
         }
     return out;
 }
@@ -74,12 +80,14 @@ TEST(LiftFits, SlopesTurnByWhatIsNotNoiseInThem) {
         auto fits = grid(0, 1e-6);
         double n = 0;
         for (auto& row : fits)
-            for (PlacedFit& f : row) f.turn = {std::fmod(++n, 2) > 0 ? size : -size, 0}, f.sq_turn_error = 1e-4;
+            for (PlacedFit& f : row)
+                f.turn = {std::fmod(++n, 2) > 0 ? size : -size, 0}, f.sq_turn_error = 1e-4;
         lift_fits(fits);
         // Of squares of 0.01 a hundredth is noise; of 0.0001 all.
         const double share = size > 0.05 ? 0.97 : 0;
         for (const auto& row : fits)
-            for (const PlacedFit& f : row) EXPECT_NEAR(f.surfel.polynomial.a[1], share * f.turn[0], 1e-5);
+            for (const PlacedFit& f : row)
+                EXPECT_NEAR(f.surfel.polynomial.a[1], share * f.turn[0], 1e-5);
     }
 }
 
@@ -89,13 +97,15 @@ TEST(LiftFits, TheSameForAnyNumberOfThreads) {
     const ThreadLimit one(1);
     lift_fits(few);
     for (std::size_t i = 0; i < many.size(); ++i)
-        for (std::size_t j = 0; j < many[i].size(); ++j) EXPECT_EQ(height(many[i][j]), height(few[i][j]));
+        for (std::size_t j = 0; j < many[i].size(); ++j)
+            EXPECT_EQ(height(many[i][j]), height(few[i][j]));
 }
 
 TEST(HeightByNoiseOfFeet, IsTheVarianceTimesTheMeanCurvature) {
     WideFit fit;
     fit.sq_noise = 0.01;
-    fit.polynomial.a[3] = fit.polynomial.a[5] = -0.01;  // over a radius of 0.5: both curvatures -0.04
+    // over a radius of 0.5: both curvatures -0.04
+    fit.polynomial.a[3] = fit.polynomial.a[5] = -0.01;
     EXPECT_NEAR(height_by_noise_of_feet(fit, 0.5), -0.04 * 0.01, 1e-6);
 }
 

@@ -13,7 +13,9 @@ namespace slim {
 namespace {
 
 Vec3d random_point(std::uint64_t seed, std::uint64_t i, double size) {
-    const auto at = [&](std::uint64_t axis) { return unit_interval(keyed_hash(seed, i, axis)) - 0.5; };
+    const auto at = [&](std::uint64_t axis) {
+        return unit_interval(keyed_hash(seed, i, axis)) - 0.5;
+    };
     return Vec3d{at(0), at(1), at(2)} * size;
 }
 
@@ -30,14 +32,17 @@ TEST(MeshDistance, KnowsFacesEdgesCornersAndDegenerateTriangles) {
 TEST(MeshDistance, AgreesWithBruteForce) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         Mesh mesh;
-        for (std::uint64_t i = 0; i < 900; ++i) mesh.position.push_back(random_point(seed, i / 3, 2) + random_point(seed + 9, i, 0.2));
+        for (std::uint64_t i = 0; i < 900; ++i)
+            mesh.position.push_back(random_point(seed, i / 3, 2) + random_point(seed + 9, i, 0.2));
         for (std::size_t i = 0; i < 900; i += 3) mesh.add_face(std::array{i, i + 1, i + 2});
         const MeshDistance distance(mesh);
         for (std::uint64_t q = 0; q < 300; ++q) {
             const Vec3d p = random_point(seed + 100, q, 4);
             double best = std::numeric_limits<double>::infinity();
             for (std::size_t i = 0; i < 900; i += 3)
-                best = std::min(best, sq_distance_to_triangle(p, mesh.position[i], mesh.position[i + 1], mesh.position[i + 2]));
+                best = std::min(best,
+                                sq_distance_to_triangle(p, mesh.position[i], mesh.position[i + 1],
+                                                        mesh.position[i + 2]));
             ASSERT_DOUBLE_EQ(distance.sq_distance(p), best) << seed << " " << q;
         }
     }

@@ -57,7 +57,8 @@ TEST(Mesh, OnlyEdgesOfOneFaceAreBoundary) {
 }
 
 TEST(FacePlanes, AVertexOfFacesInOnePlaneGoesThereAlongTheNormalOnly) {
-    const Vec3d x = moved({plane({5, 0, 1}, {0, 0, 1}), plane({-3, 2, 1}, {0, 0, 1}, 4)}, {0.3, 0.7, 0});
+    const Vec3d x =
+        moved({plane({5, 0, 1}, {0, 0, 1}), plane({-3, 2, 1}, {0, 0, 1}, 4)}, {0.3, 0.7, 0});
     expect_near(x, {0.3, 0.7, 1}, 0.05);  // the pull leaves 3 %
     EXPECT_EQ(x.x, 0.3);
     EXPECT_EQ(x.y, 0.7);
@@ -73,7 +74,8 @@ TEST(FacePlanes, AVertexOfThreeWallsGoesToTheirCorner) {
 
 TEST(FacePlanes, NearlyParallelPlanesDoNotShootTheVertexAway) {
     // They meet 100 away; noise of two degrees decides where.
-    const Vec3d x = moved({plane({0, 0, 1}, {0.01, 0, 1}), plane({0, 0, -1}, {-0.01, 0, 1})}, {0, 0, 0});
+    const Vec3d x =
+        moved({plane({0, 0, 1}, {0.01, 0, 1}), plane({0, 0, -1}, {-0.01, 0, 1})}, {0, 0, 0});
     EXPECT_LT(length(x), 0.1);
 }
 

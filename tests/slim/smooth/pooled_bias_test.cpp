@@ -23,7 +23,11 @@ protected:
         std::vector<Surfel> leaves;
         for (int i = 0; i < 15; ++i)
             for (int j = 0; j < 15; ++j)
-                leaves.push_back({{i * radius / 3, j * radius / 3, 0}, radius / 2, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+                leaves.push_back({{i * radius / 3, j * radius / 3, 0},
+                                  radius / 2,
+                                  frame_from_normal(Vec3d{0, 0, 1}),
+                                  {},
+                                  2});
         model_.emplace(leaves);
         ladders_.resize(leaves.size());
         asked_.assign(leaves.size(), 1);
@@ -40,7 +44,8 @@ protected:
         }
     }
     double middle() const {
-        const auto found = unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; });
+        const auto found = unshared_bias(*model_, ladders_, kDiagonal,
+                                         [this](auto i, auto) { return asked_[i] != 0; });
         for (std::size_t n = 0; n < found.size(); ++n)
             if (model_->node(n) == 7 * 15 + 7) return std::sqrt(found[n][kRung]);
         return NAN;
@@ -69,9 +74,11 @@ TEST_F(PooledBias, IsAtMostTheWholeAndTheSameForAnyNumberOfThreads) {
     lift([](auto i, auto j) { return (i + j) % 2 != 0 ? 40.0 : 20.0; }, 0);
     EXPECT_EQ(middle(), 1);
     lift([](auto i, auto j) { return 0.1 * i - 0.01 * j * j; }, 0.01);
-    const auto many = unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; });
+    const auto many = unshared_bias(*model_, ladders_, kDiagonal,
+                                    [this](auto i, auto) { return asked_[i] != 0; });
     const ThreadLimit one(1);
-    EXPECT_EQ(many, unshared_bias(*model_, ladders_, kDiagonal, [this](auto i, auto) { return asked_[i] != 0; }));
+    EXPECT_EQ(many, unshared_bias(*model_, ladders_, kDiagonal,
+                                  [this](auto i, auto) { return asked_[i] != 0; }));
 }
 
 TEST_F(PooledBias, ALeafThatIsNotAskedForHasAllOfItsBias) {
@@ -84,7 +91,8 @@ TEST_F(PooledBias, ALeafThatIsNotAskedForHasAllOfItsBias) {
 TEST_F(PooledBias, ALeafWithoutARungSaysNothingOfIt) {
     lift([](auto, auto) { return 0.3; }, 0);
     for (std::size_t n = 0; n < ladders_.size(); ++n)
-        if (model_->node(n) == 7 * 15 + 8) ladders_[n].lift[kRung] = 50, ladders_[n].widest = kRungs;
+        if (model_->node(n) == 7 * 15 + 8)
+            ladders_[n].lift[kRung] = 50, ladders_[n].widest = kRungs;
     EXPECT_LT(middle(), 1e-3);
 }
 

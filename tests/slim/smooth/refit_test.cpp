@@ -21,7 +21,8 @@ double gaussian(std::uint64_t i) {
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * v);
 }
 
-/// z = height(x, y) over [-1, 1]^2 with noise in z, and a model of it: 9 by 9 leaves, each the tangent plane's paraboloid.
+/// z = height(x, y) over [-1, 1]^2 with noise in z, and a model of it: 9 by 9 leaves, each the
+/// tangent plane's paraboloid.
 class Refit : public testing::Test {
 protected:
     static constexpr double kNoise = 0.005, kLeafRadius = 0.4, kDiagonal = 2.9;
@@ -31,7 +32,8 @@ protected:
 
     void make(double noise, double model_off = 0, std::size_t n = kPoints) {
         for (std::size_t i = 0; i < n; ++i) {
-            const double x = 2 * unit_interval(keyed_hash(1, i, 1)) - 1, y = 2 * unit_interval(keyed_hash(1, i, 2)) - 1;
+            const double x = 2 * unit_interval(keyed_hash(1, i, 1)) - 1,
+                         y = 2 * unit_interval(keyed_hash(1, i, 2)) - 1;
             block_.position.push_back({x, y, height(x, y) + noise * gaussian(i)});
             block_.id.push_back(i);
         }
@@ -42,7 +44,11 @@ protected:
         for (int i = -4; i <= 4; ++i)
             for (int j = -4; j <= 4; ++j) {
                 const double x = i * 0.22, y = j * 0.22, r = kLeafRadius;
-                Surfel s{{x, y, height(x, y) + model_off}, r, Frame<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 2};
+                Surfel s{{x, y, height(x, y) + model_off},
+                         r,
+                         Frame<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                         {},
+                         2};
                 s.polynomial.a = {0, 0.2 * x, -0.3 * y, 0.1 * r, 0, -0.15 * r};
                 leaves.push_back(s);
             }
@@ -50,7 +56,9 @@ protected:
         const double in_ball = static_cast<double>(n) / 4 * M_PI * kLeafRadius * kLeafRadius;
         noise_.assign(model_->n_leaves(), {std::hypot(noise, model_off), in_ball});
     }
-    std::vector<WideRadius> radii() const { return wide_radii(*model_, noise_, *points_, kDiagonal); }
+    std::vector<WideRadius> radii() const {
+        return wide_radii(*model_, noise_, *points_, kDiagonal);
+    }
     /// Numbers of the leaves whose balls do not reach the border.
     std::vector<std::size_t> inner() const {
         std::vector<std::size_t> out;
@@ -75,7 +83,8 @@ TEST_F(Refit, RadiiAreWideWhereASurfaceIsQuadraticAndKnowItsNoise) {
     double mean = 0;
     for (const std::size_t i : inner()) {
         EXPECT_TRUE(found[i].in_cloud);
-        EXPECT_GT(found[i].radius, 0.5 * kLeafRadius);  // never as narrow as rungs go: noise in the bias alone
+        // never as narrow as rungs go: noise in the bias alone
+        EXPECT_GT(found[i].radius, 0.5 * kLeafRadius);
         EXPECT_NEAR(std::sqrt(found[i].sq_noise) / kNoise, 1, 0.1);
         mean += found[i].radius / static_cast<double>(inner().size());
     }
@@ -101,7 +110,8 @@ TEST_F(Refit, ALeafWhosePointsTheCloudDoesNotHoldIsKeptAndNotJudged) {
     const RefittedSurface surface(*model_, noise_, found, *points_);
     const auto noise = local_noise(*model_, noise_, found, *points_);
     for (const double sq : noise) EXPECT_TRUE(std::isinf(sq));
-    for (const LeafTrust& t : leaf_trust(*model_, found, noise, surface.fits(), *points_)) EXPECT_EQ(t.share, 1);
+    for (const LeafTrust& t : leaf_trust(*model_, found, noise, surface.fits(), *points_))
+        EXPECT_EQ(t.share, 1);
 }
 
 TEST_F(Refit, TheFootOfAPointOutsideAllFitsIsOnTheSurfaceBeneathIt) {
@@ -128,7 +138,8 @@ TEST_F(Refit, APointBeyondAllBallsGoesToTheSurfaceThoughItsNormalFacesAway) {
     refitted.fits().supporters({0.1, 0.2, height(0.1, 0.2) + above}, found);
     ASSERT_TRUE(found.empty());
     for (const double facing : {1.0, -1.0}) {
-        const SurfacePut put = projector.project({0.1, 0.2, height(0.1, 0.2) + above}, {0, 0, facing});
+        const SurfacePut put =
+            projector.project({0.1, 0.2, height(0.1, 0.2) + above}, {0, 0, facing});
         ASSERT_GT(sq_length(put.normal), 0) << facing;
         EXPECT_NEAR(put.point.z, height(put.point.x, put.point.y), kThick / 3);
         EXPECT_EQ(put.opposed, facing < 0);
@@ -154,14 +165,21 @@ TEST_F(Refit, ALeafOfFewPointsInTheNoiseOfOthersIsLeftOut) {
     make(kNoise);
     std::vector<Surfel> leaves;
     std::vector<LeafNoise> noise;
-    for (std::size_t i = 0; i < model_->n_leaves(); ++i) leaves.push_back(model_->leaf(i)), noise.push_back(noise_[i]);
-    // Two balls that a handful of points may be alone in: 5 noises up, and far above what noise explains.
+    for (std::size_t i = 0; i < model_->n_leaves(); ++i)
+        leaves.push_back(model_->leaf(i)), noise.push_back(noise_[i]);
+    // Two balls that a handful of points may be alone in: 5 noises up,
+    // and far above what noise explains.
     for (const double above : {5 * kNoise, 20 * kNoise})
-        leaves.push_back({{0.1, 0.2, height(0.1, 0.2) + above}, 0.1, Frame<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, 0});
+        leaves.push_back({{0.1, 0.2, height(0.1, 0.2) + above},
+                          0.1,
+                          Frame<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          {},
+                          0});
     const BallIndex model(leaves);
     std::vector<LeafNoise> of_model;
     for (std::size_t i = 0; i < model.n_leaves(); ++i)
-        of_model.push_back(model.node(i) < noise.size() ? noise[model.node(i)] : LeafNoise{kNoise, 7});
+        of_model.push_back(model.node(i) < noise.size() ? noise[model.node(i)]
+                                                        : LeafNoise{kNoise, 7});
     const auto found = wide_radii(model, of_model, *points_, kDiagonal);
     const RefittedSurface surface(model, of_model, found, *points_);
     EXPECT_EQ(surface.n_strays(), 1u);

@@ -20,13 +20,15 @@ Vec3d random_point(std::uint64_t seed, std::uint64_t key) {
 
 /// n leaves of many sizes below a root, in a unit cube at `corner`.
 SurfelTreeData leaves(std::size_t n, std::uint64_t seed, const Vec3d& corner) {
-    std::vector<Surfel> surfels(1, Surfel{corner + Vec3d{0.5, 0.5, 0.5}, 2, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+    std::vector<Surfel> surfels(
+        1, Surfel{corner + Vec3d{0.5, 0.5, 0.5}, 2, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
     SurfelTreeData data;
     data.header.degree = 2;
     data.nodes.resize(n + 1);
     for (std::size_t i = 0; i < n; ++i) {
         const double rho = 0.4 * std::pow(unit_interval(keyed_hash(seed, i)), 4) + 0.01;
-        surfels.push_back({corner + random_point(seed, i), rho, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+        surfels.push_back(
+            {corner + random_point(seed, i), rho, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
         data.nodes[i + 1].flags = kLeaf;
         data.nodes[i + 1].degree = 2;
     }

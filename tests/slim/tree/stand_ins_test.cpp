@@ -46,14 +46,17 @@ void add_floor(double wall, std::vector<FittedSurfel>& out) {
         for (int i = 0; i < n; ++i)
             for (int k = 0; k < n; ++k) {
                 const Vec3d c{2 * (i + 0.5) / n - 1, 2 * (k + 0.5) / n - 1, 0};
-                if (c.x < wall) out.push_back(fitted(flat(c, {0, 0, 1}, radius), level, level == 2));
+                if (c.x < wall)
+                    out.push_back(fitted(flat(c, {0, 0, 1}, radius), level, level == 2));
             }
 }
 
 TEST(StandIns, AreThoseThatLeavesAgreeWithAllOver) {
     std::vector<FittedSurfel> surfels;
-    for (const Surfel& s : test::sphere_leaves(1, 200, 6, 2)) surfels.push_back(fitted(s, 1, false));
-    for (const Surfel& s : test::sphere_leaves(1, 20000, 6, 2)) surfels.push_back(fitted(s, 2, true));
+    for (const Surfel& s : test::sphere_leaves(1, 200, 6, 2))
+        surfels.push_back(fitted(s, 1, false));
+    for (const Surfel& s : test::sphere_leaves(1, 20000, 6, 2))
+        surfels.push_back(fitted(s, 2, true));
     SurfelTreeData data = tree_of(surfels);
     EXPECT_EQ(mark_stand_ins(data), 200u);
     EXPECT_EQ(n_marked(data), 200u);

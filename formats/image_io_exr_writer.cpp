@@ -1,9 +1,9 @@
 // EXR through OpenEXR itself rather than OpenImageIO: planes are written as they lie, each in its
 // own type, and the header holds what we put there and nothing else (no clock).
 
-#include "formats/image_io.h"
-
 #include "formats/atomic_file.h"
+#include "formats/exr_slice.h"
+#include "formats/image_io.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
 
@@ -15,7 +15,6 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
@@ -24,7 +23,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 
 namespace slim {
@@ -80,14 +78,6 @@ Imf::Header make_header(const Imath::Box2i& data, const ImagePlace& place,
     return header;
 }
 
-/// A slice of contiguous rows of T for the data window; the library only reads through the pointer
-/// when it writes a file.
-template <class T>
-Imf::Slice plane(Imf::PixelType type, const T* values, const Imath::Box2i& data) {
-    const auto width = static_cast<std::size_t>(data.max.x - data.min.x + 1);
-    return Imf::Slice::Make(type, const_cast<T*>(values), data, sizeof(T), sizeof(T) * width);
-}
-
 /// Values beyond the largest half, which would become infinite, are held at it and counted.
 std::vector<half> halves(std::span<const float> values, std::uint64_t& n_clamped) {
     std::vector<half> out(values.size());
@@ -98,10 +88,6 @@ std::vector<half> halves(std::span<const float> values, std::uint64_t& n_clamped
         return half(std::copysign(kLargestHalf, v));
     });
     return out;
-}
-
-std::vector<float> floats_of(const std::vector<half>& values) {
-    return std::vector<float>(values.begin(), values.end());
 }
 
 void check_planes(std::span<const ExrChannel> channels, std::size_t n_pixels) {
@@ -125,40 +111,6 @@ Imf::FrameBuffer frame_of(std::span<const ExrChannel> channels, const Imath::Box
         }
     }
     return frame;
-}
-
-void read_header(const Imf::Header& header, ExrImage& image) {
-    image.has_chromaticities = Imf::hasChromaticities(header);
-    image.zip = header.compression() == Imf::ZIP_COMPRESSION;
-    for (auto it = header.begin(); it != header.end(); ++it) {
-        const Imf::Attribute& attribute = it.attribute();
-        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute))
-            image.metadata[it.name()] = text->value();
-        if (const auto* matrix = dynamic_cast<const Imf::M44fAttribute*>(&attribute))
-            std::copy_n(matrix->value().getValue(), 16, image.matrices[it.name()].begin());
-    }
-}
-
-ChannelType channel_type(Imf::PixelType type) {
-    return type == Imf::HALF   ? ChannelType::half_float
-           : type == Imf::UINT ? ChannelType::uint32
-                               : ChannelType::float32;
-}
-
-/// Room for a channel's values as a slice of the rows `band`; of halves in `half_values`.
-Imf::Slice room_for(ExrImage::Channel& channel, std::vector<half>& half_values, const Imath::Box2i& band) {
-    const auto n = static_cast<std::size_t>(band.max.x - band.min.x + 1) *
-                   static_cast<std::size_t>(band.max.y - band.min.y + 1);
-    if (channel.type == ChannelType::uint32) {
-        channel.integers.resize(n);
-        return plane(Imf::UINT, channel.integers.data(), band);
-    }
-    if (channel.type == ChannelType::float32) {
-        channel.floats.resize(n);
-        return plane(Imf::FLOAT, channel.floats.data(), band);
-    }
-    half_values.resize(n);
-    return plane(Imf::HALF, half_values.data(), band);
 }
 
 }  // namespace
@@ -232,72 +184,6 @@ void write_exr(const std::string& path, int width, int height, std::span<const E
     ExrWriter writer(path, width, height, channels, metadata, matrices, place);
     writer.add_rows(height, channels);
     writer.commit();
-}
-
-struct ExrReader::State {
-    std::string path;
-    std::unique_ptr<Imf::InputFile> file;
-    ExrImage header;
-    Imath::Box2i window;
-    int next_row = 0;
-
-    template <class Body>
-    void guarded(const Body& body) const {
-        try {
-            body();
-        } catch (const std::exception& e) {
-            throw FormatError(path + ": expected an EXR: " + e.what());
-        }
-    }
-};
-
-ExrReader::ExrReader(const std::string& path) : state_(std::make_unique<State>()) {
-    State& s = *state_;
-    s.path = path;
-    if (!std::filesystem::exists(path)) throw IoError(path + ": no such file");
-    s.guarded([&] {
-        s.file = std::make_unique<Imf::InputFile>(path.c_str());
-        s.window = s.file->header().dataWindow();
-        s.header.width = s.window.max.x - s.window.min.x + 1;
-        s.header.height = s.window.max.y - s.window.min.y + 1;
-        read_header(s.file->header(), s.header);
-        const Imf::ChannelList& channels = s.file->header().channels();
-        for (auto it = channels.begin(); it != channels.end(); ++it)
-            s.header.channels[it.name()].type = channel_type(it.channel().type);
-    });
-}
-
-ExrReader::~ExrReader() = default;
-ExrReader::ExrReader(ExrReader&&) noexcept = default;
-
-const ExrImage& ExrReader::header() const { return state_->header; }
-
-void ExrReader::read_rows(int n_rows, std::map<std::string, ExrImage::Channel>& channels) {
-    State& s = *state_;
-    SLIM_CHECK(s.next_row + n_rows, <=, s.header.height);
-    const int y = s.window.min.y + s.next_row;
-    const Imath::Box2i band({s.window.min.x, y}, {s.window.max.x, y + n_rows - 1});
-    s.guarded([&] {
-        std::map<std::string, std::vector<half>> half_values;
-        Imf::FrameBuffer frame;
-        for (const auto& [name, known] : s.header.channels) {
-            ExrImage::Channel& channel = channels[name];
-            channel.type = known.type;
-            frame.insert(name, room_for(channel, half_values[name], band));
-        }
-        s.file->setFrameBuffer(frame);
-        s.file->readPixels(band.min.y, band.max.y);
-        for (auto& [name, channel] : channels)
-            if (channel.type == ChannelType::half_float) channel.floats = floats_of(half_values[name]);
-    });
-    s.next_row += n_rows;
-}
-
-ExrImage read_exr(const std::string& path) {
-    ExrReader reader(path);
-    ExrImage image = reader.header();
-    reader.read_rows(image.height, image.channels);
-    return image;
 }
 
 }  // namespace slim

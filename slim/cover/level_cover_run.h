@@ -1,0 +1,65 @@
+#pragma once
+
+#include "slim/cover/cover_states.h"
+#include "slim/cover/leaf_maker.h"
+#include "slim/cover/level_cover.h"
+#include "slim/cover/second_fit.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace slim {
+
+/// One centre of a batch and what its search found.
+struct CoverCandidate : LeafCandidate {
+    bool few_in_noise = false;           // a forced ball of so few points that it
+                                         // gives way to a leaf beside it
+    FittedSurfel internal;               // if it is no leaf
+    std::vector<std::uint32_t> stamped;  // points that the internal surfel
+                                         // keeps from becoming centres
+};
+
+/// The state of one run; each method is one step of it.
+class LevelCover {
+public:
+    LevelCover(const PointBlock& points, const CoverRules& rules);
+    Cover run(Reporter& reporter);
+
+private:
+    bool owns(const Vec3d& p) const { return !rules_.owns || rules_.owns(p); }
+    bool is_kept(const FittedSurfel& f) const;
+    void mark_done();
+    void mark_again(std::span<const FittedSurfel> leaves);
+    void keep(const FittedSurfel& f);
+    std::size_t thinning_for(double radius) const;
+    void run_level(int level);
+    void run_pass(int level, std::size_t thinning, float most_overlap,
+                  std::vector<std::uint32_t>& waiting);
+    void search(CoverCandidate& c, int level, std::size_t thinning);
+    void make_internal(CoverCandidate& c, double radius, std::size_t thinning,
+                       LeafWork& work) const;
+    void finish_leaves();
+    void accept(CoverCandidate& c, int level);
+    void accept_leaf(CoverCandidate& c, int level);
+    bool drop(std::uint32_t point);
+    void mark(const CoveringSurfel& leaf);
+    bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
+
+    const PointBlock& block_;
+    const CoverRules& rules_;
+    PointPyramid pyramid_;
+    LeafMaker leaves_;
+    CoverStates states_;
+    SecondFit second_;
+    std::vector<std::uint64_t> strays_;  // their ids
+    // places in by_priority() of points that may be open, rising
+    std::vector<std::uint32_t> open_;
+    tbb::enumerable_thread_specific<LeafWork> work_;
+    Cover out_;
+};
+
+}  // namespace slim
