@@ -297,6 +297,7 @@ TEST(ForwardRenderer, CullsWhatIsOutsideTheViewOrBehindTheCamera) {
 TEST(ForwardRenderer, TheNearPlaneOpensTheSphere) {
     const auto model = test::sphere_model(1, 1000);
     RenderRequest request = request_for(model, 64, 64, false);
+    request.camera.eye = request.camera.eye - request.camera.target, request.camera.target = {};  // at the centre
     const PixelView view = pixel_view(request.camera, 64, 64);
     request.camera.near_plane = length(request.camera.eye);  // through the centre: the inside is seen
     GBuffer out;
