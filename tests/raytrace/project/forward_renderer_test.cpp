@@ -198,6 +198,8 @@ TEST(ForwardRenderer, CullsWhatIsOutsideTheViewOrBehindTheCamera) {
 TEST(ForwardRenderer, TheNearPlaneOpensTheSphere) {
     const auto model = test::sphere_model(1, 1000);
     RenderRequest request = iso_request(model, 64, 64, false);
+    request.camera.eye = request.camera.eye - request.camera.target;
+    request.camera.target = {};  // at the centre
     const PixelView view = pixel_view(request.camera, 64, 64);
     // through the centre: the inside is seen
     request.camera.near_plane = length(request.camera.eye);
