@@ -1,10 +1,13 @@
 #include "slim/cover/leaf_maker.h"
 
 #include "slim/base/parallel.h"
+#include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
+#include "slim/fit/sharp_clusters.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -38,6 +41,11 @@ LadderRules ladder_rules(const CoverRules& rules) {
 /// Whether a sample's search was decided by its points, not by their want.
 bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
+}
+
+/// The share of its radius with which a plane beside an edge ends there (slim/fit/notes/0014); 1 for others.
+double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) {
+    return leaf.fitted.surfel.degree < 2 && shows_edge(ball) ? share_at_edges(leaf) : 1;
 }
 
 /// Index in the full tree of the point nearest to p within a radius.
@@ -224,6 +232,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
                                          work.exact.ball, work.sharp);
         return;
     }
+    bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
     for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
         const Glance seen = attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
         if (seen == Glance::unexplained) {
@@ -246,6 +255,12 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         }
         if (is_given_up || rounds_off(c.surfel) || is_too_large(c)) {
             make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
+            if (!c.leaf) return;
+            continue;
+        }
+        const double share = std::exchange(may_end_at_edges, false) ? share_before_edges(c.surfel, work.exact.ball) : 1;
+        if (share < 1) {
+            make_smaller(c, share * c.choice.radius, lower);
             if (!c.leaf) return;
             continue;
         }
