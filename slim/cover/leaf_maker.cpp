@@ -1,6 +1,7 @@
 #include "slim/cover/leaf_maker.h"
 
 #include "slim/base/parallel.h"
+#include "slim/blend/blend.h"
 #include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
 #include "slim/fit/sharp_clusters.h"
@@ -23,6 +24,8 @@ constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
 constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
 constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
+constexpr double kFlat = 0.01;              // eps / rho of a plane that bends nowhere
+constexpr double kOwnNormals = 0.999;       // mean cosine of its points' normals to its own
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
@@ -43,9 +46,21 @@ bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
 }
 
-/// The share of its radius with which a plane beside an edge ends there (slim/fit/notes/0014); 1 for others.
+/// Whether the normals of the points about a leaf that are no edge's are its own: estimated ones turn towards an edge.
+bool has_own_normals(const FittedSurfel& leaf, const BallPoints<double>& ball) {
+    double sum = 0, n = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double along = dot(leaf.surfel.frame.normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
+        if (along > kSharpGate) sum += along, ++n;
+    }
+    return sum > kOwnNormals * n;
+}
+
+/// The share of its radius with which a flat leaf beside an edge ends there (slim/fit/notes/0014); 1 for others.
 double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) {
-    return leaf.fitted.surfel.degree < 2 && shows_edge(ball) ? share_at_edges(leaf) : 1;
+    const FittedSurfel& f = leaf.fitted;
+    const bool is_flat = f.surfel.degree < 2 && f.fit_error < kFlat * f.surfel.support_radius;
+    return is_flat && has_own_normals(f, ball) && shows_edge(ball) ? share_at_edges(leaf) : 1;
 }
 
 /// Index in the full tree of the point nearest to p within a radius.
