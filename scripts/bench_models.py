@@ -47,11 +47,23 @@ def model(programs, cloud, folder, t, words):
     return {"t_mdl": t, **{key: at[key] for key in ("leaves", "bytes", "l2", "max", "normal_rms_deg", "missed")}}
 
 
+def useful(sweep):
+    """The models or meshes of a sweep that no other betters in bytes and error at once, smallest first."""
+    out = []
+    for at in sorted(sweep, key=lambda at: (at["bytes"], at["l2"])):
+        if not out or at["l2"] < out[-1]["l2"]:
+            out.append(at)
+    return out
+
+
 def value_at(sweep, l2, key="bytes"):
-    """Of models or meshes at an error, by a line through the logarithms of the two nearest; None outside."""
-    sweep = sorted(sweep, key=lambda at: at["bytes"])
+    """Of models or meshes at an error, by a line through the logarithms of the two nearest useful ones; where all are
+    better than that, of the smallest; None where none is as good."""
+    sweep = useful(sweep)
+    if sweep and sweep[0]["l2"] <= l2:
+        return sweep[0][key]
     for a, b in zip(sweep, sweep[1:]):
         if b["l2"] <= l2 <= a["l2"]:
-            share = math.log(l2 / a["l2"]) / math.log(b["l2"] / a["l2"]) if b["l2"] < a["l2"] else 0
+            share = math.log(l2 / a["l2"]) / math.log(b["l2"] / a["l2"])
             return round(a[key] * (b[key] / a[key]) ** share)
     return None

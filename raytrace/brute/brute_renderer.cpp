@@ -39,7 +39,7 @@ FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf
     for (const Leaf* leaf : row) {
         Vec3d gradient;
         ++stats.root_tests;
-        const auto t = first_hit(ray, leaf->surfel, t_near, kHitTrim, gradient);
+        const auto t = first_hit(ray, leaf->surfel, t_near, hit_trim(leaf->surfel), gradient);
         if (t && (!best.leaf || *t < best.t)) best = {*t, leaf, gradient};
     }
     return best;

@@ -29,15 +29,16 @@ inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, cons
 template <int Degree>
 [[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int row, int column,
                                               const TileSums& sums, TileBuffers& t) {
-    constexpr float kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
+    const double trim = s.n_sheets > 1 ? kSharpHitTrim : kHitTrim;
+    const auto sq_trim = static_cast<float>(trim * trim);
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = block_start(row, column);
     const PixelRays<FloatV> rays = t.rays(row, column);
     const BallRay<FloatV> ball = ball_ray(r, rays);
-    const auto active = ball.sq_distance < kSqTrim;
+    const auto active = ball.sq_distance < sq_trim;
     if (stdx::none_of(active)) return;
     t.counts.root_tests += s.n_sheets * kLanes;
-    const FloatV half = stdx::sqrt(stdx::max(kSqTrim - ball.sq_distance, FloatV(0.0f)));
+    const FloatV half = stdx::sqrt(stdx::max(sq_trim - ball.sq_distance, FloatV(0.0f)));
     const FloatV at_near = (t.near_z - base) * r.inv_radius * rays.inv_dz + ball.along;
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
     const auto found = best_joined_root<Degree, FloatV>(

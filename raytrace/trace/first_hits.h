@@ -136,7 +136,7 @@ template <int Degree, class Keep>
 template <int Degree, class Keep>
 inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint32_t number,
                        const RayPacket& rays, const Keep& keep) {
-    constexpr auto kSqTrim = static_cast<float>(kHitTrim * kHitTrim);
+    constexpr auto kSqTrim = static_cast<float>(kSharpHitTrim * kSharpHitTrim);
     const RayAtBall at(r, rays);
     const auto met = at.sq_distance < kSqTrim && keep.far() >= 0.0f;
     if (stdx::none_of(met)) return false;

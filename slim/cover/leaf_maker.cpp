@@ -1,10 +1,14 @@
 #include "slim/cover/leaf_maker.h"
 
 #include "slim/base/parallel.h"
+#include "slim/blend/blend.h"
+#include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
+#include "slim/fit/sharp_clusters.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -20,6 +24,8 @@ constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
 constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
 constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
+constexpr double kFlat = 0.01;              // eps / rho of a plane that bends nowhere
+constexpr double kOwnNormals = 0.999;       // mean cosine of its points' normals to its own
 constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
@@ -38,6 +44,23 @@ LadderRules ladder_rules(const CoverRules& rules) {
 /// Whether a sample's search was decided by its points, not by their want.
 bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
+}
+
+/// Whether the normals of the points about a leaf that are no edge's are its own: estimated ones turn towards an edge.
+bool has_own_normals(const FittedSurfel& leaf, const BallPoints<double>& ball) {
+    double sum = 0, n = 0;
+    for (std::size_t i = 0; i < ball.n; ++i) {
+        const double along = dot(leaf.surfel.frame.normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
+        if (along > kSharpGate) sum += along, ++n;
+    }
+    return sum > kOwnNormals * n;
+}
+
+/// The share of its radius with which a flat leaf beside an edge ends there (slim/fit/notes/0014); 1 for others.
+double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) {
+    const FittedSurfel& f = leaf.fitted;
+    const bool is_flat = f.surfel.degree < 2 && f.fit_error < kFlat * f.surfel.support_radius;
+    return is_flat && has_own_normals(f, ball) && shows_edge(ball) ? share_at_edges(leaf) : 1;
 }
 
 /// Index in the full tree of the point nearest to p within a radius.
@@ -224,6 +247,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
                                          work.exact.ball, work.sharp);
         return;
     }
+    bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
     for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
         const Glance seen = attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
         if (seen == Glance::unexplained) {
@@ -246,6 +270,12 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         }
         if (is_given_up || rounds_off(c.surfel) || is_too_large(c)) {
             make_smaller(c, rules_.is_sample() ? kWaits : kGoldenRatio * c.choice.radius, lower);
+            if (!c.leaf) return;
+            continue;
+        }
+        const double share = std::exchange(may_end_at_edges, false) ? share_before_edges(c.surfel, work.exact.ball) : 1;
+        if (share < 1) {
+            make_smaller(c, share * c.choice.radius, lower);
             if (!c.leaf) return;
             continue;
         }

@@ -25,6 +25,8 @@ constexpr double kOnEdge = 0.12;  // over rho: so far an edge's own points may l
 constexpr double kAlike = 1e-6;   // over rho: reaches that differ by rounding
 constexpr double kOfEdge = 0.1;   // over rho: so far covered points may lie beyond an edge
 constexpr double kNoRim = 1;      // over rho: where the ball ends
+constexpr double kBeyondEdge = 0.02;  // over rho: so far a leaf may be drawn beyond an edge before it is made smaller
+constexpr int kLeastShare = 78;       // hundredths of its radius: to where a rim is none, 0.56 / 0.72
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
 constexpr int kLeans = 4;         // directions, 45 degrees: a corner's own point leans between its edges
 constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
@@ -44,7 +46,7 @@ struct Directions {
 
 /// How far the covered points reach in each direction, over rho; at least 0, where the centre is. Nothing once they
 /// reach farther than any rim everywhere, as they soon do on most surfaces.
-std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf) {
+std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf, double longest = kLongestRim) {
     static const Directions directions;
     constexpr std::size_t kAtOnce = 24, kRounds = 16;
     PerDirection reach{};
@@ -57,7 +59,7 @@ std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf) {
                 for (std::size_t k = 0; k < reach.size(); ++k)
                     reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
             }
-            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(kLongestRim)) return {};
+            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(longest)) return {};
         }
     return reach;
 }
@@ -182,7 +184,45 @@ PackedRim rim_at(const Bounds& bounds) {
     return pack_rim(k, bounds.reach[direction(k)]);
 }
 
+/// By how much a leaf that ends at that reach is drawn beyond it, over rho, in a ball `share` times as large.
+double drawn_beyond(double reach, double share) {
+    const double step = std::max(1.0, std::ceil(reach / share / kRimStep - kAlike));
+    const double end = step <= kRimReaches ? kRimStep * step : kHitTrim;
+    return share * end - reach;
+}
+
+/// The edges that the ball's points show, nearest first, as rims_of takes them.
+std::array<double, 2> nearest_edges(const CoveringSurfel& leaf, const PerDirection& covered) {
+    Bounds bounds = bounds_of(leaf, covered);
+    const EdgeVotes votes(leaf.edges, covered);
+    for (int k = 0; k < kRimDirections; ++k)
+        if (!(votes.mean(k) < kNoRim) && !(bounds.lean[direction(k)] > 0)) bounds.reach[direction(k)] = kNoRim;
+    std::array<double, 2> out{};
+    for (double& reach : out) {
+        const int k = bounds.nearest();
+        reach = bounds.reach[direction(k)];
+        bounds.leave_out(k, kApart);
+    }
+    return out;
+}
+
 }  // namespace
+
+double share_at_edges(const CoveringSurfel& leaf) {
+    if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return 1;
+    const auto covered = reaches_of(leaf, kHitTrim);
+    if (!covered) return 1;
+    const auto edges = nearest_edges(leaf, *covered);
+    const auto beyond = [&](double share) {
+        double most = 0;
+        for (const double reach : edges)
+            if (reach < kHitTrim) most = std::max(most, drawn_beyond(reach, share));
+        return most;
+    };
+    for (int hundredths = 100; hundredths >= kLeastShare; --hundredths)
+        if (beyond(hundredths / 100.0) <= kBeyondEdge) return hundredths / 100.0;
+    return 1;
+}
 
 PackedRims rims_of(const CoveringSurfel& leaf) {
     if (leaf.fitted.surfel.sharp || leaf.covered.empty()) return {};

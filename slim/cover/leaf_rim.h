@@ -12,4 +12,8 @@ namespace slim {
 /// Cost: 32 products a point, until no rim is possible any more.
 PackedRims rims_of(const CoveringSurfel& leaf);
 
+/// The share of its radius with which a smooth leaf is drawn no farther than the edges that its ball's points show: rims
+/// stand at a few reaches only, and what has none is drawn to kHitTrim. 1 where none is near or none helps.
+double share_at_edges(const CoveringSurfel& leaf);
+
 }  // namespace slim

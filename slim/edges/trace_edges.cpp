@@ -6,6 +6,7 @@
 #include "slim/edges/edge_walk.h"
 #include "slim/edges/join_edges.h"
 #include "slim/edges/likely_starts.h"
+#include "slim/edges/weak_edges.h"
 
 #include <algorithm>
 #include <optional>
@@ -200,7 +201,7 @@ std::vector<SharpEdge> trace_sharp_edges(const SurfelTree& tree, bool loose, con
     if (tree.sharp().empty()) return {};
     const BallIndex leaves = sharp_leaves(tree, loose);
     if (leaves.n_leaves() == 0) return {};
-    return joined_edges(EdgeTracer(leaves, each_batch).run());
+    return without_weak_edges(joined_edges(EdgeTracer(leaves, each_batch).run()), sharp_roughness(tree, loose));
 }
 
 }  // namespace slim

@@ -4,6 +4,7 @@
 #include "raytrace/project/forward_renderer.h"
 #include "slim/base/hash.h"
 #include "tests/raytrace/support/like_brute.h"
+#include "tests/raytrace/support/sharp_models.h"
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,22 @@ TEST_P(BruteTest, AgreesWithTheFastRendererOnSharpSurfels) {
     ASSERT_GT(model.sharp.size(), 400u);
     for (const bool orthographic : {false, true})
         expect_agreement(model, request_for(model, "right", orthographic, 250));
+}
+
+TEST_P(BruteTest, SharpSurfelsAreSeenInTheirCoresOnly) {
+    const auto model = test::flat_tree({test::edge_surfel({0, 0, 0}, {1, 0, 1}, {-1, 0, 1}, 1)}, GetParam());
+    const RenderRequest request = request_for(model, "front", true, 250);
+    GBuffer plain, fast;
+    render_brute(model.view(), request, plain);
+    render_forward(model.view(), request, fast);
+    for (const GBuffer* seen : {&plain, &fast}) {
+        double farthest = 0;
+        for (std::size_t i = 0; i < seen->n_pixels(); ++i)
+            if (seen->hit[i])
+                farthest = std::max(farthest, length(Vec3d{seen->position[0][i], seen->position[1][i], seen->position[2][i]}));
+        EXPECT_LE(farthest, kSharpHitTrim + 1e-5);
+        EXPECT_GT(farthest, kSharpHitTrim - 0.02);
+    }
 }
 
 TEST_P(BruteTest, AgreesWithTheFastRendererOnRims) {

@@ -55,8 +55,8 @@ inline bool is_tie(const SurfelTree& tree, const PixelView& view, int x, int y, 
     const Ray ray{view.ray_origin(px, py), view.ray_direction(px, py)};
     const double t_near = view.near_plane / dot(ray.direction, view.forward);
     Vec3d gradient;
-    const auto t_a = first_hit(ray, tree.surfel(a), t_near, kHitTrim, gradient),
-               t_b = first_hit(ray, tree.surfel(b), t_near, kHitTrim, gradient);
+    const auto t_a = first_hit(ray, tree.surfel(a), t_near, hit_trim(tree.surfel(a)), gradient),
+               t_b = first_hit(ray, tree.surfel(b), t_near, hit_trim(tree.surfel(b)), gradient);
     return t_a && t_b &&
            std::abs(*t_a - *t_b) <= 1e-5 * tree.support_radius(b) + 2e-7 * std::abs(*t_b);
 }
