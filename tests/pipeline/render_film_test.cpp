@@ -9,6 +9,8 @@
 namespace slim {
 namespace {
 
+using test::RenderOutputs;
+
 TEST_F(RenderOutputs, AFilmThatShowsNothingLeavesNoPicture) {
     write_torus(2);
     RenderConfig c = config("film.png");
