@@ -1,4 +1,4 @@
-#include "pipeline/build_stage.h"
+#include "pipeline/build/build_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::BuildConfig>(

@@ -1,4 +1,4 @@
-#include "pipeline/fit_stage.h"
+#include "pipeline/build/fit_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::FitConfig>(

@@ -1,4 +1,4 @@
-#include "pipeline/info_stage.h"
+#include "pipeline/info/info_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::InfoConfig>(

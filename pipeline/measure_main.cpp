@@ -1,4 +1,4 @@
-#include "pipeline/measure_stage.h"
+#include "pipeline/measure/measure_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::MeasureConfig>(

@@ -1,4 +1,4 @@
-#include "pipeline/normals_stage.h"
+#include "pipeline/build/normals_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::NormalsConfig>(

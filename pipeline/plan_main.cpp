@@ -1,4 +1,4 @@
-#include "pipeline/plan_stage.h"
+#include "pipeline/job/plan_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::PlanConfig>(

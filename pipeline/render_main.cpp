@@ -1,4 +1,4 @@
-#include "pipeline/render_stage.h"
+#include "pipeline/render/render_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::RenderConfig>(

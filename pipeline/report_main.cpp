@@ -1,4 +1,4 @@
-#include "pipeline/report_stage.h"
+#include "pipeline/report/report_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::ReportConfig>(

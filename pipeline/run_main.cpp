@@ -1,4 +1,4 @@
-#include "pipeline/run_stage.h"
+#include "pipeline/job/run_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::RunConfig>(

@@ -1,4 +1,4 @@
-#include "pipeline/slice_stage.h"
+#include "pipeline/build/slice_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::SliceConfig>(

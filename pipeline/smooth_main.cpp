@@ -1,4 +1,4 @@
-#include "pipeline/smooth_stage.h"
+#include "pipeline/smooth/smooth_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::SmoothConfig>(

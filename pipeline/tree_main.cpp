@@ -1,4 +1,4 @@
-#include "pipeline/tree_stage.h"
+#include "pipeline/build/tree_stage.h"
 
 int main(int argc, char** argv) {
     return slim::run_stage<slim::TreeConfig>(

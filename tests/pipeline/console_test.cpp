@@ -1,8 +1,8 @@
 #include "pipeline/console.h"
 
 #include "pipeline/memory_size.h"
-#include "pipeline/plain_number.h"
 #include "pipeline/peak_memory.h"
+#include "pipeline/plain_number.h"
 #include "slim/base/error.h"
 
 #include <gtest/gtest.h>

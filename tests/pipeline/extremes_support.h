@@ -1,7 +1,7 @@
 #pragma once
 
 #include "formats/ply_writer.h"
-#include "tests/pipeline/fit_stages_support.h"
+#include "tests/pipeline/build/fit_stages_support.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

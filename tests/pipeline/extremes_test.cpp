@@ -1,7 +1,7 @@
 #include "formats/model_file.h"
 #include "pipeline/child_process.h"
+#include "tests/pipeline/build/fit_stages_support.h"
 #include "tests/pipeline/extremes_support.h"
-#include "tests/pipeline/fit_stages_support.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

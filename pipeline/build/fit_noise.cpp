@@ -1,0 +1,112 @@
+#include "pipeline/build/fit_noise.h"
+
+#include "pipeline/build/normals_stage.h"
+#include "pipeline/json_text.h"
+#include "pipeline/manifest.h"
+#include "slim/base/error.h"
+#include "slim/fit/noise_variance.h"
+#include "slim/fit/normal_variance.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <limits>
+#include <vector>
+
+namespace slim {
+namespace {
+
+// of the normals: estimated ones tell nothing new of the points
+constexpr double kFewEstimated = 0.01;
+
+/// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
+/// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
+void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
+    if (slice.empty()) return;
+    if (sums.size() < slice.size())
+        sums.resize(slice.size(), sums.empty() ? NoiseVariance{} : sums.back());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        NoiseVariance& s = sums[i];
+        const nlohmann::json& one = slice[std::min(i, slice.size() - 1)];
+        const std::size_t n = one.at("samples");
+        if (n == 0) continue;
+        const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
+        s.value += share * (one.at("variance").get<double>() - s.value);
+        s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
+        s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
+        const auto add_log = [&](double value, double& mean) {  // geometric means
+            mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
+        };
+        add_log(one.at("spacing"), s.spacing);
+        add_log(one.at("normal_variance"), s.normal);
+        add_log(one.at("typical_variance"), s.typical);
+        s.n_sampled += n;
+    }
+}
+
+/// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job
+/// (NUMERICS 3.2).
+NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
+    for (const NoiseVariance& n : noise)
+        if (n.flatness <= kFlat) return n;
+    const auto flatter = [](const auto& a, const auto& b) { return a.flatness < b.flatness; };
+    const auto best = std::min_element(noise.begin(), noise.end(), flatter);
+    return best == noise.end() ? NoiseVariance{} : *best;
+}
+
+/// What the manifests of the normals stage say, over all slices.
+struct NormalsSaid {
+    double noisy = 0, points = 0;
+    double not_own = 0;  ///< estimated, missing and turned ones
+    std::vector<NoiseVariance> noise;
+};
+
+NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& plan) {
+    NormalsSaid out;
+    std::string missing;
+    for (std::size_t i = 0; i < plan.slices.size(); ++i) {
+        std::ifstream file(manifest_path(oriented_points_path(work, i)));
+        const auto manifest = json_or_discarded(file);
+        if (manifest.is_discarded() || !manifest.contains("result")) {
+            missing += fmt::format(" {}", i);
+            continue;
+        }
+        const auto& r = manifest.at("result");
+        add_noise(r.at("noise"), out.noise);
+        out.noisy += r.at("noisy").get<double>();
+        out.points += r.at("points").get<double>();
+        // Missing and turned ones are no more the cloud's own than estimated ones.
+        out.not_own += r.at("points").get<double>() - r.at("kept").get<double>();
+    }
+    if (!missing.empty())
+        throw IncompleteError(fmt::format(
+            "{}: normals are missing for slices{}: run `slim normals {}`", work, missing, work));
+    return out;
+}
+
+}  // namespace
+
+GlobalNoise read_global_noise(const std::string& work, double lambda, const SlicePlan& plan) {
+    const NormalsSaid said = read_normals_manifests(work, plan);
+    GlobalNoise out;
+    const NoiseVariance chosen = choose_noise(said.noise);
+    const double measured = chosen.value;
+    out.spacing = chosen.spacing;
+    out.typical_variance = chosen.typical;
+    const double quantum = std::max(plan.coordinate_quantum,
+                                    plan.diagonal * std::numeric_limits<double>::epsilon());
+    const double floor = 16 * quantum * quantum;
+    out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
+    out.floored = lambda <= 0 && measured < floor;
+    out.normals_inform = said.not_own <= kFewEstimated * said.points &&
+                         chosen.independence >= kIndependent &&
+                         normals_inform(chosen.typical, chosen.normal, chosen.spacing);
+    out.contrary_share = said.points > 0 ? said.noisy / said.points : 0;
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "pipeline/build/plan_file.h"
+
+#include <string>
+
+namespace slim {
+
+/// What all slices share: lambda, spacing and the noise of the normals, from the normals stage's
+/// manifests.
+struct GlobalNoise {
+    double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
+    double contrary_share = 0;  ///< of normals that noise turns out of a height field
+    double typical_variance = 0;  ///< noise of a typical place, without what edges add to lambda
+    double spacing = 0;         ///< square root of the area that a point usually has
+    bool floored = false;
+    /// the cloud's own normals tell more of its shape than its positions
+    bool normals_inform = false;
+};
+/// lambda: as configured, 0: as measured
+/// throws  IncompleteError (exit 6) naming the slices whose normals are missing
+GlobalNoise read_global_noise(const std::string& work, double lambda, const SlicePlan& plan);
+
+}  // namespace slim

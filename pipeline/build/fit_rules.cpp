@@ -1,0 +1,67 @@
+#include "pipeline/build/fit_rules.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slim {
+namespace {
+
+// sqrt(lambda) over the spacing between which leaves are fitted again (slim/cover/notes/0010):
+// below it the surface is smooth at the points' distance, above it their noise is the larger part
+// of what a leaf errs.
+constexpr double kSmooth = 0.03, kNoisy = 0.12;
+
+}  // namespace
+
+CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SlicePlan& plan,
+                     const GlobalNoise& noise) {
+    CoverRules rules;
+    rules.ladder.choose_degree = options.degree == "auto";
+    rules.degree = rules.ladder.choose_degree ? kMaxDegree : options.degree[0] - '0';
+    rules.mdl_threshold = options.t_mdl;
+    rules.diagonal = plan.diagonal;
+    rules.noise_variance = noise.noise_variance;
+    rules.least_radius = std::max(2 * plan.coordinate_quantum,
+                                  plan.diagonal * std::numeric_limits<double>::epsilon());
+    rules.seed = seed;
+    rules.windows = options.radius_rule == "windows";
+    rules.weight = options.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
+    rules.reading = static_cast<CoverReading>(options.cover[0] - 'A');
+    rules.sharp = options.sharp == "on";
+    rules.ladder.contrary_share = noise.contrary_share;
+    rules.spacing = noise.spacing;
+    rules.typical_variance = noise.typical_variance;
+    rules.follow_normals = noise.normals_inform && !rules.windows;
+    const double roughness = std::sqrt(noise.noise_variance) / noise.spacing;
+    rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
+                   roughness > kSmooth && roughness < kNoisy;
+    return rules;
+}
+
+nlohmann::json rules_json(const CoverRules& rules) {
+    return {{"degree", rules.degree},
+            {"choose_degree", rules.ladder.choose_degree},
+            {"t_mdl", rules.mdl_threshold},
+            {"diagonal", rules.diagonal},
+            {"noise_variance", rules.noise_variance},
+            {"contrary_share", rules.ladder.contrary_share},
+            {"spacing", rules.spacing},
+            {"radius_rule", rules.windows ? "windows" : "ladder"},
+            {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
+            {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
+            {"sharp", rules.sharp},
+            {"follow_normals", rules.follow_normals},
+            {"refits", rules.refits},
+            {"seed", rules.seed}};
+}
+
+std::string shared_values(const CoverRules& rules) {
+    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}",
+                       rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
+                       rules.typical_variance, rules.follow_normals);
+}
+
+}  // namespace slim

@@ -1,0 +1,227 @@
+#include "pipeline/build/normals_stage.h"
+
+#include "formats/slice_file.h"
+#include "pipeline/build/normals_rims.h"
+#include "pipeline/build/sensors.h"
+#include "pipeline/build/slice_normals.h"
+#include "pipeline/folder_lock.h"
+#include "pipeline/manifest.h"
+#include "pipeline/peak_memory.h"
+#include "slim/base/error.h"
+#include "slim/fit/noise_variance.h"
+#include "slim/neighbors/point_tree.h"
+#include "slim/slicing/block_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace slim {
+namespace {
+
+// Points that lambda is the mean over. The smallest eigenvalue deviates from its mean by 0.8
+// (happy_stand_raw) to 2.8 times (igea, autzen_stadium) that: 60,000 give the mean to 1 %, which is
+// 0.2 % of a radius.
+constexpr double kSamples = 60000;
+constexpr std::size_t kFewestOfSlice = 100;  // samples of a slice for a mean over many neighbours
+constexpr std::uint64_t kBytesKept = 210;    // a point: 136 in use, and what is kept beside it
+
+/// This slice's share of lambda, from points sampled by id at the rate of the whole job. Which
+/// number of neighbours counts is decided for all slices together: a job of several measures each,
+/// those that are rarely wanted only if this slice is not flat before.
+std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearch& search,
+                                    const std::vector<bool>& own, const SlicePlan& plan) {
+    const std::vector<std::uint32_t> samples =
+        sample_points(points, own, kSamples / static_cast<double>(plan.n_points));
+    if (plan.slices.size() == 1)
+        return {estimate_noise_variance(search, samples, 0, points.normal)};
+    // All slices together have four times as many as one slice would, or more.
+    const std::size_t fewest = std::clamp(4 * kFewestSamples / plan.slices.size(), kFewestOfSlice, kFewestSamples);
+    std::vector<NoiseVariance> noise;
+    for (const std::size_t k : kNoiseNeighbors) {
+        noise.push_back(estimate_noise_variance(search, samples, k, points.normal, fewest));
+        if (k >= kUsualMostNeighbors && noise.back().flatness <= kFlat) break;
+    }
+    return noise;
+}
+
+nlohmann::json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Vec3d vector_of(const nlohmann::json& j) { return {j.at(0), j.at(1), j.at(2)}; }
+
+nlohmann::json evidence_json(const NormalEvidence& e) {
+    return {{"normals", e.n},   {"flat", e.n_flat}, {"off", e.n_off},
+            {"area", e.area},   {"sq_size", e.sq_size}, {"flux", e.flux},
+            {"moment", vector_json(e.moment)}, {"area_vector", vector_json(e.area_vector)}};
+}
+
+NormalEvidence evidence_from(const nlohmann::json& j) {
+    NormalEvidence e;
+    j.at("normals").get_to(e.n), j.at("flat").get_to(e.n_flat), j.at("off").get_to(e.n_off);
+    j.at("area").get_to(e.area), j.at("sq_size").get_to(e.sq_size), j.at("flux").get_to(e.flux);
+    e.moment = vector_of(j.at("moment")), e.area_vector = vector_of(j.at("area_vector"));
+    return e;
+}
+
+/// Which side is in is known of a whole cloud only.
+void warn_of_inward(Reporter& reporter) {
+    reporter.warn(
+        "the normals point inwards, as those of a room scanned from inside do: of an object, turn them with --normals flip (curvatures "
+        "have the other sign, outlines are ragged else)");
+}
+
+nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVariance>& noise,
+                           std::size_t n) {
+    nlohmann::json measured = nlohmann::json::array();
+    for (const NoiseVariance& v : noise)
+        measured.push_back({{"variance", v.value},
+                            {"flatness", v.flatness},
+                            {"spacing", v.spacing},
+                            {"normal_variance", v.normal},
+                            {"typical_variance", v.typical},
+                            {"normal_independence", v.independence},
+                            {"neighbors", v.neighbors},
+                            {"samples", v.n_sampled}});
+    return {{"points", n},
+            {"kept", r.kept},
+            {"turned", r.turned},
+            {"of_contrary_scans", r.of_contrary_scans},
+            {"estimates_turned", r.estimates_turned},
+            {"estimated", r.estimated},
+            {"neighbors", r.neighbors},
+            {"degenerate", r.degenerate},
+            {"noisy", r.noisy},
+            {"oriented_by_sensor", r.orientation.by_sensor},
+            {"oriented_by_neighbors", r.orientation.by_neighbors},
+            {"oriented_by_rule", r.orientation.by_rule},
+            {"unanchored_components", r.orientation.components},
+            {"from_above", r.orientation.from_above},
+            {"evidence", evidence_json(r.evidence)},
+            {"noise", measured}};
+}
+
+nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& plan,
+                                 std::size_t slice, const std::vector<Vec3d>& sensors,
+                                 StageContext& context) {
+    const auto input = slice_points_path(config.work, slice);
+    const auto output = oriented_points_path(config.work, slice);
+    std::optional<PointBlock> handed;
+    if (context.handed) handed = context.handed->take(input.string());
+    const bool in_memory = handed && !context.writes_handed_points();
+    Stamp stamp(context, manifest_path(output));
+    if (!in_memory) stamp.input(input);
+    stamp.input(plan_path(config.work));
+    if (!config.sensors.empty()) stamp.input(config.sensors);
+    for (const PlanInput& in : plan.inputs) stamp.optional_input(scans_json_path(in.path));
+    for (const std::size_t i : rims(config, plan, slice))
+        stamp.input(rim_of(config, plan, i, slice));
+    const bool from_above = was_from_above(config, plan, slice);
+    stamp.depends(fmt::format("from above {}", from_above));
+    if (!in_memory) {
+        stamp.outputs({output});
+        if (auto done = stamp.up_to_date()) return *done;
+    }
+    PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
+    sort_along_curve(points, plan.bounds);
+    const NearestSearch search(points.position);
+    const std::vector<bool> own = own_points(plan, slice, points);
+    // A slice's own centroid says little of its outside; the centre of the whole does.
+    const std::optional<Vec3d> center =
+        plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
+    const NormalsReport report = give_normals(points, search, own, center, config, plan, sensors,
+                                              from_above, context.reporter);
+    std::vector<NoiseVariance> noise;
+    if (plan.slices.size() > 1) {
+        noise = noise_of(points, search, own, plan);
+        drop_rims(own, points);
+    }
+    const auto measure_noise = [&] {
+        if (noise.empty()) noise = noise_of(points, search, own, plan);
+    };
+    if (in_memory) measure_noise();
+    else {
+        SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
+                           points.has_scans());
+        // Neither keeps all threads busy: the file system takes one writer at a time.
+        run_both([&] { writer.append(points); }, measure_noise);
+        context.check_stop();
+        writer.commit();
+    }
+    nlohmann::json result =
+        stamp.commit(report_json(report, noise, points.size()), Outlasts::process);
+    if (context.handed && plan.slices.size() == 1)
+        context.handed->put(output.string(), std::move(points));
+    return result;
+}
+
+/// Whether the arrays of one slice may be kept for the next one: not all find room among them, half as much memory again,
+/// which slices do not need where their fits hold wide halos besides.
+bool has_room_for_freed(const SlicePlan& plan) {
+    if (plan.slices.size() == 1) return true;
+    std::uint64_t most = 0;
+    for (const PlanSlice& slice : plan.slices) most = std::max(most, slice.n_points);
+    return kBytesKept * most <= kBytesPerPoint * plan.most_within.back();
+}
+
+/// Counts of all slices added up.
+void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
+    for (const char* key : {"points", "kept", "turned", "of_contrary_scans", "estimates_turned", "estimated", "degenerate", "noisy",
+                            "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
+                            "unanchored_components"})
+        sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
+    sum["neighbors"] = std::max(sum.value("neighbors", std::uint64_t{0}),
+                                one.at("neighbors").get<std::uint64_t>());
+}
+
+}  // namespace
+
+void check_normals_config(const NormalsConfig& config) {
+    if (config.neighbors != 0 && config.neighbors < 4)
+        throw ConfigError(fmt::format("neighbors: expected 0, or 4 to 200, found {}", config.neighbors));
+    if (config.normals != "keep") return;
+    if (!config.sensors.empty())
+        throw ConfigError("sensors: turn estimated normals; --normals keep estimates none");
+    if (config.neighbors != 0)
+        throw ConfigError("neighbors: are what normals are estimated from; --normals keep estimates none");
+}
+
+std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {
+    return slice_folder(work, slice) / "oriented.slice";
+}
+
+nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
+    check_normals_config(config);
+    const FolderLock lock(config.work, FolderLock::Hold::shared);
+    const SlicePlan plan = read_plan(config.work);
+    const bool keeps = has_room_for_freed(plan);
+    if (keeps && plan.slices.size() > 1)
+        keep_all_freed_memory();
+    else
+        keep_freed_memory(keeps);
+    const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
+    nlohmann::json sum = nlohmann::json::object();
+    bool up_to_date = true;
+    NormalEvidence evidence;
+    const auto todo = slices_to_do(config, plan);
+    for (std::size_t i = 0; i < todo.size(); ++i) {
+        if (!keeps) return_freed_memory();
+        const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
+        add_counts(one, sum);
+        evidence += evidence_from(one.at("evidence"));
+        up_to_date &= one.contains("up_to_date");
+        context.reporter.progress("normals", i + 1, todo.size());
+    }
+    if (plan.slices.size() > 1) return_freed_memory();
+    sum["slices"] = todo.size();
+    sum["inward"] = todo.size() == plan.slices.size() && evidence.is_inward();
+    if (sum["inward"]) warn_of_inward(context.reporter);
+    // Shares of points whose own normal disagrees with its neighbours': turned, or merely noisy.
+    const double n = std::max(1.0, sum.value("points", 0.0));
+    sum["turned_share"] = sum.value("turned", 0.0) / n;
+    sum["disagreeing_share"] = (sum.value("turned", 0.0) + sum.value("noisy", 0.0)) / n;
+    sum["estimated_share"] = sum.value("estimated", 0.0) / n;
+    if (up_to_date) sum["up_to_date"] = true;
+    return sum;
+}
+
+}  // namespace slim

@@ -1,0 +1,237 @@
+#include "pipeline/build/slice_normals.h"
+
+#include "pipeline/build/normals_rims.h"
+#include "slim/base/hash.h"
+#include "slim/base/parallel.h"
+#include "slim/fit/noise_variance.h"
+#include "slim/normals/estimate.h"
+#include "slim/normals/repair.h"
+#include "slim/normals/scan_signs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
+constexpr std::size_t kGrain = 16384;        // points a task
+// beyond this share a cloud's own normals are not to be trusted
+constexpr double kManyContrary = 0.1;
+// points of which noise and spacing are measured before normals are estimated
+constexpr double kFewSamples = 4000;
+constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
+constexpr double kEvidenceSamples = 2000;  // points that say whether given normals are those of a surface, and which side is in
+// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more
+// (slim/normals/notes/0002).
+constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
+
+/// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
+std::size_t normalize_all(std::vector<Vec3f>& normals) {
+    std::atomic<std::size_t> n_missing = 0;
+    parallel_blocks(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::size_t missing = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            Vec3f& n = normals[i];
+            n = is_finite(n) ? normalized(n) : Vec3f{};
+            missing += !(sq_length(n) > 0);
+        }
+        n_missing += missing;
+    });
+    return n_missing;
+}
+
+std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+        if (!(sq_length(points.normal[i]) > 0)) out.push_back(i);
+    return out;
+}
+
+std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
+    return static_cast<std::size_t>(
+        std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
+}
+
+/// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are to be estimated.
+std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
+                                const std::vector<bool>& own, std::size_t n_wanted) {
+    if (kFew * n_wanted < points.size()) return kUsualNeighbors;
+    const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
+    const NoiseVariance noise =
+        estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
+    if (!(noise.spacing > 0)) return kUsualNeighbors;
+    const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
+    return static_cast<std::size_t>(
+        std::clamp(std::ceil(k), double{kUsualNeighbors}, double{kMostNeighbors}));
+}
+
+/// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
+void estimate_missing(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
+                      const std::vector<std::uint32_t>& wanted,
+                      const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
+                      const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
+                      NormalsReport& report) {
+    report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
+                                     : neighbors_for_noise(points, search, own, wanted.size());
+    NeighborGraph graph =
+        estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
+    report.estimated = count_own(own, wanted);
+    std::vector<bool> known(points.size(), true);
+    for (const std::uint32_t i : wanted) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        known[i] = scan < sensors.size() && is_finite(sensors[scan]);
+    }
+    if (orient_to_sensors(points, wanted, sensors) < wanted.size())
+        report.orientation = orient_by_neighbors(points, std::move(graph), known, center, hints, own,
+                                                seen_from_above);
+    report.orientation.by_sensor =
+        report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
+}
+
+/// Estimates are wrong here and there, too: the sensor's word at a grazing angle, a vote at a crease.
+/// How many are is what the fit takes for the noise of normals.
+void audit_estimates(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
+                     const std::vector<std::uint32_t>& wanted, NormalsReport& report) {
+    std::vector<bool> estimated(points.size(), false);
+    for (const std::uint32_t i : wanted) estimated[i] = true;
+    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own, estimated);
+    report.estimates_turned = audit.contrary;
+    report.noisy += audit.noisy;
+}
+
+/// Whether most of the samples face their sensors, so that a surface may well enclose them. False where no sensor is known.
+bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples, const std::vector<Vec3d>& sensors) {
+    std::int64_t votes = 0;
+    for (const std::uint32_t i : samples) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
+        votes += dot(to_double(points.normal[i]), sensors[scan] - points.position[i]) > 0 ? 1 : -1;
+    }
+    return votes > 0;
+}
+
+/// Turns scans whose normals are turned round against the others', of a job of one slice: which scans are in the minority is
+/// not known of less. Returns how many points these have.
+std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search, const std::vector<std::uint32_t>& samples) {
+    const std::vector<bool> contrary = contrary_scans(points, search, samples);
+    if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (contrary[points.scan[i]]) points.normal[i] = -points.normal[i], ++n;
+    return n;
+}
+
+/// Why given normals are not to be trusted; empty if they are.
+struct Mistrust {
+    std::string why;
+    bool they_hint = false;  ///< which side is out, most of them
+};
+
+/// Mends given normals here and there, and looks at them as a whole.
+Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own, std::size_t n_own,
+                     const std::vector<Vec3d>& sensors, NormalsReport& report) {
+    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+    report.turned = audit.contrary;
+    report.noisy = audit.noisy;
+    const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
+    if (share > kManyContrary || audit.has_mixed_signs())
+        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
+                            "normals each other",
+                            100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
+                true};
+    const std::vector<std::uint32_t> samples =
+        sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own));
+    report.evidence = evidence_of(points, search, samples);
+    if (report.evidence.is_off_surface())
+        return {fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that the points make",
+                            100 * static_cast<double>(report.evidence.n_off) / static_cast<double>(report.evidence.n_flat))};
+    if (faces_sensors(points, samples, sensors)) report.evidence.flux = 0;
+    return {};
+}
+
+/// --normals flip: the other side is out. What the slices before have is flipped, and known here, where signs carry over.
+void flip_all(std::vector<Vec3f>& normals) {
+    for (Vec3f& n : normals) n = -n;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
+                                         double share) {
+    using Chosen = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
+    std::vector<Chosen> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint64_t h = keyed_hash(0, points.id[i], kSample);
+            if (own[i] && unit_interval(h) < share)
+                parts[begin / kGrain].emplace_back(h, static_cast<std::uint32_t>(i));
+        }
+    });
+    Chosen chosen;
+    for (const Chosen& part : parts) chosen.insert(chosen.end(), part.begin(), part.end());
+    std::sort(chosen.begin(), chosen.end());
+    std::vector<std::uint32_t> samples;
+    for (const auto& [hash, i] : chosen) samples.push_back(i);
+    return samples;
+}
+
+NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
+                           const std::vector<bool>& own,
+                           const std::optional<Vec3d>& center,
+                           const NormalsConfig& config, const SlicePlan& plan,
+                           const std::vector<Vec3d>& sensors, bool seen_from_above,
+                           Reporter& reporter) {
+    NormalsReport report;
+    std::vector<std::uint32_t> wanted;
+    const bool flips = config.normals == "flip", carries = signs_carry_over(config, plan);
+    if (flips && carries) flip_all(points.normal);
+    if (normalize_all(points.normal) > 0) wanted = points_without_normal(points);
+    const std::size_t n_points = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
+    if (config.normals == "keep" && count_own(own, wanted) > 0)
+        reporter.warn(fmt::format(
+            "{} points have no normal and none is estimated (--normals keep): they are estimated "
+            "with --normals auto",
+            count_own(own, wanted)));
+    const std::size_t n_own = n_points - count_own(own, wanted);
+    if (config.normals == "keep") {
+        report.kept = n_own;
+        return report;
+    }
+    std::vector<Vec3f> hints;
+    if (n_own > 0 && !carries) {
+        if (plan.slices.size() == 1) {
+            report.of_contrary_scans =
+                turn_contrary_scans(points, search, sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own)));
+            if (report.of_contrary_scans > 0)
+                reporter.warn(fmt::format("{} points are of scans whose normals are turned round against the others': turned",
+                                          report.of_contrary_scans));
+        }
+        const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
+        if (!mistrust.why.empty()) {
+            reporter.warn(mistrust.why + ": all normals are estimated anew");
+            report.evidence = {};
+            report.turned = report.noisy = 0;
+            if (mistrust.they_hint) hints = std::move(points.normal);
+            points.normal.assign(points.size(), Vec3f{});
+            wanted = points_without_normal(points);
+        }
+    }
+    if (!carries)  // else all are estimated but those of the rim
+        report.kept = n_points - count_own(own, wanted) - report.turned;
+    if (!wanted.empty()) {
+        estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
+                         seen_from_above, report);
+        audit_estimates(points, search, own, wanted, report);
+    }
+    if (flips) flip_all(points.normal);
+    if (flips) report.evidence.flip();
+    return report;
+}
+
+}  // namespace slim

@@ -1,0 +1,84 @@
+#include "pipeline/info/info_cloud.h"
+
+#include "formats/point_source.h"
+#include "formats/truth_file.h"
+#include "pipeline/info/info_json.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+bool finite(const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Totals of a cloud, gathered chunk by chunk.
+struct CloudTotals {
+    std::uint64_t points = 0, not_finite = 0, without_normal = 0;
+    Bbox box;
+    std::set<std::uint16_t> scans;
+
+    void add(const PointChunk& chunk) {
+        points += chunk.size();
+        for (const Vec3d& p : chunk.position) {
+            if (finite(p))
+                box.extend(p);
+            else
+                ++not_finite;
+        }
+        for (const Vec3f& n : chunk.normal) {
+            const float sq = dot(n, n);
+            without_normal += !(sq > 0) || !std::isfinite(sq);
+        }
+        scans.insert(chunk.scan.begin(), chunk.scan.end());
+    }
+};
+
+json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
+    json attributes = json::array();
+    for (const std::string& name : info.carried) attributes.push_back(name);
+    json out = {{"kind", "cloud"},
+                {"format", info.format},
+                {"bytes", info.file_size},
+                {"points", totals.points},
+                {"bounds", bounds_json(totals.box)},
+                {"attributes", attributes},
+                {"colors", info.colors.empty() ? "no" : "yes, read by slim build --color"},
+                {"skipped", info.skipped},
+                {"normals", info.faces_turned         ? "from faces, turned outwards"
+                            : info.normals_from_faces ? "from faces"
+                            : info.has_normals        ? "yes"
+                                                      : "no"},
+                {"truth", fs::exists(truth_path(info.path))},
+                {"health", {{"not_finite", totals.not_finite}}}};
+    if (info.has_normals) out["health"]["points_without_normal"] = totals.without_normal;
+    if (info.has_scan) out["scans"] = totals.scans.size();
+    if (info.origin) out["origin"] = vector_json(*info.origin);
+    return out;
+}
+
+}  // namespace
+
+json cloud_info(const std::string& path, StageContext& context) {
+    const std::unique_ptr<PointSource> source = open_cloud(path);
+    CloudTotals totals;
+    for (PointChunk chunk; source->read(chunk, kChunk);) {
+        totals.add(chunk);
+        context.reporter.progress("bytes read", source->bytes_read(), source->info().file_size);
+    }
+    json out = cloud_json(source->info(), totals);
+    if (source->info().has_faces()) out["faces"] = source->info().n_faces;
+    return out;
+}
+
+}  // namespace slim

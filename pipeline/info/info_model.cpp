@@ -1,0 +1,120 @@
+#include "pipeline/info/info_model.h"
+
+#include "formats/model_file.h"
+#include "pipeline/info/info_json.h"
+#include "pipeline/noise_over_diagonal.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace slim {
+namespace {
+
+using nlohmann::json;
+
+/// The options that the model was fitted with, as its provenance has them.
+json fit_options(const json& provenance) {
+    json out = json::object();
+    if (!provenance.is_object() || !provenance.contains("rules")) return out;
+    const json& rules = provenance.at("rules");
+    out["degree"] = rules.value("choose_degree", false) ? json("auto") : rules.at("degree");
+    for (const char* key : {"radius_rule", "weight", "cover", "sharp"})
+        if (rules.contains(key)) out[key] = rules.at(key);
+    return out;
+}
+
+/// Leaves that are not as asked, by cause, over all fits of the model.
+json fallback_sums(const json& provenance) {
+    std::map<std::string, std::uint64_t> sums;
+    if (provenance.is_object() && provenance.contains("fits"))
+        for (const json& fit : provenance.at("fits")) {
+            const json by_cause = fit.value("fallbacks", json::object());
+            for (const auto& [cause, n] : by_cause.items())
+                sums[cause] += n.get<std::uint64_t>();
+            for (const char* cause : {"forced", "contrary", "normals_disagree", "recentred"})
+                sums[cause] += fit.value(cause, std::uint64_t{0});
+        }
+    return sums;
+}
+
+/// throws FormatError if the provenance is not what a model of this program says of itself
+json provenance_info(const std::string& path, const json& provenance) {
+    try {
+        return {{"fit", fit_options(provenance)}, {"fallbacks", fallback_sums(provenance)}};
+    } catch (const json::exception& error) {
+        throw FormatError(fmt::format("{}: chunk provenance: {}", path, error.what()));
+    }
+}
+
+/// Support radii of the leaves, model units; empty without any.
+json leaf_radii(const SurfelTree& tree) {
+    std::vector<double> radii;
+    for (std::size_t i = 0; i < tree.n_nodes(); ++i)
+        if (tree.node(i).is_leaf()) radii.push_back(tree.support_radius(i));
+    if (radii.empty()) return json::object();
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    const auto [least, most] = std::minmax_element(radii.begin(), radii.end());
+    return {{"min", *least}, {"median", *middle}, {"max", *most}};
+}
+
+/// Leaves of a tree by kind.
+struct LeafCounts {
+    Tally levels, degrees, sheets;
+    std::uint64_t saturated = 0, forced = 0, loose = 0;
+
+    explicit LeafCounts(const SurfelTree& tree) {
+        for (const SharpEntry& sharp : tree.sharp()) sheets.add(std::size_t{1} + sharp.n_extra);
+        for (const TreeNode& node : tree.nodes().subspan(tree.n_nodes() ? 1 : 0)) {
+            if (!node.is_leaf()) continue;
+            levels.add(node.level);
+            degrees.add(node.degree);
+            saturated += (node.flags & kSaturated) != 0;
+            forced += (node.flags & kForced) != 0;
+            loose += node.is_loose();
+        }
+    }
+};
+
+}  // namespace
+
+json model_info(const std::string& path) {
+    const ModelFile file = ModelFile::open(path);
+    const ModelHeader& header = file.header();
+    const SurfelTree tree = file.tree();
+    const LeafCounts leaves(tree);
+    const json provenance = parsed(file.provenance_json());
+    const json said = provenance_info(path, provenance);
+    return {{"kind", "model"},
+            {"bytes", file.file_size()},
+            {"degree", header.degree},
+            {"colors", !file.colors().empty()},
+            {"points", header.n_points},
+            {"leaves", header.n_leaves},
+            {"loose", leaves.loose},
+            {"surfels", tree.n_nodes() ? tree.n_nodes() - 1 : 0},
+            {"origin", vector_json(header.origin)},
+            {"bounds", bounds_json(header.bounds, header.origin)},
+            {"diagonal", header.diagonal},
+            {"noise", noise_over_diagonal(header.noise_variance, header.diagonal)},
+            {"t_mdl", header.mdl_threshold},
+            {"seed", header.seed},
+            {"leaf_radius", leaf_radii(tree)},
+            {"leaves_by_level", leaves.levels.to_json()},
+            {"leaves_by_degree", leaves.degrees.to_json()},
+            {"sharp_leaves_by_sheets", leaves.sheets.to_json()},
+            {"health",
+             {{"checksums", "ok"},
+              {"radius_at_the_largest", leaves.saturated},
+              {"radius_not_chosen", leaves.forced}}},
+            {"fit", said.at("fit")},
+            {"fallbacks", said.at("fallbacks")},
+            {"provenance", provenance}};
+}
+
+}  // namespace slim

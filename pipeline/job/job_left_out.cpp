@@ -1,0 +1,105 @@
+#include "pipeline/job/job_left_out.h"
+
+#include "pipeline/config.h"
+#include "pipeline/contains.h"
+#include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_asked.h"
+#include "pipeline/render/render_line_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace slim {
+namespace {
+
+/// Of the model that [fit] makes: "auto" has surfels of all degrees.
+int model_degree(const BuildStages& stages) {
+    return stages.degree == "1" ? 1 : stages.degree == "2" ? 2 : 3;
+}
+
+/// What one view has the renderer do.
+struct ViewWork {
+    std::vector<std::string> aovs;  ///< without "all"
+    LineChoice lines;
+    Channels channels = 0;
+};
+
+ViewWork work_of(const AskedView& view, const BuildStages& stages) {
+    ViewWork work;
+    const int degree = model_degree(stages);
+    work.aovs = possible_aovs(view.aovs, degree, stages.color && view.render.add.empty());
+    work.lines = line_choice(view.render, view.aovs, degree, stages.sharp);
+    work.channels =
+        channels_of(work.aovs, view.render.light_maps) | line_channels(work.lines.drawn, degree);
+    return work;
+}
+
+std::string fit_remedy(LineKind kind) {
+    return is_crease(kind) ? "they need sharp surfels: sharp = \"on\" in [fit]"
+                           : fmt::format("they need degree = {} in [fit]", line_degree(kind));
+}
+
+}  // namespace
+
+std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
+                                           const BuildStages& stages) {
+    Channels channels = 0;
+    std::set<std::string> aovs, asked;
+    bool lines = false, rays = false, shadows = false, openness = false;
+    for (const AskedView& view : views) {
+        const ViewWork work = work_of(view, stages);
+        channels |= work.channels;
+        aovs.insert(work.aovs.begin(), work.aovs.end());
+        asked.insert(view.aovs.begin(), view.aovs.end());
+        lines = lines || !work.lines.drawn.empty();
+        const bool cast = view.render.mode == "raytrace", shaded = contains(work.aovs, "shaded");
+        rays = rays || cast;
+        shadows = shadows || (cast && view.render.shadows && shaded);
+        openness = openness || view.render.ao || contains(work.aovs, "ao");
+    }
+    std::vector<std::string> out;
+    if (!(channels & kHessianChannels))
+        out.push_back("curvature: no AOV and no line asks for it (no second derivatives)");
+    if (!(channels & kThirdOrderChannel))
+        out.push_back("third derivatives: no AOV and no line that can be drawn asks for them");
+    if (!lines) out.push_back("feature lines: no view asks for them");
+    if (!aovs.contains("color"))
+        out.push_back(stages.color
+                          ? "colours: no view shows them (their section of the model is not read)"
+                          : "colours: color = false in [fit] (the model has no section of them)");
+    if (!rays) out.push_back("rays: no view has mode = \"raytrace\"");
+    else if (!shadows) out.push_back("shadows: no shaded view asks for them");
+    if (rays && !openness) out.push_back("ambient occlusion: no view asks for it");
+    std::vector<std::string> rest;
+    RenderConfig render;
+    const FieldList fields = fields_of(render);
+    for (const std::string& name : fields.find("aov")->choices)
+        if (name != "all" && name != "lines" && !asked.contains(name)) rest.push_back(name);
+    // What "all" passes over is told as missing.
+    if (!rest.empty() && !asked.contains("all"))
+        out.push_back(fmt::format("pictures of {}: no view asks for them", fmt::join(rest, ", ")));
+    return out;
+}
+
+std::vector<std::string> missing_in_views(std::span<const AskedView> views,
+                                          const BuildStages& stages) {
+    std::vector<std::string> out;
+    const int degree = model_degree(stages);
+    for (const AskedView& view : views) {
+        std::set<std::string> said;
+        for (const LineKind kind :
+             line_choice(view.render, view.aovs, degree, stages.sharp).lacking)
+            if (said.insert(line_word(kind)).second)
+                out.push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
+                                          fit_remedy(kind)));
+        for (const LeftOut& aov :
+             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
+            out.push_back(
+                fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
+    }
+    return out;
+}
+
+}  // namespace slim

@@ -1,0 +1,109 @@
+#include "pipeline/job/job_source.h"
+
+#include "pipeline/child_process.h"
+#include "pipeline/config.h"
+#include "pipeline/input_kind.h"
+#include "pipeline/shell_word.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where ready styles lie: in the source tree that the program was built in, beside the programs
+/// (in a copy of their folder), or installed. The first that is there;
+/// else the one that a copy has.
+fs::path style_folder() {
+    const fs::path here = program_folder(), beside = here / "styles";
+    for (const fs::path& folder :
+         {here / "../../configs/styles", beside, here / "../share/slim/styles"}) {
+        std::error_code error;
+        if (fs::is_directory(folder, error)) return folder;
+    }
+    return beside;
+}
+
+std::vector<std::string> style_names() {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(style_folder(), error))
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// A TOML string.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    return out + '"';
+}
+
+std::string absolute(const std::string& path) {
+    return fs::absolute(path).lexically_normal().string();
+}
+
+/// Whether the command line says what to read.
+bool names_input(const JobSource& source) {
+    return !source.clouds.empty() ||
+           std::any_of(source.settings.begin(), source.settings.end(),
+                       [](const auto& text) { return text.starts_with("input."); });
+}
+
+}  // namespace
+
+fs::path job_file(const JobSource& source) {
+    const fs::path named = source.job;
+    const InputKind kind = input_kind(named);
+    if (kind == InputKind::model)
+        throw ConfigError(source.job + ": a model, not a job; expected a job file (TOML)");
+    if (kind == InputKind::cloud)
+        throw ConfigError(fmt::format(
+            "{}: a point cloud, not a job; expected a job file or a ready style before it, "
+            "such as: {} (styles: {})",
+            source.job, shell_line({"slim", "run", "plate", source.job}),
+            fmt::join(style_names(), ", ")));
+    if (fs::exists(named) || named.has_extension() || named.has_parent_path()) return named;
+    if (const fs::path file = style_folder() / (source.job + ".toml"); fs::exists(file)) {
+        if (!names_input(source))
+            throw ConfigError(fmt::format(
+                "{0}: a ready style is for clouds that are named after it: slim run {0} "
+                "scan.ply",
+                source.job));
+        return fs::weakly_canonical(file);
+    }
+    const auto known = style_names();
+    throw ConfigError(
+        known.empty()
+            ? fmt::format("{}: no such job file, and there are no ready styles beside the program: "
+                          "expected them in {} (they are configs/styles of the source)",
+                          source.job, style_folder().string())
+            : fmt::format("{}: no such job file, and no ready style of that name{} (known: {})",
+                          source.job, suggestion(source.job, known), fmt::join(known, ", ")));
+}
+
+std::vector<std::string> job_settings(const JobSource& source) {
+    std::vector<std::string> settings;
+    if (!source.clouds.empty()) {
+        std::vector<std::string> files;
+        for (const std::string& cloud : source.clouds) files.push_back(quoted(absolute(cloud)));
+        settings.push_back(fmt::format("input.files=[{}]", fmt::join(files, ", ")));
+    }
+    std::string folder = source.output;
+    if (folder.empty() && !source.clouds.empty())
+        folder =
+            fs::path(source.clouds[0]).stem().string() + "_" + fs::path(source.job).stem().string();
+    if (!folder.empty()) settings.push_back("output.dir=" + quoted(absolute(folder)));
+    settings.insert(settings.end(), source.settings.begin(), source.settings.end());
+    return settings;
+}
+
+}  // namespace slim

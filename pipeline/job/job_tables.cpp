@@ -1,0 +1,65 @@
+#include "pipeline/job/job_tables.h"
+
+#include "pipeline/manifest.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace slim {
+
+namespace fs = std::filesystem;
+
+std::string table_place(const fs::path& file, const TomlTable& table) {
+    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line)
+                          : file.string() + ", --set";
+}
+
+const TomlTable* find_table(const TomlTable& in, const std::string& name, const fs::path& file) {
+    const TomlTable* found = nullptr;
+    for (const TomlTable& table : in.tables) {
+        if (table.name != name) continue;
+        if (found)
+            throw ConfigError(fmt::format("{}: a second [{}]", table_place(file, table), name));
+        found = &table;
+    }
+    return found;
+}
+
+void check_tables(const TomlTable& in, const std::vector<std::string>& known,
+                  const fs::path& file) {
+    for (const TomlTable& table : in.tables)
+        if (std::find(known.begin(), known.end(), table.name) == known.end())
+            throw ConfigError(fmt::format("{}: unknown table [{}]{}", table_place(file, table),
+                                          table.name, suggestion(table.name, known)));
+}
+
+void append_option(const Field& field, std::vector<std::string>& out) {
+    if (field.is_flag()) {
+        const bool on = field.items()[0] == "true";
+        out.push_back(on ? field.option() : "--no-" + field.option().substr(2));
+    } else if (field.is_path()) {
+        for (const std::string& item : field.items()) out.push_back(field.option() + "=" + item);
+    } else {
+        out.push_back(fmt::format("{}={}", field.option(), fmt::join(field.items(), ",")));
+    }
+}
+
+void append_arguments(JobStep& step, const std::vector<std::string>& arguments) {
+    step.arguments.insert(step.arguments.end(), arguments.begin(), arguments.end());
+}
+
+void add_step_output(JobStep& step, const Job& job) {
+    for (const JobStep& earlier : job.steps)
+        if (earlier.output == step.output)
+            throw ConfigError(
+                fmt::format("{}: {} would write {}, which {} writes: expected different names",
+                            job.file.string(), step.name, step.output.string(), earlier.name));
+    step.arguments.push_back("-o");
+    step.arguments.push_back(step.output.string());
+    step.target = manifest_path(step.output);
+    step.products = {step.output};
+}
+
+}  // namespace slim

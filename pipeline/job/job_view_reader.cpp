@@ -1,0 +1,280 @@
+#include "pipeline/job/job_view_reader.h"
+
+#include "pipeline/job/job_left_out.h"
+#include "pipeline/job/job_tables.h"
+#include "pipeline/job/job_views.h"
+#include "pipeline/job/view_shares.h"
+#include "pipeline/manifest.h"
+#include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_config.h"
+#include "pipeline/render/render_lights.h"
+#include "pipeline/render/render_uses.h"
+#include "pipeline/render/render_view.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The keys of a view that are the job's own; the others are options of slim-render.
+struct ViewTable {
+    std::string name;
+    std::vector<std::string> aovs;
+    int shares = 0;
+    template <class V>
+    void visit(V&& field) {
+        field("name", name, "begins the names of the view's pictures");
+        field("aovs", aovs, "pictures of this view");
+        field("shares", shares, "tasks that plans divide it among (0: by its pixels)", 0, 9999);
+    }
+};
+
+/// The keys of [render] that are the job's own.
+struct AllViewsTable {
+    int shares = 0;
+    template <class V>
+    void visit(V&& field) {
+        field("shares", shares, "of every view that does not say it itself", 0, 9999);
+    }
+};
+
+/// The tables that say what is drawn.
+class ViewReader {
+public:
+    ViewReader(const JobPictures& pictures, Job& job)
+        : file_(pictures.file),
+          root_(pictures.root),
+          usual_aovs_(pictures.usual_aovs),
+          model_(pictures.model),
+          job_(job) {}
+
+    void read_views() {
+        std::vector<std::string> defaults;
+        if (const TomlTable* table = find_table(root_, "render", file_)) {
+            std::set<std::string> owned = kOwnedByView;
+            owned.insert("name");  // one for each view
+            defaults = read_options<RenderConfig>(*table, file_, all_views_, owned);
+            check_view(*table, render_);
+            job_.unit = render_.unit;
+        }
+        read_lights(defaults);
+        for (const TomlTable& table : root_.tables)
+            if (table.name == "view") read_view(table, defaults);
+        if (names_.empty()) job_.left_out.push_back("pictures: there is no [[view]]");
+        else refuse_idle();
+        leave_room();
+    }
+
+    void note_left_out() {
+        for (std::string& line : left_out_of_views(asked_, job_.stages))
+            job_.left_out.push_back(std::move(line));
+        job_.missing = missing_in_views(asked_, job_.stages);
+    }
+
+private:
+    /// [[light]] tables say what --light says in one line: kind = "sun", azimuth = 300.
+    void read_lights(std::vector<std::string>& defaults) {
+        std::string all;
+        for (const TomlTable& table : root_.tables) {
+            if (table.name != "light") continue;
+            check_tables(table, {}, file_);
+            std::string kind, words;
+            for (const TomlValue& value : table.values) {
+                const std::string text = fmt::format("{}", fmt::join(value.items, ","));
+                if (value.key == "kind") kind = text;
+                else words += fmt::format(" {}={}", value.key, text);
+            }
+            try {
+                check_lights(kind + words);
+            } catch (const ConfigError& error) {
+                throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+            }
+            all += (all.empty() ? "" : "; ") + kind + words;
+        }
+        if (all.empty()) return;
+        if (render_.light != RenderConfig{}.light)
+            throw ConfigError(
+                file_.string() +
+                ": both [[light]] tables and light in [render]: expected one of the two");
+        render_.light = all;
+        defaults.push_back("--light=" + all);
+    }
+
+    void read_view(const TomlTable& table, const std::vector<std::string>& defaults) {
+        check_tables(table, {}, file_);
+        ViewTable view;
+        view.shares = all_views_.shares;
+        const std::vector<std::string> own =
+            read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        RenderConfig render = render_;
+        check_view(table, render);
+        if (view.aovs.empty()) view.aovs = usual_aovs_;
+        check_aovs(view.aovs, table);
+        const std::set<std::string> own_keys = keys_of(table);
+        std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
+        note_taken(options, own_keys);
+        options.insert(options.end(), own.begin(), own.end());
+        if (view.name.empty()) view.name = name_of(options);
+        try {
+            check_view_name(view.name);
+            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color,
+                              job_.stages.sharp);
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+        }
+        if (!names_.insert(view.name).second)
+            throw ConfigError(fmt::format("{}: a second view of the name '{}'",
+                                          table_place(file_, table), view.name));
+        check_rays(render, view.aovs, table);
+        asked_.push_back({view.name, view.aovs, render});
+        JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
+        for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
+        append_arguments(step, options);
+        step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
+        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
+        const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
+        step.output = job_.folder / (view.name + aov + ".png");
+        add_step_output(step, job_);
+        step.products = view_pictures(job_.folder, view.name, view.aovs, render);
+        views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
+        divide(step, render, view, table);
+        job_.steps.push_back(std::move(step));
+    }
+
+    /// Views of one camera overlay: if a picture of the job has a legend, its room is left in all,
+    /// but in those with legend = false.
+    void leave_room() {
+        if (std::none_of(views_.begin(), views_.end(),
+                         [](const View& view) { return view.has_legend; }))
+            return;
+        for (const View& view : views_)
+            if (!view.has_legend && view.render.legend && !view.render.legend_room &&
+                frames_by_name(view.render))
+                job_.steps[view.step].arguments.push_back("--legend-room");
+    }
+
+    void divide(JobStep& step, const RenderConfig& render, const ViewTable& view,
+                const TomlTable& table) {
+        try {
+            const ViewDivision division = division_of_view(render, view.aovs, view.shares);
+            step.shares =
+                shares_of_view(render, view.aovs, step.output, view.name, division.shares);
+            step.division = division.reason;
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+        }
+    }
+
+    static std::set<std::string> keys_of(const TomlTable& table) {
+        std::set<std::string> keys;
+        for (const TomlValue& value : table.values) keys.insert(value.key);
+        return keys;
+    }
+
+    /// Options of all views that this one takes (or says itself).
+    void note_taken(const std::vector<std::string>& options, const std::set<std::string>& own) {
+        taken_.insert(own.begin(), own.end());
+        for (const OptionUse& use : option_uses())
+            for (const std::string& option : options)
+                if (is_option(option, use.key)) taken_.insert(use.key);
+    }
+
+    /// An option for all views, not as by default, that none takes.
+    void refuse_idle() {
+        RenderConfig usual;
+        const FieldList given = fields_of(render_), defaults = fields_of(usual);
+        for (const OptionUse& use : option_uses())
+            if (given.find(use.key)->items() != defaults.find(use.key)->items() &&
+                !taken_.contains(use.key))
+                throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
+                                              unused_text(use)));
+    }
+
+    /// Where [render], or the first [[light]], says it.
+    std::string place_of_default(const std::string& key) const {
+        for (const TomlTable& table : root_.tables) {
+            if (table.name == "light" && key == "light") return table_place(file_, table);
+            if (table.name != "render") continue;
+            for (const TomlValue& value : table.values)
+                if (value.key == key) return table_place(file_, {key, value.line, {}, {}});
+        }
+        return file_.string();
+    }
+
+    /// Checks what only rays can do.
+    void check_rays(const RenderConfig& render, const std::vector<std::string>& aovs,
+                    const TomlTable& table) const {
+        try {
+            check_tracing(render, aovs);
+        } catch (const ConfigError& error) {
+            throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
+        }
+    }
+
+    void check_view(const TomlTable& table, RenderConfig& config) const {
+        const FieldList fields = fields_of(config);
+        for (const TomlValue& value : table.values)
+            if (const Field* field = fields.find(value.key)) field->set(value.items, value.key);
+        check_view_keys(config, [&](const char* key, const std::function<void()>& check) {
+            for (const TomlValue& value : table.values) {
+                if (value.key != key) continue;
+                try {
+                    check();
+                } catch (const ConfigError& error) {
+                    const TomlTable at{key, value.line, {}, {}};
+                    throw ConfigError(fmt::format("{}: {}", table_place(file_, at), error.what()));
+                }
+            }
+        });
+    }
+
+    void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
+        RenderConfig render;
+        fields_of(render).find("aov")->set(aovs, table_place(file_, table) + ": aovs");
+    }
+
+    /// A view without a name takes its camera's, "view" if that is given by numbers.
+    static std::string name_of(const std::vector<std::string>& options) {
+        std::string camera = RenderConfig{}.camera;
+        for (const std::string& option : options)
+            if (option.starts_with("--camera=")) camera = option.substr(9);
+        return camera.find(',') == std::string::npos ? camera : "view";
+    }
+
+    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share",
+                                                              "join"};
+
+    const fs::path& file_;
+    const TomlTable& root_;
+    const std::vector<std::string>& usual_aovs_;
+    const fs::path& model_;
+    Job& job_;
+    std::set<std::string> taken_;  // keys for all views that some view takes
+    AllViewsTable all_views_;
+    struct View {
+        std::size_t step;  // of the job's
+        RenderConfig render;
+        bool has_legend;
+    };
+    std::vector<View> views_;
+    RenderConfig render_;  // with what [render] and the lights say
+    std::set<std::string> names_;
+    std::vector<AskedView> asked_;
+};
+
+}  // namespace
+
+void read_job_views(const JobPictures& pictures, Job& job) {
+    ViewReader reader(pictures, job);
+    reader.read_views();
+    reader.note_left_out();
+}
+
+}  // namespace slim

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "pipeline/job/job.h"
+#include "pipeline/toml_file.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What the pictures of a job are made of.
+struct JobPictures {
+    const std::filesystem::path& file;
+    const TomlTable& root;
+    const std::vector<std::string>& usual_aovs;  ///< of a view that names none
+    const std::filesystem::path& model;
+};
+
+/// Reads [render], [[light]] and [[view]]: adds a step for each view, and what no view asks for to
+/// what is left out. Options of [render] that a view has no use for are left out of it
+/// (options_for); ConfigError for one that none takes.
+void read_job_views(const JobPictures& pictures, Job& job);
+
+}  // namespace slim

@@ -1,0 +1,103 @@
+#include "pipeline/job/job_views.h"
+
+#include "pipeline/config.h"
+#include "pipeline/contains.h"
+#include "pipeline/render/render_lights.h"
+#include "pipeline/render/render_uses.h"
+#include "pipeline/render/render_view.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace slim {
+
+std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
+                                                 const std::string& name,
+                                                 const std::vector<std::string>& aovs,
+                                                 const RenderConfig& config) {
+    const bool lines = !config.lines.empty() || contains(aovs, "lines");
+    const bool film = config.turntable > 0 || !config.path.empty();
+    const int n = film ? n_frames(config) : 1;
+    std::vector<std::filesystem::path> files;
+    for (int k = 1; k <= n; ++k) {
+        if (config.frame > 0 && k != config.frame) continue;
+        const std::string number = film ? fmt::format("_{:04}", k) : "";
+        for (const std::string& aov : aovs)
+            if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
+        if (lines) files.push_back(folder / (name + number + ".lines.svg"));
+    }
+    return files;
+}
+
+bool is_option(const std::string& word, const std::string& key) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    return word == "--" + name || word == "--no-" + name || word.starts_with("--" + name + "=");
+}
+
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options,
+                                     const std::set<std::string>& own, RenderConfig& config) {
+    const auto take_out = [&](const std::string& key) {
+        std::erase_if(options, [&](const std::string& word) { return is_option(word, key); });
+    };
+    for (const std::string& key : own) take_out(key);
+    RenderConfig usual;
+    const FieldList fields = fields_of(config), defaults = fields_of(usual);
+    for (const OptionUse& use : option_uses()) {
+        if (own.contains(use.key) || use.used(config, aovs)) continue;
+        take_out(use.key);
+        fields.find(use.key)->set(defaults.find(use.key)->items(), use.key);
+    }
+    return options;
+}
+
+std::vector<std::filesystem::path> files_read(const std::vector<std::string>& options) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& option : options)
+        for (const std::string begin : {"--add=", "--environment=", "--matcap="})
+            if (option.starts_with(begin)) files.emplace_back(option.substr(begin.size()));
+    return files;
+}
+
+void check_view_keys(
+    const RenderConfig& config,
+    const std::function<void(const char* key, const std::function<void()>& check)>& checked) {
+    checked("size", [&] { parse_size(config.size); });
+    checked("light", [&] { check_lights(config.light); });
+    checked("material", [&] { parse_materials(config.material); });
+    checked("background", [&] { parse_background(config.background, false); });
+    // Any box will do: only cameras that are given by numbers can be wrong.
+    ModelHeader model;
+    model.bounds = {{-1, -1, -1}, {1, 1, 1}};
+    checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
+    for (const char* key : {"turntable", "path", "frames", "frame"})
+        checked(key, [&] { frame_camera(config, model, {100, 100}, 0, n_frames(config) - 1); });
+}
+
+void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
+                       const std::string& degree, bool color, bool sharp) {
+    if (degree == "1" || degree == "2") {
+        for (const char* aov : {"e1", "e2", "dk1_dt2", "dk2_dt1"})
+            if (contains(aovs, aov))
+                throw ConfigError(fmt::format(
+                    "aov {} needs third derivatives, which a model of degree {} does not "
+                    "have: expected degree = 3 in [fit]",
+                    aov, degree));
+        if (view.lines ==
+            std::vector<std::string>{"crest"})  // beside others it is left out with a warning
+            throw ConfigError(fmt::format(
+                "lines crest need third derivatives, which a model of degree {} does not "
+                "have: expected degree = 3 in [fit]",
+                degree));
+    }
+    if (!sharp && view.lines == std::vector<std::string>{"crease"})
+        throw ConfigError(
+            "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
+    if (contains(aovs, "color") && !color)
+        throw ConfigError("aov color needs a model with colours: expected color = true in [fit]");
+}
+
+}  // namespace slim

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "pipeline/render/render_config.h"
+
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// The pictures that a view leaves in a folder: <name>.<aov>.png, of a turntable or path
+/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg).
+std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
+                                                 const std::string& name,
+                                                 const std::vector<std::string>& aovs,
+                                                 const RenderConfig& config);
+
+/// Whether a word of the command line is that option: --ao-samples=9 or --no-legend.
+bool is_option(const std::string& word, const std::string& key);
+
+/// [render] may say what only some views take (a truth, contours, lights): slim-render refuses it
+/// elsewhere, so these options are left out of views that have no use for them, and set back in
+/// `config`; and so are those that the view's `own` keys replace:
+/// on a command line lists would be joined.
+std::vector<std::string> options_for(const std::vector<std::string>& aovs,
+                                     std::vector<std::string> options,
+                                     const std::set<std::string>& own, RenderConfig& config);
+
+/// Files that these options of slim-render name to be read.
+std::vector<std::filesystem::path> files_read(const std::vector<std::string>& options);
+
+/// What slim-render would refuse after the whole build: calls checked(key, check) for each key
+/// whose value can be wrong in itself, check throwing ConfigError.
+void check_view_keys(
+    const RenderConfig& config,
+    const std::function<void(const char* key, const std::function<void()>& check)>& checked);
+
+/// Throws ConfigError on a view that no model of this [fit] can give.
+void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
+                       const std::string& degree, bool color, bool sharp);
+
+}  // namespace slim

@@ -1,0 +1,143 @@
+#include "pipeline/render/render_asked.h"
+
+#include "pipeline/contains.h"
+#include "pipeline/render/render_uses.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+
+namespace slim {
+namespace {
+
+const std::map<std::string, Channels>& channel_table() {
+    static const std::map<std::string, Channels> table{
+        {"shaded", kNormalChannel},
+        {"environment", kNormalChannel},
+        {"matcap", kNormalChannel},
+        {"reflection", kNormalChannel},
+        {"hillshade", kNormalChannel | kPositionChannel},
+        {"color", kNormalChannel | kPositionChannel | kSurfelIdChannel},
+        {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
+        {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
+        {"e1", kThirdOrderChannel},
+        {"e2", kThirdOrderChannel},
+        {"dk1_dt2", kThirdOrderChannel},
+        {"dk2_dt1", kThirdOrderChannel},
+        {"mean", kMeanChannel},
+        {"gauss", kGaussChannel},
+        {"k1", kK1Channel},
+        {"k2", kK2Channel},
+        {"normal", kNormalChannel},
+        {"depth", kDepthChannel},
+        {"position", kPositionChannel},
+        {"id", kSurfelIdChannel},
+        {"error", kFitErrorChannel},
+        {"level", kLevelChannel},
+        {"coverage", kCoverageChannel},
+        {"ao", kNormalChannel | kPositionChannel},
+        {"truth_distance", kPositionChannel},
+        {"lines", 0},  // what they need depends on their kinds: line_channels
+    };
+    return table;
+}
+
+/// Each once, "all" by its names.
+std::vector<std::string> written_out(const std::vector<std::string>& asked) {
+    std::vector<std::string> aovs;
+    const auto add = [&](const std::string& aov) {
+        if (!contains(aovs, aov)) aovs.push_back(aov);
+    };
+    for (const std::string& aov : asked) {
+        if (aov != "all") add(aov);
+        else
+            for (const std::string& each : aovs_of_all())
+                add(each);
+    }
+    return aovs;
+}
+
+}  // namespace
+
+bool is_curvature(const std::string& aov) {
+    return (channel_table().at(aov) & kCurvatureChannel) != 0 && aov != "dir1" && aov != "dir2";
+}
+
+bool is_third_order(const std::string& aov) {
+    return channel_table().at(aov) == kThirdOrderChannel;
+}
+
+std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree,
+                                       bool has_colors) {
+    std::vector<std::string> aovs = written_out(asked);
+    if (!has_colors) std::erase(aovs, "color");
+    if (degree < 3) std::erase_if(aovs, is_third_order);
+    return aovs;
+}
+
+std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree,
+                                     bool has_colors) {
+    std::vector<LeftOut> out;
+    if (!contains(asked, "all")) return out;
+    const auto add = [&](std::initializer_list<const char*> aovs, std::string reason) {
+        std::vector<std::string> names;
+        for (const char* aov : aovs)
+            if (!contains(asked, aov)) names.push_back(aov);
+        if (!names.empty())
+            out.push_back({fmt::format("{}", fmt::join(names, ", ")), std::move(reason)});
+    };
+    if (degree < 3)
+        add({"e1", "e2", "dk1_dt2", "dk2_dt1"},
+            fmt::format("a model of degree {} has no third derivatives (build it with degree 3)",
+                        degree));
+    if (!has_colors) add({"color"}, "one model with colours has it (build it with color)");
+    add({"ao"}, "takes rays (mode raytrace) and is to be asked for by name");
+    add({"truth_distance"}, "needs a shape (truth_shape) and is to be asked for by name");
+    return out;
+}
+
+std::vector<std::string> wanted_aovs(const RenderConfig& config) {
+    const std::vector<std::string> aovs = written_out(config.aov);
+    if (aovs.empty()) throw ConfigError("aov: expected at least one");
+    const bool truth = std::find(aovs.begin(), aovs.end(), "truth_distance") != aovs.end();
+    if (truth && config.truth_shape.empty())
+        throw ConfigError("aov truth_distance needs a shape to measure against: --truth-shape");
+    return aovs;
+}
+
+void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
+                        std::vector<std::string>& aovs) {
+    if (!has_colors && std::find(config.aov.begin(), config.aov.end(), "color") != config.aov.end())
+        throw ConfigError(
+            config.model +
+            ": aov color: the model has no colours: build it with --color, from a PLY "
+            "with red, green and blue");
+    // Those of a model are by its own surfels, which further models do not have.
+    if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
+    if (degree >= 3) return;
+    for (const std::string& aov : config.aov)
+        if (aov != "all" && is_third_order(aov))
+            throw ConfigError(config.model + ": aov " + aov +
+                              " needs third derivatives, which a model of degree " +
+                              std::to_string(degree) + " does not have: build it with --degree 3");
+    std::erase_if(aovs, is_third_order);
+}
+
+Channels channels_of(const std::vector<std::string>& aovs, bool light_maps) {
+    Channels channels = 0;
+    for (const std::string& aov : aovs) {
+        const Channels own = channel_table().at(aov);
+        channels |= own;
+        if (light_maps && is_curvature(aov)) channels |= kNormalChannel;
+    }
+    return channels;
+}
+
+bool is_filterable(const std::string& aov) {
+    return aov != "id" && aov != "level" && aov != "truth_distance";
+}
+
+}  // namespace slim

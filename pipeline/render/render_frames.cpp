@@ -1,0 +1,248 @@
+#include "pipeline/render/render_frames.h"
+
+#include "pipeline/median.h"
+#include "pipeline/render/render_directions.h"
+#include "pipeline/render/render_maps.h"
+#include "raytrace/brute/brute_renderer.h"
+#include "raytrace/project/forward_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+namespace slim {
+namespace {
+
+/// The longer side of the frame that ranges are taken from.
+constexpr int kReferenceSide = 1000;
+
+RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
+                           RenderedFrame& frame) {
+    if (job.traced)
+        return render_traced(job.traced->scene(), request, frame.buffer, &frame.traced);
+    return job.config.mode == "brute" ? render_brute(job.tree, request, frame.buffer)
+                                      : render_forward(job.tree, request, frame.buffer);
+}
+
+/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what
+/// derives from it.
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                        double lod, Channels wanted, RenderedFrame& frame) {
+    frame.size = size, frame.window = window;
+    frame.pixels = pixel_view(job.camera, size.width, size.height);
+    frame.view = shade_view(job.camera, size, window.x, window.y);
+    RenderRequest request{job.camera, size.width, size.height,     wanted,
+                          lod,        window,     job.config.loose};
+    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
+    frame.diagonals.clear();
+    if (job.models().size() > 1)
+        for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
+    return render_surface(job, request, frame);
+}
+
+/// The lines of a picture that the frame holds as a whole.
+std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& frame) {
+    PictureLines search(job.line_models(), job.lines);
+    search.add(0, frame.buffer.height, frame);
+    return search.finish();
+}
+
+/// Projection, shading and lines: what a frame time means.
+RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
+                       const PicturePart& part, RenderedFrame& frame, std::vector<FeatureLine>& lines) {
+    // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
+    const RenderStats stats =
+        draw_buffer(job, {job.size.width * factor, job.size.height * factor},
+                    times(part.drawn, factor), job.config.lod * factor, wanted, frame);
+    frame.light_counts = {};
+    const FrameLight light = job.light();
+    // The plain frame beside a fine one may be for ids only.
+    const bool has_surface = frame.buffer.has(kNormalChannel | kPositionChannel);
+    if (has_surface && (job.wants("ao") || (with_shading && job.config.ao)))
+        find_openness(light, frame);
+    if (with_shading) shade_frame(light, factor, frame);
+    // Lines are found at the picture's own size: their strokes are smooth as they are.
+    if (factor == 1 && job.finds_lines()) lines = lines_of_frame(job, frame);
+    // Lines have a rule of their own for umbilics, so this comes after them.
+    if ((job.wants("dir1") || job.wants("dir2")) &&
+        frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+        drop_undefined_directions(frame.diagonals.empty()
+                                      ? PixelDiagonals(job.tree.header().diagonal)
+                                      : PixelDiagonals(frame.diagonals, frame.traced.model),
+                                  frame.buffer);
+    return stats;
+}
+
+/// Renders the frame of a factor as often as the job says; returns the median time.
+double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const PicturePart& part,
+                       StageContext& context, RenderedFrame& frame, Frames& frames) {
+    std::vector<double> times;
+    const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
+    for (std::uint64_t k = 0; k < repeats; ++k) {
+        if (repeats > 1) context.reporter.progress("frames", k, repeats);  // of one picture: those of a film are told
+        const auto start = std::chrono::steady_clock::now();
+        frames.stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
+        times.push_back(milliseconds_since(start));
+    }
+    return median(times);
+}
+
+std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
+    std::uint64_t n = 0;
+    for (int y = w.y; y < w.y + w.height; ++y)
+        n += static_cast<std::uint64_t>(
+            std::count(&b.hit[b.index(w.x, y)], &b.hit[b.index(w.x, y)] + w.width, 1));
+    return n;
+}
+
+}  // namespace
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What the plain frame is for: data files take all, pictures only what is never averaged.
+std::vector<std::string> plain_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs = job.aovs;
+    if (job.config.supersample > 1 && job.plan.exr.empty()) std::erase_if(aovs, is_filterable);
+    return aovs;
+}
+
+/// What the fine frame is for: pictures, and the colour in a data file.
+std::vector<std::string> fine_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    if (job.config.supersample == 1) return aovs;
+    for (const std::string& aov : job.aovs) {
+        const bool drawn =
+            std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) != job.plan.drawn.end();
+        if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
+    }
+    return aovs;
+}
+
+Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {
+    const auto plain = plain_aovs(job), fine = fine_aovs(job);
+    const Channels plain_channels = job.channels(plain) | job.for_lines();
+    Frames frames;
+    frames.has_fine = !fine.empty();
+    if (frames.has_fine) {
+        frames.median_ms = draw_repeatedly(job, job.config.supersample, job.channels(fine),
+                                           part, context, frames.fine, frames);
+        if (!plain.empty() || job.finds_lines())
+            draw_frame(job, 1, plain_channels, false, part, frames.plain, frames.lines);
+    } else {
+        frames.median_ms =
+            draw_repeatedly(job, 1, plain_channels, part, context, frames.plain, frames);
+    }
+    frames.covered = frames.has_fine ? count_hits(frames.fine.buffer,
+                                                  times(part.inside(), job.config.supersample))
+                                     : count_hits(frames.plain.buffer, part.inside());
+    if (job.wants("truth_distance"))
+        frames.plain.truth_distance =
+            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer, &frames.truth_unknown);
+    return frames;
+}
+
+std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes, StageContext& context) {
+    const Channels channels = job.channels(plain_aovs(job)) | job.for_lines();
+    const PixelWindow whole{0, 0, job.size.width, job.size.height};
+    const auto parts = picture_parts(job.size, whole, pixel_bytes, line_margin(job.size.width, job.size.height));
+    PictureLines search(job.line_models(), job.lines);
+    RenderedFrame frame;
+    for (std::size_t band = 0; band < parts.size(); ++band) {
+        if (parts.size() > 1) context.reporter.progress("bands for lines", band, parts.size());
+        draw_buffer(job, job.size, parts[band].drawn, job.config.lod, channels, frame);
+        const PixelWindow inside = parts[band].inside();
+        search.add(inside.y, inside.y + inside.height, frame);
+    }
+    return search.finish();
+}
+
+namespace {
+
+/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
+/// pixels on the longer side.
+PictureSize reference_size(const PictureSize& size) {
+    const int longer = std::max(size.width, size.height);
+    if (longer <= kReferenceSide) return size;
+    const auto scaled = [&](int side) {
+        return std::max(1, static_cast<int>(std::int64_t{side} * kReferenceSide / longer));
+    };
+    return {scaled(size.width), scaled(size.height)};
+}
+
+/// A pixel of the picture in pixels of that frame.
+double reference_scale(const PictureSize& size) {
+    return static_cast<double>(reference_size(size).width) / size.width;
+}
+
+/// What reference pictures are drawn for: ranges, legends and contour spacing; none if it is empty.
+std::vector<std::string> reference_aovs(const RenderJob& job) {
+    std::vector<std::string> aovs;
+    for (const std::string& aov : job.plan.drawn)
+        if (needs_reference(job.config, aov)) aovs.push_back(aov);
+    // A data file shows the contours of a relief that is not its preview.
+    if (job.wants("hillshade") && job.config.contours == "auto" && !contains(aovs, "hillshade"))
+        aovs.push_back("hillshade");
+    return aovs;
+}
+
+/// A camera of same_range.
+Camera camera_of_range(const RenderJob& job, const std::string& name) {
+    RenderConfig config = job.config;
+    config.camera = name;
+    return make_camera(config, job.header(), job.size, legend_room(config, job.aovs, job.size));
+}
+
+/// For each map the union of its ranges from all cameras of same_range.
+std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
+                                                    const std::vector<std::string>& aovs) {
+    std::map<std::string, ValueRange> ranges;
+    if (aovs.empty()) return ranges;
+    const Camera own = job.camera;
+    const PictureSize size = reference_size(job.size);
+    for (const std::string& name : job.config.same_range) {
+        RenderConfig config = job.config;
+        config.camera = name;
+        job.camera = camera_of_range(job, name);
+        RenderedFrame frame;
+        draw_buffer(job, size, {0, 0, size.width, size.height},
+                    config.lod * reference_scale(job.size), channels_of(aovs, false), frame);
+        if (contains(aovs, "truth_distance"))
+            frame.truth_distance = truth_distances(config, job.tree.header().origin, frame.buffer);
+        for (const std::string& aov : aovs) {
+            if (!map_spec(aov)) continue;
+            const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
+            const auto [at, is_new] = ranges.emplace(aov, range);
+            if (!is_new)
+                at->second.lo = std::min(at->second.lo, range.lo), at->second.hi = std::max(at->second.hi, range.hi);
+        }
+    }
+    job.camera = own;
+    return ranges;
+}
+
+}  // namespace
+
+void choose_looks(RenderJob& job) {
+    RenderedFrame reference;
+    const std::vector<std::string> aovs = reference_aovs(job);
+    const auto has = [&](const char* aov) { return contains(aovs, aov); };
+    if (!aovs.empty()) {
+        const PictureSize size = reference_size(job.size);
+        draw_buffer(job, size, {0, 0, size.width, size.height},
+                    job.config.lod * reference_scale(job.size), channels_of(aovs, false),
+                    reference);
+        if (has("truth_distance"))
+            reference.truth_distance =
+                truth_distances(job.config, job.tree.header().origin, reference.buffer);
+        if (has("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
+    }
+    const auto wider = ranges_of_cameras(job, aovs);
+    for (const std::string& aov : job.plan.drawn)
+        job.looks[aov] =
+            look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief,
+                    wider.contains(aov) ? &wider.at(aov) : nullptr);
+}
+
+}  // namespace slim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "pipeline/render/render_job.h"
+#include "pipeline/stage.h"
+
+#include <chrono>
+
+namespace slim {
+
+/// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
+void choose_looks(RenderJob& job);
+
+/// Finds the lines of the whole picture in bands that take at most about 384 MiB, by the bytes of a pixel.
+std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes, StageContext& context);
+
+double milliseconds_since(std::chrono::steady_clock::time_point start);
+
+/// Draws the frames of a part, as often as the job says, and what derives from them.
+Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context);
+
+}  // namespace slim

@@ -1,0 +1,114 @@
+#include "pipeline/render/render_look.h"
+
+#include "pipeline/config.h"
+#include "pipeline/render/render_directions.h"
+#include "pipeline/render/render_maps.h"
+#include "pipeline/render/render_uses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slim {
+namespace {
+
+Legend level_legend(const ColorMap& map, const ValueRange& range) {
+    return {"level", "1: coarsest", &map, range, "", ""};
+}
+
+AovLook look_of_levels(const GBuffer& b) {
+    const ValueRange levels = full_range(b.level, b.hit);
+    const double lo = std::round(levels.lo);
+    // At least five steps, so that the legend's ticks are whole numbers.
+    const int n = std::max(5, static_cast<int>(std::round(levels.hi) - lo) + 1);
+    AovLook look;
+    look.own_map = std::make_shared<const ColorMap>(stepped_viridis(n));
+    look.legend = level_legend(*look.own_map, {lo - 0.5, lo + n - 0.5});
+    return look;
+}
+
+Key contour_key(const RenderConfig& config, const Relief& relief) {
+    const std::string unit = config.unit.empty() ? "units" : config.unit;
+    return {"contour lines",
+            {{fmt::format("every {:g} {}", relief.spacing, unit), false, {}},
+             {fmt::format("heavy every {:g} {}", relief.spacing * relief.index_every, unit),
+              false,
+              {}}}};
+}
+
+/// The reference's hits, as an object over transparent.
+Picture silhouette_of(const GBuffer& b) {
+    Picture out(b.width, b.height);
+    for (std::size_t i = 0; i < b.n_pixels(); ++i) out.rgba[4 * i + 3] = b.hit[i];
+    return out;
+}
+
+/// A legend before anything is drawn: its words are known, its numbers are of a usual length.
+std::optional<Legend> expected_legend(const RenderConfig& config, const std::string& aov) {
+    constexpr ValueRange kUsual{-2500, 2500};
+    if (aov == "level") return level_legend(viridis(), kUsual);
+    if (!map_spec(aov)) return std::nullopt;
+    Legend legend = make_legend(config, aov, kUsual, {}, {});
+    legend.clipped_high = legend.clipped_low = true;
+    return legend;
+}
+
+/// The same of a key.
+std::optional<Key> expected_key(const RenderConfig& config, const std::string& aov) {
+    if (aov == "dir1" || aov == "dir2") return direction_key(aov == "dir2");
+    if (aov != "hillshade" || config.contours == "none") return std::nullopt;
+    Relief usual;
+    usual.spacing = 2500;
+    return contour_key(config, usual);
+}
+
+}  // namespace
+
+AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
+                double diagonal, const Relief& relief, const ValueRange* wider) {
+    const GBuffer& b = reference.buffer;
+    AovLook look;
+    if (aov == "level") look = look_of_levels(b);
+    if (map_spec(aov)) {
+        const MapValues values = map_values(aov, reference);
+        ValueRange range = map_range(config, aov, values.span(), b.hit, diagonal);
+        if (wider)
+            range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
+        look.legend = make_legend(config, aov, range, values.span(), b.hit);
+    }
+    if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
+    if (aov == "hillshade" && relief.spacing > 0) look.key = contour_key(config, relief);
+    if (look.legend && config.legend)
+        look.place = best_legend_place(*look.legend, silhouette_of(b));
+    if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b));
+    return look;
+}
+
+ValueRange range_of(const RenderConfig& config, const std::string& aov,
+                    const RenderedFrame& reference, double diagonal) {
+    const MapValues values = map_values(aov, reference);
+    return map_range(config, aov, values.span(), reference.buffer.hit, diagonal);
+}
+
+bool needs_reference(const RenderConfig& config, const std::string& aov) {
+    return aov == "level" || map_spec(aov) || aov == "dir1" || aov == "dir2" ||
+           (aov == "hillshade" && config.contours != "none");
+}
+
+double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+                   const PictureSize& size) {
+    double share = 0;
+    if (!config.legend_room && !has_legend(config, drawn)) return share;
+    RenderConfig any;
+    const FieldList fields = fields_of(any);
+    for (const std::string& aov : fields.find("aov")->choices) {
+        if (const auto legend = expected_legend(config, aov))
+            share = std::max(share, legend_share(*legend, size.width, size.height));
+        if (const auto key = expected_key(config, aov))
+            share = std::max(share, key_share(*key, size.width, size.height));
+    }
+    return share;
+}
+
+}  // namespace slim

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "pipeline/render/render_aov.h"
+#include "pipeline/render/render_config.h"
+#include "raytrace/hillshade.h"
+#include "raytrace/key.h"
+#include "raytrace/legend.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What is decided for a picture as a whole before any part of it is painted.
+struct AovLook {
+    std::optional<Legend> legend;  ///< of a map
+    std::optional<Key> key;        ///< of colours that are no scale
+    /// what the legend points to, if made for this picture
+    std::shared_ptr<const ColorMap> own_map;
+    LegendPlace place = LegendPlace::right;
+
+    bool on_white() const { return legend.has_value() || key.has_value(); }
+};
+
+/// Range, legend and its place by a reference frame: the view at no more than 1000 pixels on its
+/// longer side, so that all parts of a picture and all frames of a film agree.
+/// `wider`, if given, is held by the range of a map.
+AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
+                double diagonal, const Relief& relief, const ValueRange* wider = nullptr);
+
+/// A map's range by a reference frame alone.
+ValueRange range_of(const RenderConfig& config, const std::string& aov,
+                    const RenderedFrame& reference, double diagonal);
+
+/// Whether look_of needs a reference frame for this AOV at all.
+bool needs_reference(const RenderConfig& config, const std::string& aov);
+
+/// Share of the picture's width that the widest legend or key of all AOVs would take at the right;
+/// 0 where none of those drawn has one (unless --legend-room wants it) or the picture is too small
+/// for one. The same whatever else is asked for, so that pictures of one camera overlay. The
+/// numbers are not known yet: assumed to be of a usual length.
+double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+                   const PictureSize& size);
+
+}  // namespace slim

@@ -1,0 +1,162 @@
+#include "pipeline/render/render_maps.h"
+
+#include "raytrace/camera.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string_view>
+
+namespace slim {
+namespace {
+
+constexpr const char* kMinus = "\u2212";
+
+const std::map<std::string, MapSpec>& specs() {
+    static const std::string concave = std::string("concave ") + kMinus;
+    static const std::string hyperbolic = std::string("saddle ") + kMinus;
+    static const std::string inside = std::string("inside ") + kMinus;
+    static const std::map<std::string, MapSpec> table{
+        {"mean", {"mean curvature", -1, true, "convex +", concave.c_str()}},
+        {"gauss", {"Gauss curvature", -2, true, "cap or cup +", hyperbolic.c_str()}},
+        {"k1", {"curvature k1", -1, true, "convex +", concave.c_str()}},
+        {"k2", {"curvature k2", -1, true, "convex +", concave.c_str()}},
+        {"e1", {"|e1| = |dk1/dt1|", -2, false, "sign goes with t1", ""}},
+        {"e2", {"|e2| = |dk2/dt2|", -2, false, "sign goes with t2", ""}},
+        {"dk1_dt2", {"|dk1/dt2|", -2, false, "sign goes with t2", ""}},
+        {"dk2_dt1", {"|dk2/dt1|", -2, false, "sign goes with t1", ""}},
+        {"truth_distance", {"distance to truth", 1, true, "outside +", inside.c_str()}},
+        {"depth", {"depth", 1, false, "far", "near"}},
+        {"error", {"fit error (RMS)", 1, false, "", ""}},
+        {"coverage", {"sum of weights", 0, false, "", ""}},
+    };
+    return table;
+}
+
+std::string unit_text(const std::string& unit, int power) {
+    const std::string u = unit.empty() ? "model unit" : unit;
+    if (power == 0) return "";
+    if (power == 1) return unit.empty() ? "model units" : unit;
+    return "1/" + u + (power == -2 ? "\u00b2" : "");
+}
+
+/// Below it a range shows rounding: curvature radii of 100 diagonals, the last digits of floats.
+double least_range(int length_power, double diagonal) {
+    const double l = diagonal > 0 ? diagonal : 1;
+    return length_power < 0 ? std::pow(0.01 / l, -length_power) : 1e-7 * l;
+}
+
+/// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and
+/// more. (Of scans a few in 100 pixels, of parts most: symmetric_range.)
+double flat_until(int length_power, double diagonal) {
+    return length_power < 0 && diagonal > 0 ? std::pow(0.1 / diagonal, -length_power) : 0;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+    double value = 0;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
+
+[[noreturn]] void bad_range(const std::string& entry) {
+    throw ConfigError(
+        "range: expected A > 0, AOV=A or AOV=LO:HI with LO < HI for one of mean, gauss, "
+        "k1, k2, e1, e2, dk1_dt2, dk2_dt1, depth, error, coverage, truth_distance; found \"" +
+        entry + "\"");
+}
+
+ValueRange parse_range(const std::string& entry, std::string_view value, bool is_signed) {
+    const std::size_t colon = value.find(':');
+    if (colon == std::string_view::npos) {
+        const auto a = parse_number(value);
+        if (!a || !(*a > 0)) bad_range(entry);
+        return {is_signed ? -*a : 0.0, *a};
+    }
+    const auto lo = parse_number(value.substr(0, colon)),
+               hi = parse_number(value.substr(colon + 1));
+    if (!lo || !hi || !(*lo < *hi)) bad_range(entry);
+    return {*lo, *hi};
+}
+
+/// The last entry of --range that speaks of this AOV; one that names it wins over one for all.
+std::optional<ValueRange> fixed_range(const RenderConfig& config, const std::string& aov) {
+    std::optional<ValueRange> general, own;
+    for (const std::string& entry : config.range) {
+        const std::size_t equals = entry.find('=');
+        const bool is_general = equals == std::string::npos;
+        if (!is_general && entry.substr(0, equals) != aov) continue;
+        const auto value = std::string_view(entry).substr(is_general ? 0 : equals + 1);
+        (is_general ? general : own) = parse_range(entry, value, map_spec(aov)->is_signed);
+    }
+    return own ? own : general;
+}
+
+}  // namespace
+
+const MapSpec* map_spec(const std::string& aov) {
+    const auto it = specs().find(aov);
+    return it == specs().end() ? nullptr : &it->second;
+}
+
+void check_ranges(const RenderConfig& config) {
+    for (const std::string& camera : config.same_range)
+        if (!is_camera_name(camera))
+            throw ConfigError(fmt::format(
+                "same_range: expected named cameras (front, back, left, right, top, bottom, "
+                "iso), found \"{}\"",
+                camera));
+    for (const std::string& entry : config.range) {
+        const std::size_t equals = entry.find('=');
+        const std::string aov = equals == std::string::npos ? "mean" : entry.substr(0, equals);
+        if (!map_spec(aov)) bad_range(entry);
+        fixed_range(config, aov);
+    }
+}
+
+ValueRange map_range(const RenderConfig& config, const std::string& aov,
+                     std::span<const float> values, std::span<const std::uint8_t> hit,
+                     double diagonal) {
+    const MapSpec& spec = *map_spec(aov);
+    if (const auto fixed = fixed_range(config, aov)) return {fixed->lo, fixed->hi, spec.is_signed};
+    if (aov == "depth") return full_range(values, hit);
+    const ValueRange range =
+        symmetric_range(values, hit, config.percentile, least_range(spec.length_power, diagonal),
+                        flat_until(spec.length_power, diagonal));
+    return {spec.is_signed ? range.lo : 0, range.hi, spec.is_signed};
+}
+
+Legend make_legend(const RenderConfig& config, const std::string& aov, const ValueRange& range,
+                   std::span<const float> values, std::span<const std::uint8_t> hit) {
+    const MapSpec& spec = *map_spec(aov);
+    Legend legend{spec.title, unit_text(config.unit, spec.length_power),
+                  spec.is_signed ? &cool_warm() : aov == "coverage" ? &cividis() : &viridis(),
+                  range, spec.high_note, spec.low_note};
+    // A side of 0 that is not shown has no name.
+    if (spec.is_signed && range.hi <= 0) legend.high_note.clear();
+    if (spec.is_signed && range.lo >= 0) legend.low_note.clear();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!hit[i]) continue;
+        const double tolerance = 1e-6 * (range.hi - range.lo);
+        legend.clipped_high |= values[i] > range.hi + tolerance;
+        legend.clipped_low |= values[i] < range.lo - tolerance;
+    }
+    return legend;
+}
+
+ColorMap stepped_viridis(int n) {
+    std::vector<Vec3f> knots(ColorMap::kKnots);
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+        const int step = std::min(n - 1, static_cast<int>(i) * n / static_cast<int>(knots.size()));
+        knots[i] = viridis().srgb(n > 1 ? static_cast<float>(step) / static_cast<float>(n - 1) : 0);
+    }
+    return ColorMap("viridis steps", knots);
+}
+
+}  // namespace slim

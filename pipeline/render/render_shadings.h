@@ -1,0 +1,54 @@
+#pragma once
+
+#include "pipeline/render/render_config.h"
+#include "raytrace/environment.h"
+#include "raytrace/hillshade.h"
+#include "raytrace/matcap.h"
+#include "raytrace/picture.h"
+#include "raytrace/shade.h"
+#include "slim/color/color_blend.h"
+#include "slim/model/surfel_tree.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slim {
+
+struct RenderedFrame;
+
+/// AOVs that are pictures of light, not of numbers, besides "shaded": environment, matcap,
+/// reflection, hillshade, color (the scan's own).
+bool is_shading(const std::string& aov);
+/// These and "shaded".
+bool is_color(const std::string& aov);
+
+/// What such pictures are made of; only what the AOVs need is loaded.
+struct ShadingInputs {
+    std::optional<Environment> environment;
+    std::optional<Matcap> matcap;
+    std::optional<ColorBlend> colors;
+    Relief relief;
+};
+
+/// throws IoError, FormatError for the file of an environment or matcap.
+/// The spacing of "auto" contours is not known yet: 0 until choose_contours.
+ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,
+                            const ModelHeader& model);
+
+/// Of load_shadings what needs no model: before anything is opened.
+void check_shadings(const RenderConfig& config);
+
+/// The spacing of contour lines of a view: as configured, or by the heights of a frame with
+/// positions.
+void choose_contours(const RenderConfig& config, const GBuffer& reference, Relief& relief);
+
+/// Some rows of a frame as that AOV shows them, over transparent.
+Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
+                      const RenderedFrame& frame, const RowRange& rows);
+
+/// Puts the environment behind a picture whose first pixel is (x0, y0) of the view.
+void composite_over_environment(const Environment& environment, const PixelView& view, int x0,
+                                int y0, Picture& picture);
+
+}  // namespace slim

@@ -1,0 +1,283 @@
+#include "pipeline/render/render_view.h"
+
+#include "pipeline/option_names.h"
+#include "raytrace/camera_path.h"
+#include "raytrace/scale_bar.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace slim {
+namespace {
+
+constexpr int kLargestSide = 32768;
+
+Camera camera_of_numbers(const std::vector<double>& n, const RenderConfig& config,
+                         const Vec3d& origin) {
+    Camera camera;
+    camera.eye = Vec3d{n[0], n[1], n[2]} - origin;
+    camera.target = Vec3d{n[3], n[4], n[5]} - origin;
+    if (n.size() == 9) camera.up = {n[6], n[7], n[8]};
+    else
+        camera.up = up_vector(up_axis(config));
+    camera.fov_y_deg = config.fov;
+    camera.orthographic = config.ortho;
+    // Without a width of its own: what a perspective view sees at the target.
+    const double half = std::tan(config.fov * std::numbers::pi / 360);
+    camera.width = 2 * half * length(camera.target - camera.eye);
+    return camera;
+}
+
+Background solid(const Vec3f& color) { return {color, color, 1}; }
+
+Background gradient() { return {*parse_color("#eef0f2"), *parse_color("#b4b9c1"), 1}; }
+
+std::string text_of(const Vec3d& v) {
+    return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+}
+
+}  // namespace
+
+std::vector<double> parse_numbers(const std::string& text) {
+    std::vector<double> numbers;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    while (at < end) {
+        while (at < end && *at == ' ') ++at;
+        double value = 0;
+        const auto [rest, error] = std::from_chars(at, end, value);
+        if (error != std::errc() || (rest < end && *rest != ',')) return {};
+        numbers.push_back(value);
+        at = rest < end ? rest + 1 : rest;
+    }
+    return numbers;
+}
+
+std::optional<Vec3f> parse_color(std::string_view text) {
+    if (text.empty() || text[0] != '#') return std::nullopt;
+    std::string digits(text.substr(1));
+    if (digits.size() == 3)  // #abc is #aabbcc
+        digits = {digits[0], digits[0], digits[1], digits[1], digits[2], digits[2]};
+    if (digits.size() != 6) return std::nullopt;
+    std::uint32_t rgb = 0;
+    const auto [rest, error] = std::from_chars(digits.data(), digits.data() + 6, rgb, 16);
+    if (error != std::errc() || rest != digits.data() + 6) return std::nullopt;
+    const auto linear = [&](int shift) {
+        return linear_from_srgb(static_cast<float>(rgb >> shift & 255u) / 255.0f);
+    };
+    return Vec3f{linear(16), linear(8), linear(0)};
+}
+
+PictureSize parse_size(const std::string& text) {
+    PictureSize size;
+    const char* const end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, size.width);
+    if (first.ec == std::errc() && first.ptr < end && *first.ptr == 'x') {
+        const auto second = std::from_chars(first.ptr + 1, end, size.height);
+        if (second.ec == std::errc() && second.ptr == end && size.width >= 1 && size.height >= 1 &&
+            size.width <= kLargestSide && size.height <= kLargestSide)
+            return size;
+    }
+    throw ConfigError(fmt::format("size: expected WIDTHxHEIGHT, each 1 to {}, found \"{}\"",
+                                  kLargestSide, text));
+}
+
+Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                   double free_right) {
+    const double aspect = static_cast<double>(size.width) / size.height;
+    const bool orthographic = config.ortho || config.ortho_width > 0;
+    Camera camera;
+    Vec3d to_middle;  // of what a named camera frames
+    if (is_camera_name(config.camera)) {
+        const Framing framing{.up = up_axis(config),
+                              .orthographic = orthographic,
+                              .fov_y_deg = config.fov,
+                              .turns = config.turntable,
+                              .free_right = config.ortho_width > 0 ? 0 : free_right,
+                              .free_bottom = config.scale_bar && config.ortho_width <= 0
+                                                 ? scale_bar_share(size.width, size.height)
+                                                 : 0};
+        const Framed framed(model.bounds, model.hull);
+        const FramedCamera named = framed_camera(config.camera, framed, aspect, framing);
+        camera = named.camera, to_middle = named.to_middle;
+        if (config.same_scale)
+            for (const char* side : {"front", "right", "top"})  // the others are as wide as these
+                camera.width =
+                    std::max(camera.width, named_camera(side, framed, aspect, framing).width);
+    } else {
+        const std::vector<double> numbers = parse_numbers(config.camera);
+        if (numbers.size() != 9 && numbers.size() != 6)
+            throw ConfigError(fmt::format(
+                "camera: expected front, back, left, right, top, bottom, iso or nine numbers "
+                "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"{}",
+                config.camera, config.camera.find("zoom") == std::string::npos ? "" : "; --zoom 2 enlarges"));
+        camera = camera_of_numbers(numbers, config, model.origin);
+        camera.orthographic = orthographic;
+        camera.width *= aspect;
+    }
+    if (config.ortho_width > 0) camera.width = config.ortho_width;
+    camera.width /= config.zoom;
+    // The middle of what is seen stays where it is, beside a legend that is kept free.
+    const Vec3d aside = to_middle * (1 - 1 / config.zoom);
+    camera.eye += aside, camera.target += aside;
+    const double half = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
+    if (config.zoom != 1) camera.fov_y_deg = std::atan(half / config.zoom) * 360 / std::numbers::pi;
+    validate(camera);
+    return camera;
+}
+
+std::vector<std::string> keyframes_of(const RenderConfig& config) {
+    std::vector<std::string> keys;
+    for (std::size_t begin = 0; begin <= config.path.size();) {
+        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
+        keys.push_back(config.path.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return keys;
+}
+
+namespace {
+
+/// "iso zoom 2" as a configuration of its own.
+RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
+    RenderConfig key = config;
+    if (const std::size_t at = text.find("zoom"); at != std::string::npos) {
+        const std::vector<double> zoom = parse_numbers(text.substr(at + 4));
+        if (zoom.size() != 1 || !(zoom[0] > 0))
+            throw ConfigError("path: expected a number > 0 after zoom, found \"" + text + "\"");
+        key.zoom = zoom[0];
+        text.resize(at);
+    }
+    const std::size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
+    if (first == std::string::npos) throw ConfigError("path: a keyframe without a camera");
+    key.camera = text.substr(first, last - first + 1);
+    return key;
+}
+
+std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
+                            const PictureSize& size, double free_right) {
+    std::vector<Camera> keys;
+    for (const std::string& key : keyframes_of(config)) {
+        const RenderConfig frame = keyframe_of(config, key);
+        try {
+            keys.push_back(make_camera(frame, model, size, free_right));
+        } catch (const ConfigError& error) {  // said of --camera, which is not given
+            const std::string text = error.what(), blamed = "camera: ";
+            throw ConfigError(fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
+                                          text.starts_with(blamed) ? text.substr(blamed.size()) : text));
+        }
+    }
+    return keys;
+}
+
+}  // namespace
+
+int n_frames(const RenderConfig& config) {
+    if (config.turntable > 0 && !config.path.empty())
+        throw ConfigError("turntable and " + quoted_key("path") + " both move the camera: give one");
+    if (config.path.empty() != (config.frames == 0))
+        throw ConfigError(config.path.empty() ? "frames is for a " + quoted_key("path") + ", which is not given"
+                                              : "path: say how many pictures with " + quoted_key("frames"));
+    const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
+    const bool film = config.turntable > 0 || !config.path.empty();
+    if (config.frame > (film ? n : 0))
+        throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
+                               : "frame is for a " + quoted_key("turntable") + " or a " + quoted_key("path") +
+                                     ", which are not given");
+    return n;
+}
+
+Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
+                    double free_right, int frame) {
+    if (!config.path.empty()) {
+        const std::vector<Camera> keys = path_of(config, model, size, free_right);
+        const double t = config.frames > 1 ? static_cast<double>(frame) / (config.frames - 1) : 0;
+        return camera_on_path(keys, t * static_cast<double>(keys.size() - 1));
+    }
+    const Camera camera = make_camera(config, model, size, free_right);
+    if (config.turntable == 0) return camera;
+    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty()
+                             ? model.bounds.center()
+                             : camera.target;
+    return turned(camera, center, up_vector(up_axis(config)), 360.0 * frame / config.turntable);
+}
+
+UpAxis up_axis(const RenderConfig& config) {
+    const char letter = config.up.back();
+    if (config.up.size() == 1)
+        return letter == 'x' ? UpAxis::x : letter == 'z' ? UpAxis::z : UpAxis::y;
+    return letter == 'x' ? UpAxis::minus_x : letter == 'z' ? UpAxis::minus_z : UpAxis::minus_y;
+}
+
+std::string view_name(const RenderConfig& config) {
+    if (!config.name.empty()) return config.name;
+    return is_camera_name(config.camera) ? config.camera : "view";
+}
+
+bool is_folder_output(const std::filesystem::path& output) {
+    return std::filesystem::is_directory(output) || !output.has_filename() || !output.has_extension();
+}
+
+std::vector<std::string> cameras_of(const RenderConfig& config) {
+    if (config.path.empty()) return {config.camera};
+    std::vector<std::string> cameras;
+    for (const std::string& key : keyframes_of(config)) cameras.push_back(keyframe_of(config, key).camera);
+    return cameras;
+}
+
+void check_view_name(const std::string& name) {
+    if (name.find('/') != std::string::npos)
+        throw ConfigError(
+            fmt::format("name: expected a name without '/', which begins those of the pictures in "
+                        "the output folder; found \"{}\"",
+                        name));
+}
+
+std::string describe(const Camera& camera, const Vec3d& origin) {
+    const std::string lens =
+        camera.orthographic ? fmt::format("orthographic, width {:.17g}", camera.width)
+                            : fmt::format("perspective, fov {:.17g} degrees", camera.fov_y_deg);
+    return fmt::format("eye {} target {} up {} ({})", text_of(camera.eye + origin),
+                       text_of(camera.target + origin), text_of(camera.up), lens);
+}
+
+ShadeView shade_view(const Camera& camera, const PictureSize& size, int first_x, int first_y) {
+    const PixelView p = pixel_view(camera, size.width, size.height);
+    const double px_per_unit = p.orthographic ? p.px_per_unit : p.focal_px;
+    return {p.right,
+            -p.down,
+            -p.forward,
+            size.width / (2 * px_per_unit),
+            size.height / (2 * px_per_unit),
+            p.orthographic,
+            first_x,
+            first_y,
+            size.width,
+            size.height};
+}
+
+Background parse_background(const std::string& text, bool is_map) {
+    if (text == "auto") return is_map ? solid({1, 1, 1}) : gradient();
+    if (text == "white") return solid({1, 1, 1});
+    if (text == "black") return solid({0, 0, 0});
+    if (text == "gradient") return gradient();
+    if (text == "transparent") return {{}, {}, 0};
+    const std::size_t comma = text.find(',');
+    const auto top = parse_color(std::string_view(text).substr(0, comma));
+    const auto bottom =
+        comma == std::string::npos ? top : parse_color(std::string_view(text).substr(comma + 1));
+    if (top && bottom) return {*top, *bottom, 1};
+    throw ConfigError("background: expected auto, white, black, gradient, transparent, #rrggbb or "
+                      "#rrggbb,#rrggbb (top, bottom), found \"" + text + "\"");
+}
+
+}  // namespace slim

@@ -1,0 +1,129 @@
+#include "pipeline/render/render_write.h"
+
+#include "raytrace/crop.h"
+#include "raytrace/lines/stroke.h"
+#include "raytrace/scale_bar.h"
+
+#include <fmt/format.h>
+
+namespace slim {
+namespace {
+
+void put_background(const RenderJob& job, const std::string& aov, const PixelWindow& at,
+                    Picture& picture) {
+    if (aov == "environment" && job.config.environment_behind)
+        return composite_over_environment(*job.shadings.environment,
+                                          pixel_view(job.camera, job.size.width, job.size.height),
+                                          at.x, at.y, picture);
+    const bool on_white = job.looks.at(aov).on_white() || aov == "lines";
+    composite_over(parse_background(job.config.background, on_white), picture, at.y,
+                   job.size.height);
+}
+
+/// What of a picture's words has no room in it.
+struct Missing {
+    bool legend = false, scale_bar = false;
+
+    std::string text() const {
+        constexpr const char* kLegend = "legend, which is beside it as SVG";
+        if (legend && scale_bar) return fmt::format("scale bar and its {}", kLegend);
+        return legend ? kLegend : scale_bar ? "scale bar" : "";
+    }
+};
+
+/// Legend, key and scale bar.
+void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas, Missing& missing) {
+    if (look.legend && job.config.legend)
+        missing.legend |= !burn_legend(*look.legend, canvas, look.place);
+    if (look.key && job.config.legend) missing.legend |= !burn_key(*look.key, canvas, look.place);
+    if (job.config.scale_bar)
+        missing.scale_bar |=
+            !burn_scale_bar({job.size.width / job.camera.width, job.config.unit}, canvas);
+}
+
+/// The band of a drawn AOV as it is shown.
+Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
+                         const PicturePart& part, Missing& missing) {
+    const AovLook& look = job.looks.at(aov);
+    Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
+                                    job.header().bounds, job.size),
+                           part.inside());
+    put_background(job, aov, part.wanted, picture);
+    const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
+    const Ink ink =
+        aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
+    if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
+    burn_words(job, look, canvas, missing);
+    return picture;
+}
+
+/// The parts of a frame that a data file holds, without the margin.
+RenderedFrame without_margin(const RenderedFrame& frame, const PixelWindow& inside) {
+    RenderedFrame out;
+    out.size = frame.size;
+    out.buffer = crop(frame.buffer, inside);
+    out.truth_distance = crop(frame.truth_distance, frame.buffer.width, inside);
+    out.open = crop(frame.open, frame.buffer.width, inside);
+    return out;
+}
+
+void write_data(const RenderJob& job, const Frames& frames, const PicturePart& part,
+                const ImageMetadata& metadata, PictureFiles& files) {
+    // Colour may be averaged, data never: they come from the frame at the picture's own size.
+    std::vector<ColorPlane> colors;
+    const AovLook none;
+    for (const std::string& aov : job.aovs)
+        if (is_color(aov))
+            colors.push_back(
+                {aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
+                                    job.header().bounds, job.size),
+                           part.inside())});
+    const RenderedFrame data = without_margin(frames.plain, part.inside());
+    std::vector<std::vector<float>> planes;
+    const DrawnLines lines = job.drawn_lines(part.wanted);
+    files.add_exr(part.wanted.height, exr_channels(job.aovs, data, colors, lines, planes),
+                  metadata);
+}
+
+void add_range(const RenderJob& job, const std::string& aov, ImageMetadata& metadata) {
+    if (const auto& legend = job.looks.at(aov).legend)
+        metadata["slim:range." + aov] =
+            fmt::format("{:.17g} {:.17g}", legend->range.lo, legend->range.hi);
+}
+
+}  // namespace
+
+bool has_background(const RenderConfig& config, const std::string& aov) {
+    return (aov == "environment" && config.environment_behind) ||
+           parse_background(config.background, false).alpha >= 1;
+}
+
+std::string write_band(const RenderJob& job, const Frames& frames, const PicturePart& part,
+                       const ImageMetadata& metadata, PictureFiles& files) {
+    Missing missing;
+    for (std::size_t k = 0; k < job.plan.drawn.size(); ++k) {
+        const std::string& aov = job.plan.drawn[k];
+        ImageMetadata own = metadata;
+        add_range(job, aov, own);
+        files.add_png(k, finished_picture(job, aov, frames, part, missing),
+                      has_background(job.config, aov), own);
+    }
+    if (job.plan.exr.empty()) return missing.text();
+    ImageMetadata of_data = metadata;
+    for (const std::string& aov : job.plan.drawn) add_range(job, aov, of_data);  // the preview's
+    write_data(job, frames, part, of_data, files);
+    return missing.text();
+}
+
+std::vector<NamedText> legend_files(const RenderJob& job) {
+    std::vector<NamedText> files;
+    for (const std::string& aov : job.plan.drawn) {
+        const AovLook& look = job.looks.at(aov);
+        if (!job.config.legend || !look.on_white()) continue;
+        files.push_back(
+            {job.plan.legend(aov), look.legend ? legend_svg(*look.legend) : key_svg(*look.key)});
+    }
+    return files;
+}
+
+}  // namespace slim

@@ -1,0 +1,110 @@
+#include "pipeline/job/job.h"
+
+#include "pipeline/job/job_source.h"
+#include "tests/pipeline/job/job_support.h"
+
+#include <gtest/gtest.h>
+
+namespace slim::test {
+namespace {
+
+TEST(Job, SaysWhichRaysAreNotCast) {
+    const auto left_out = [&](const std::string& render) {
+        const Job job =
+            read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render + "\n[[view]]\n"));
+        std::string all;
+        for (const std::string& line : job.left_out) all += line + "\n";
+        return all;
+    };
+    EXPECT_NE(left_out("mode = 'forward'").find("rays: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'").find("rays: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'").find("shadows: "), std::string::npos);
+    EXPECT_NE(left_out("mode = 'raytrace'\nshadows = false").find("shadows: "), std::string::npos);
+    EXPECT_NE(left_out("mode = 'raytrace'").find("ambient occlusion: "), std::string::npos);
+    EXPECT_EQ(left_out("mode = 'raytrace'\nao = true").find("ambient occlusion: "),
+              std::string::npos);
+}
+
+TEST(Job, SaysWhatIsLeftOut) {
+    const auto left_out = [](const std::string& text) {
+        const Job job = read_job(write_job(text));
+        std::string all;
+        for (const std::string& reason : job.left_out) all += reason + "\n";
+        return all;
+    };
+    const std::string plain = left_out(
+        "[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\n[output]\nhtml = false\n");
+    for (const char* part : {"curvature: no AOV and no line asks for it", "colours: color = false",
+                             "measure:", "scan:", "index.html:", "normal"})
+        EXPECT_NE(plain.find(part), std::string::npos) << part;
+    // What "all" cannot have is missing, not unasked for.
+    const std::string all =
+        left_out("[input]\nfiles = ['a.ply']\n[[view]]\ncamera = 'front'\naovs = ['all']\n");
+    EXPECT_EQ(all.find("pictures of"), std::string::npos) << all;
+    EXPECT_NE(all.find("no line that can be drawn"), std::string::npos) << all;
+    const std::string demo = left_out(kDemo);
+    for (const char* part : {"curvature: no", "measure:", "scan:", "index.html:"})
+        EXPECT_EQ(demo.find(part), std::string::npos) << part;
+}
+
+TEST(Job, WhatLinesTakeIsNotLeftOut) {
+    const auto left_out = [](const std::string& fit, const std::string& view) {
+        const Job job =
+            read_job(write_job("[input]\nfiles = ['a.ply']\n[fit]\n" + fit + "[[view]]\n" + view));
+        std::string all;
+        for (const std::string& reason : job.left_out) all += reason + "\n";
+        return all;
+    };
+    const auto has_line = [](const std::string& text, const char* what) {
+        return text.find(what) != std::string::npos;
+    };
+    struct Case {
+        const char *fit, *view;
+        bool second, third;  // derivatives are computed
+    };
+    for (const Case& c :
+         {Case{"degree = 3\n", "lines = ['contour']\n", false, false},
+          {"degree = 3\n", "aovs = ['lines']\nlines = ['contour', 'reflection']\n", false, false},
+          {"degree = 3\nsharp = 'on'\n", "lines = ['crease']\n", false, false},
+          {"degree = 3\n", "lines = ['parabolic']\n", true, false},
+          {"degree = 2\n", "lines = ['suggestive']\n", true, false},
+          {"degree = 3\n", "lines = ['suggestive']\n", true, true},
+          {"degree = 'auto'\n", "lines = ['crest']\n", true, true},
+          {"degree = 2\n", "aovs = ['lines']\n", true, false},
+          {"degree = 3\n", "aovs = ['all']\n", true, true},
+          {"degree = 2\n", "aovs = ['all']\n", true, false},
+          {"degree = 3\n", "aovs = ['dir1']\n", true, false}}) {
+        const std::string text = left_out(c.fit, c.view);
+        EXPECT_EQ(has_line(text, "curvature: "), !c.second) << c.fit << c.view << text;
+        EXPECT_EQ(has_line(text, "third derivatives: "), !c.third) << c.fit << c.view << text;
+    }
+    EXPECT_TRUE(has_line(left_out("color = true\n", ""), "colours: no view shows them"));
+    EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['color']\n"), "colours: "));
+    EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['all']\n"), "colours: "));
+}
+
+TEST(Job, SaysWhatWillBeMissing) {
+    const auto missing = [](const std::string& fit, const std::string& view) {
+        const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[fit]\n" + fit +
+                                           "[[view]]\nname = 'v'\n" + view));
+        std::string all;
+        for (const std::string& reason : job.missing) all += reason + "\n";
+        EXPECT_EQ(explanation_of(job).find("will be missing") != std::string::npos, !all.empty());
+        return all;
+    };
+    const std::string drawing = "lines = ['contour', 'suggestive', 'crest', 'crease']\n";
+    EXPECT_EQ(missing("degree = 3\nsharp = 'on'\n", drawing), "");
+    EXPECT_EQ(missing("degree = 2\n", drawing),
+              "view v: crest lines: they need degree = 3 in [fit]\n"
+              "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
+    EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),
+              "view v: suggestive lines: they need degree = 2 in [fit]\n"
+              "view v: crest lines: they need degree = 3 in [fit]\n");
+    const std::string all = missing("degree = 2\n", "aovs = ['all']\n");
+    for (const char* aov :
+         {"e1, e2, dk1_dt2, dk2_dt1 of aov all", "color of", "ao of", "truth_distance of"})
+        EXPECT_NE(all.find(aov), std::string::npos) << aov << all;
+}
+
+}  // namespace
+}  // namespace slim::test

@@ -1,0 +1,156 @@
+#include "pipeline/job/job.h"
+
+#include "pipeline/job/job_source.h"
+#include "tests/pipeline/job/job_support.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace slim::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
+    const std::string views =
+        "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\naovs = ['shaded']\n"
+        "[[view]]\nname = 'b'\naovs = ['shaded']\nlegend = false\n"
+        "[[view]]\nname = 'c'\naovs = ['normal']\ncamera = '0,0,9,0,0,0'\n";
+    for (const JobStep& step : read_job(write_job(views)).steps)
+        EXPECT_FALSE(has(step, "--legend-room")) << step.name;
+    const Job job = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['dir1']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--legend-room"));
+    for (const int k : {2, 3, 4})
+        EXPECT_FALSE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
+}
+
+TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
+    const Job job =
+        read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\ntruth_shape = 'torus'\n"
+                           "[[view]]\nname = 'a'\naovs = ['truth_distance']\n[[view]]\nname = 'b'\n"
+                           "aovs = ['mean']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--truth-shape=torus"));
+    EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
+}
+
+TEST(Job, LightTablesBecomeOneOption) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"
+        "[[light]]\nkind = 'sun'\nazimuth = 300\nangle = 2.5\n"
+        "[[light]]\nkind = 'rect'\nat = [1, 2, 3]\nsize = [1, 0.5]\nshadows = false\n"
+        "[[view]]\nname = 'a'\nadd = ['b.slim']\n"));
+    const JobStep& view = job.steps[1];
+    EXPECT_TRUE(
+        has(view, "--light=sun azimuth=300 angle=2.5; rect at=1,2,3 size=1,0.5 shadows=false"));
+    // A model that is added is an input, found beside the job.
+    EXPECT_EQ(view.inputs.back(), job_folder() / "b.slim");
+}
+
+TEST(Job, BadLightsAreRefusedWithTheirLine) {
+    const std::string begin = "[input]\nfiles = ['a.ply']\n";
+    const auto message = [&](const std::string& rest) {
+        try {
+            read_job(write_job(begin + rest + "\n[[view]]\n"));
+        } catch (const ConfigError& e) {
+            return std::string(e.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(message("[[light]]\nkind = 'son'").find(":3: "), std::string::npos);
+    EXPECT_NE(message("[[light]]\nkind = 'sun'\nheight = 3").find("'height'"), std::string::npos);
+    EXPECT_NE(message("[render]\nlight = 'sonne'").find(":4: "), std::string::npos);
+    EXPECT_NE(message("[render]\nlight = 'sun'\n[[light]]\nkind = 'key'").find("one of the two"),
+              std::string::npos);
+    EXPECT_NE(message("[render]\nao = true").find("--mode raytrace"), std::string::npos);
+}
+
+TEST(Job, OptionsOfAllViewsGoToThoseThatTakeThemAndAreRefusedWhereNoneDoes) {
+    const std::string begin =
+        "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\nao_samples = 9\n"
+        "ground = true\nground_color = '#112233'\nambient = 2\n";
+    const std::string map = "[[view]]\nname = 'map'\naovs = ['mean']\n";
+    const Job job = read_job(write_job(
+        begin + map + "[[view]]\nname = 'a'\nao = true\n[[view]]\nname = 'b'\naovs = ['ao']\n"));
+    for (const char* option :
+         {"--ao-samples=9", "--ground", "--ground-color=#112233", "--ambient=2"}) {
+        EXPECT_FALSE(has(job.steps[1], option)) << option;
+        EXPECT_TRUE(has(job.steps[2], option)) << option;
+    }
+    EXPECT_TRUE(has(job.steps[3], "--ao-samples=9"));
+    EXPECT_FALSE(has(job.steps[3], "--ambient=2"));
+    const auto message = [&](const std::string& text) {
+        try {
+            read_job(write_job(text));
+        } catch (const ConfigError& e) {
+            return std::string(e.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(message(begin + map).find(":8: no view takes it: ambient is for the aov shaded"),
+              std::string::npos)
+        << message(begin + map);
+    EXPECT_NE(message(begin + "[[view]]\n").find(":5: no view takes it: ao_samples"),
+              std::string::npos);
+    EXPECT_NE(message("[input]\nfiles = ['a.ply']\n[[view]]\naovs = ['mean']\nambient = 2\n")
+                  .find("ambient is for"),
+              std::string::npos);
+}
+
+TEST(Job, LightsAndContoursAreForViewsThatShowThem) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\ncontours = '2'\nmatcap = 'ball.png'\n"
+        "[[view]]\nname = 'a'\naovs = ['hillshade']\n[[view]]\nname = 'b'\naovs = ['matcap']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--contours=2"));
+    EXPECT_FALSE(has(job.steps[2], "--contours=2"));
+    const std::string ball = "--matcap=" + (job_folder() / "ball.png").string();
+    EXPECT_FALSE(has(job.steps[1], ball));
+    EXPECT_TRUE(has(job.steps[2], ball));
+}
+
+TEST(Job, AViewsListReplacesThatOfAllViews) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nsun = [300, 30]\nlines = ['contour']\n"
+        "[[view]]\naovs = ['hillshade']\nsun = [90, 20]\nlines = ['suggestive']\n"));
+    EXPECT_TRUE(has(job.steps[1], "--sun=90,20"));
+    EXPECT_FALSE(has(job.steps[1], "--sun=300,30"));
+    EXPECT_TRUE(has(job.steps[1], "--lines=suggestive"));
+    EXPECT_FALSE(has(job.steps[1], "--lines=contour"));
+}
+
+TEST(Job, PicturesThatLightAViewAreItsInputs) {
+    const Job job = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[render]\nmatcap = 'ball.png'\nenvironment = 'sky.exr'\n"
+        "[[view]]\naovs = ['matcap']\n[[view]]\nname = 'b'\naovs = ['environment']\n"));
+    const fs::path folder = job_folder();
+    EXPECT_EQ(job.steps[1].inputs.back(), folder / "ball.png");
+    EXPECT_EQ(job.steps[2].inputs.back(), folder / "sky.exr");
+}
+
+TEST(Job, StylesOfAWrongNameAreGuessed) {
+    JobSource source;
+    source.job = "plat", source.clouds = {"a.ply"};
+    try {
+        job_file(source);
+        FAIL();
+    } catch (const ConfigError& error) {
+        EXPECT_NE(std::string(error.what()).find("did you mean 'plate'?"), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(Job, TheFilmStyleLooksDownAndItsCameraIsSet) {
+    JobSource source;
+    source.job = "film", source.clouds = {"a.ply"};
+    const auto view_of = [&](std::vector<std::string> more) {
+        std::vector<std::string> settings = job_settings(source);
+        settings.insert(settings.end(), more.begin(), more.end());
+        return read_job(job_file(source), settings).steps.back();
+    };
+    EXPECT_TRUE(has(view_of({"render.up=z"}), "--camera=iso"));
+    EXPECT_TRUE(has(view_of({"render.camera=front"}), "--camera=front"));
+    EXPECT_FALSE(has(view_of({"render.camera=front"}), "--camera=iso"));
+}
+
+}  // namespace
+}  // namespace slim::test

@@ -1,0 +1,153 @@
+#include "pipeline/render/render_stage.h"
+
+#include "pipeline/render/render_look.h"
+#include "pipeline/render/render_uses.h"
+#include "slim/base/error.h"
+#include "tests/pipeline/render/render_test_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slim {
+namespace {
+
+using RenderLegends = test::RenderTest;
+using test::pixel;
+
+/// Pixels that a white-backed map and the same map without its legend do not share, where the
+/// latter shows the object.
+int n_hidden(const PngImage& with, const PngImage& without) {
+    int n = 0;
+    for (std::size_t i = 0; i < with.rgba.size(); i += 4) {
+        const bool object = without.rgba[i] + without.rgba[i + 1] + without.rgba[i + 2] < 765;
+        n += object && !std::equal(&with.rgba[i], &with.rgba[i] + 4, &without.rgba[i]);
+    }
+    return n;
+}
+
+/// "eye 1,2,3 target 4,5,6 up 7,8,9 (...)" as --camera takes it.
+std::string camera_numbers(const std::string& described) {
+    std::istringstream words(described);
+    std::string word, numbers;
+    for (int i = 0; i < 6 && words >> word; ++i)
+        if (i % 2) numbers += (numbers.empty() ? "" : ",") + word;
+    return numbers;
+}
+
+TEST_F(RenderLegends, ALegendHidesNothingOfANamedView) {
+    RenderConfig c = config("x.png");
+    c.aov = {"shaded", "mean"}, c.size = "500x500";
+    const auto beside = run(c);
+    const PngImage with = read_png(file("x.mean.png"));
+    const std::string numbers = camera_numbers(with.metadata.at("slim:camera"));
+    EXPECT_EQ(camera_numbers(read_png(file("x.shaded.png")).metadata.at("slim:camera")), numbers);
+    // The same view without the legend.
+    c.aov = {"mean"}, c.legend = false, c.output = file("bare.png"), c.camera = numbers;
+    EXPECT_EQ(n_hidden(with, draw(c)), 0);
+    // Without any legend the model is centred, and larger.
+    c.aov = {"shaded"}, c.output = file("alone.png"), c.camera = "front";
+    EXPECT_GT(run(c)["covered_pixels"].get<int>(), beside["covered_pixels"].get<int>());
+}
+
+TEST_F(RenderLegends, PicturesOfOneCameraOverlayWhateverIsAskedForBesideLegends) {
+    RenderConfig c = config("x.png");
+    c.legend_room = true;
+    const auto camera_of = [&](std::vector<std::string> aovs, const char* name) {
+        c.aov = std::move(aovs), c.output = file("x.png");
+        run(c);
+        return read_png(file(name)).metadata.at("slim:camera");
+    };
+    for (const char* size : {"500x500", "800x300", "64x48"}) {
+        c.size = size;
+        const std::string shaded = camera_of({"shaded"}, "x.png");
+        EXPECT_EQ(camera_of({"mean"}, "x.png"), shaded);
+        EXPECT_EQ(camera_of({"level"}, "x.png"), shaded);
+        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.shaded.png"), shaded);
+        EXPECT_EQ(camera_of({"error", "dir1", "shaded"}, "x.error.png"), shaded);
+    }
+}
+
+/// The columns in which something is not white, the first and the last.
+std::pair<int, int> drawn_columns(const PngImage& image) {
+    int first = image.width, last = -1;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* p = pixel(image, x, y);
+            if (p[0] + p[1] + p[2] < 765) first = std::min(first, x), last = std::max(last, x);
+        }
+    return {first, last};
+}
+
+TEST_F(RenderLegends, WithoutALegendTheModelFillsThePictureFromTheMiddle) {
+    RenderConfig c = config("x.png");
+    c.size = "500x500", c.background = "white";
+    const auto [first, last] = drawn_columns(draw(c));
+    EXPECT_NEAR(first, 499 - last, 1);
+    EXPECT_LT(first, 70);
+    c.zoom = 1.5;  // as much is cut off on either side
+    const auto [cut_first, cut_last] = drawn_columns(draw(c));
+    EXPECT_EQ(cut_first, 0);
+    EXPECT_EQ(cut_last, 499);
+}
+
+TEST_F(RenderLegends, ZoomLeavesTheMiddleBesideALegendInItsPlace) {
+    for (const bool ortho : {false, true}) {
+        RenderConfig c = config("x.png");
+        c.size = "500x500", c.background = "white", c.legend_room = true, c.ortho = ortho;
+        const auto [first, last] = drawn_columns(draw(c));
+        EXPECT_LT(first + last, 480);  // left of the middle
+        c.zoom = 0.5;
+        const auto [far_first, far_last] = drawn_columns(draw(c));
+        EXPECT_NEAR(far_first + far_last, first + last, 3);
+        EXPECT_NEAR(far_last - far_first, (last - first) / 2, 0.06 * (last - first));
+    }
+}
+
+TEST_F(RenderLegends, TheOrderOfAovsOfAnExrFramesNothing) {
+    RenderConfig c = config("x.exr");
+    c.size = "500x500";
+    const auto covered = [&](std::vector<std::string> aovs) {
+        c.aov = std::move(aovs);
+        return run(c)["covered_pixels"].get<int>();
+    };
+    EXPECT_EQ(covered({"shaded", "mean"}), covered({"mean", "shaded"}));
+}
+
+TEST_F(RenderLegends, RoomForALegendIsForCamerasThatFrame) {
+    RenderConfig c = config("x.png");
+    c.legend_room = true, c.camera = "0,0,5,0,0,0,0,1,0";
+    EXPECT_THROW(run(c), ConfigError);
+    c.camera = "front", c.ortho_width = 8;
+    EXPECT_THROW(run(c), ConfigError);
+}
+
+TEST_F(RenderLegends, ALegendsRoomIsThatOfAovsThatHaveOne) {
+    RenderConfig any;
+    const FieldList fields = fields_of(any);
+    for (const std::string& aov : fields.find("aov")->choices) {
+        if (aov == "all") continue;
+        EXPECT_EQ(has_legend(any, {aov}), needs_reference(any, aov)) << aov;
+    }
+    EXPECT_TRUE(has_legend(any, {"all"}));
+    any.contours = "none";
+    EXPECT_FALSE(has_legend(any, {"hillshade", "shaded"}));
+    any.legend = false;
+    EXPECT_FALSE(has_legend(any, {"mean"}));
+}
+
+TEST_F(RenderLegends, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {
+    RenderConfig c = config("x.png");
+    c.aov = {"mean"}, c.size = "500x500", c.background = "white";
+    c.camera = "-1,0,7,-1,0,0,0,1,0";  // the sphere right of the middle
+    const PngImage with = draw(c);
+    c.legend = false, c.output = file("y.png");
+    EXPECT_EQ(n_hidden(with, draw(c)), 0);
+}
+
+}  // namespace
+}  // namespace slim
