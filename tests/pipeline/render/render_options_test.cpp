@@ -9,6 +9,8 @@
 namespace slim {
 namespace {
 
+using test::RenderOutputs;
+
 TEST_F(RenderOutputs, OptionsOfPicturesThatNobodyAsksForAndBadOnesAreNamed) {
     std::ofstream(file("words.png")) << "no picture";
     const std::pair<const char*, std::function<void(RenderConfig&)>> cases[] = {
