@@ -21,6 +21,14 @@ Vec3d area_vector(std::span<const Vec3d> corners) {
     return sum;
 }
 
+/// Of all triangles of the fan, which are what gets points: of a folded face more than its vector's length.
+double fan_area(std::span<const Vec3d> corners) {
+    double sum = 0;
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+        sum += length(cross(corners[k] - corners[0], corners[k + 1] - corners[0])) / 2;
+    return sum;
+}
+
 double longest_edge(std::span<const Vec3d> corners) {
     double most = 0;
     for (std::size_t k = 0; k < corners.size(); ++k)
@@ -39,9 +47,9 @@ bool is_fan(std::span<const Vec3d> corners, const Vec3d& area) {
 
 void FacePoints::measure(std::span<const Vec3d> corners) {
     if (corners.size() < 3) return;
-    const Vec3d area = area_vector(corners);
-    if (!is_finite(area)) return;
-    area_ += length(area) / 2;
+    const double area = fan_area(corners);
+    if (!std::isfinite(area)) return;
+    area_ += area;
     for (std::size_t k = 0; k < corners.size(); ++k)
         edges_.push_back(static_cast<float>(length(corners[(k + 1) % corners.size()] - corners[k])));
 }

@@ -54,6 +54,7 @@ static_assert(sizeof(BoxRecord) == 6 * 8);
 using HullRecord = std::array<std::uint16_t, 3>;
 static_assert(sizeof(HullRecord) == 6);
 constexpr double kHullSteps = 65535;
+constexpr std::size_t kMostHull = 386;  // directions of slim/tree/drawn_hull.h
 
 std::vector<HullRecord> pack_hull(std::span<const Vec3d> hull, const Bbox& box) {
     std::vector<HullRecord> out(hull.size());
@@ -70,7 +71,12 @@ std::vector<HullRecord> pack_hull(std::span<const Vec3d> hull, const Bbox& box) 
 std::vector<Vec3d> read_hull(const ChunkFile& file, const char* chunk, const Bbox& box) {
     std::vector<Vec3d> hull;
     if (!file.has(chunk)) return hull;
-    for (const HullRecord& r : file.array<HullRecord>(chunk)) {
+    const auto records = file.array<HullRecord>(chunk);
+    if (records.size() > kMostHull || (box.empty() && !records.empty()))
+        throw FormatError(message(file.path(), ": byte ", file.offset(chunk), ": ", chunk,
+                                  ": expected at most ", box.empty() ? 0 : kMostHull,
+                                  " places in the box of what is drawn, found ", records.size()));
+    for (const HullRecord& r : records) {
         Vec3d p = box.hi;
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (r[axis] < kHullSteps) p[axis] = box.lo[axis] + (box.hi[axis] - box.lo[axis]) * (r[axis] / kHullSteps);

@@ -75,7 +75,8 @@ protected:
 /// packed with gzip or not; what it is, is seen in its first bytes.
 /// throws IoError if it cannot be read; FormatError for any other format, naming those that are
 /// read
-/// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex
+/// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex, with
+///        face_points 4 more a corner of its faces and 92 a point that is added
 /// face_points: of a PLY with faces and no normals, points on its large faces follow the vertices
 std::unique_ptr<PointSource> open_cloud(const std::string& path, bool face_points = false);
 

@@ -79,12 +79,16 @@ std::vector<Vec3d> places_of(const Framed& framed) {
     return places;
 }
 
+// Positions of a turn that are looked at: between two, places move by less than the margin.
+constexpr int kMostTurns = 72;
+
 /// The same in camera axes, in each of its positions.
 std::vector<Vec3d> turned_places(std::span<const Vec3d> places, const Basis& b, UpAxis up, int turns) {
     std::vector<Vec3d> out;
     const Vec3d x = with_up(up, {1, 0, 0}), y = with_up(up, {0, 1, 0}), z = with_up(up, {0, 0, 1});
-    for (int turn = 0; turn < std::max(1, turns); ++turn) {
-        const double angle = 2 * std::numbers::pi * turn / std::max(1, turns);
+    const int n = std::clamp(turns, 1, kMostTurns);
+    for (int turn = 0; turn < n; ++turn) {
+        const double angle = 2 * std::numbers::pi * turn / n;
         const double c = std::cos(angle), s = std::sin(angle);
         for (const Vec3d& p : places) {
             const double px = dot(p, x), pz = dot(p, z);

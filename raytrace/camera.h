@@ -42,7 +42,8 @@ struct Framing {
     bool orthographic = false;
     double fov_y_deg = 35;
     double margin = 0.04;       ///< free border, as a share of the picture
-    int turns = 0;  ///< so many positions, turned about the up axis, stay in the picture
+    /// so many positions, turned about the up axis, stay in the picture (of more, 72 are looked at)
+    int turns = 0;
     double free_right = 0;      ///< share of the picture's width kept for something else, [0, 0.9)
     double free_bottom = 0;     ///< and of its height
 };

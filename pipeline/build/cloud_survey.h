@@ -102,8 +102,8 @@ CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
 
 inline constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
 
-/// face_points: as open_cloud has it. Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints; first_id counts
-/// all points.
+/// Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints;
+/// first_id counts all points. face_points: as open_cloud has it.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t first_id,

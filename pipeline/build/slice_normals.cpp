@@ -127,6 +127,12 @@ std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search,
     return n;
 }
 
+/// Some 2,000 of the slice's own points, or all.
+std::vector<std::uint32_t> evidence_samples(const PointBlock& points, const std::vector<bool>& own) {
+    const auto n = static_cast<double>(std::count(own.begin(), own.end(), true));
+    return sample_points(points, own, kEvidenceSamples / n);
+}
+
 /// Why given normals are not to be trusted; empty if they are.
 struct Mistrust {
     std::string why;
@@ -145,13 +151,13 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                             "normals each other",
                             100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
                 true};
-    const std::vector<std::uint32_t> samples =
-        sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own));
+    const std::vector<std::uint32_t> samples = evidence_samples(points, own);
     report.evidence = evidence_of(points, search, samples);
+    report.evidence.stand_for(n_own);
     if (report.evidence.is_off_surface())
         return {fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that the points make",
                             100 * static_cast<double>(report.evidence.n_off) / static_cast<double>(report.evidence.n_flat))};
-    if (faces_sensors(points, samples, sensors)) report.evidence.flux = 0;
+    if (faces_sensors(points, samples, sensors)) report.evidence = {};
     return {};
 }
 
@@ -207,7 +213,7 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     if (n_own > 0 && !carries) {
         if (plan.slices.size() == 1) {
             report.of_contrary_scans =
-                turn_contrary_scans(points, search, sample_points(points, own, kEvidenceSamples / static_cast<double>(n_own)));
+                turn_contrary_scans(points, search, evidence_samples(points, own));
             if (report.of_contrary_scans > 0)
                 reporter.warn(fmt::format("{} points are of scans whose normals are turned round against the others': turned",
                                           report.of_contrary_scans));

@@ -20,7 +20,7 @@ struct NormalsReport {
     std::size_t neighbors = 0;  ///< that each was estimated from
     std::size_t kept = 0, turned = 0, estimated = 0;  ///< what became of the cloud's own, and how many had none
     std::size_t estimates_turned = 0;                 ///< as their neighbours opposed them
-    std::size_t of_contrary_scans = 0;                ///< turned with their whole scan, before all else; counted as kept too
+    std::size_t of_contrary_scans = 0;                ///< of scans that were turned whole, before all else
     std::size_t degenerate = 0;                       ///< estimates from neighbours on a line
     std::size_t noisy = 0;                            ///< of all: far off their neighbours', but not opposed
     OrientReport orientation;

@@ -118,7 +118,7 @@ void report(const SlicePlan& plan, Reporter& reporter) {
                                       in.n_face_points));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
-                                      in.path, in.n_dropped, in.n_points));
+                                      in.path, in.n_dropped, in.n_points - in.n_face_points));
         if (in.n_bad_normals > 0)
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));

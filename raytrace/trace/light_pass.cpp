@@ -102,7 +102,7 @@ std::vector<float> openness_plane(const TracedSurface& surface, const Openness& 
                 out[surface.planes.index(block, lane)] = open[k];
     });
     counts += sum_of(rows);
-    return filtered_openness(surface.planes, out, openness.samples);
+    return filtered_openness(surface.planes, out, openness.samples, surface.traced.position_low);
 }
 
 std::vector<float> ground_openness_plane(const TracedSurface& surface, const Openness& openness,

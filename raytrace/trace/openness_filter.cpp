@@ -3,6 +3,7 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,12 +22,14 @@ constexpr float kLeastAgreement = 0.9f;  // of normals: 26 degrees
 /// Planes with a row's length.
 struct Rows {
     const SurfacePlanes& planes;
+    const PositionRest& rest;
     std::span<const float> open;
     std::vector<float> hit;
     std::size_t width, height;
 
-    Rows(const SurfacePlanes& p, std::span<const float> o)
+    Rows(const SurfacePlanes& p, const PositionRest& low, std::span<const float> o)
         : planes(p),
+          rest(low),
           open(o),
           hit(p.buffer.hit.begin(), p.buffer.hit.end()),
           width(static_cast<std::size_t>(p.buffer.width)),
@@ -36,9 +39,19 @@ struct Rows {
 float squared(float x) { return x * x; }
 float above_zero(float x) { return x > 0 ? x : 0.0f; }
 
+/// What is left of a difference of positions where one float lacks it.
+struct RestOf {
+    const float* low;
+    float operator()(std::size_t q, std::size_t i) const { return low[q] - low[i]; }
+};
+struct NoRest {
+    float operator()(std::size_t, std::size_t) const { return 0; }
+};
+
 /// Adds one neighbour, `step` entries further on, of the pixels [begin, end): `share` is its weight in the
 /// mean.
-void add_neighbour(const Rows& r, std::size_t begin, std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
+template <class Rest>
+void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t begin, std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
                    float* __restrict sum, float* __restrict weight) {
     const GBuffer& b = r.planes.buffer;
     const float *const px = b.position[0].data(), *const py = b.position[1].data(), *const pz = b.position[2].data(),
@@ -48,7 +61,8 @@ void add_neighbour(const Rows& r, std::size_t begin, std::size_t end, std::ptrdi
 #pragma GCC ivdep
     for (std::size_t i = begin; i < end; ++i) {
         const std::size_t q = i + static_cast<std::size_t>(step);
-        const float dx = px[q] - px[i], dy = py[q] - py[i], dz = pz[q] - pz[i];
+        const float dx = px[q] - px[i] + rest[0](q, i), dy = py[q] - py[i] + rest[1](q, i),
+                    dz = pz[q] - pz[i] + rest[2](q, i);
         const float off = nx[i] * dx + ny[i] * dy + nz[i] * dz;
         const float sq_way = dx * dx + dy * dy + dz * dz;
         const float agreement = nx[i] * nx[q] + ny[i] * ny[q] + nz[i] * nz[q];
@@ -74,8 +88,15 @@ void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float
             const float share = (std::abs(dx) == kOpennessReach ? 0.5f : 1.0f) * (std::abs(dy) == kOpennessReach ? 0.5f : 1.0f);
             const auto left = static_cast<std::size_t>(std::max(0, -dx)), right = static_cast<std::size_t>(std::max(0, dx));
             if (left + right >= r.width) continue;
-            add_neighbour(r, row + left, row + r.width - right, dy * static_cast<std::ptrdiff_t>(r.width) + dx, share,
-                          inv_sq_most, &sum[left], &weight[left]);
+            const auto add = [&](const auto& rest) {
+                add_neighbour(r, rest, row + left, row + r.width - right,
+                              dy * static_cast<std::ptrdiff_t>(r.width) + dx, share, inv_sq_most,
+                              &sum[left], &weight[left]);
+            };
+            if (r.rest[0].empty())
+                add(std::array<NoRest, 3>{});
+            else
+                add(std::array{RestOf{r.rest[0].data()}, RestOf{r.rest[1].data()}, RestOf{r.rest[2].data()}});
         }
     }
     for (std::size_t x = 0; x < r.width; ++x) out[row + x] = r.hit[row + x] > 0 ? sum[x] / weight[x] : 0.0f;
@@ -83,8 +104,9 @@ void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float
 
 }  // namespace
 
-std::vector<float> filtered_openness(const SurfacePlanes& planes, std::span<const float> open, int samples) {
-    const Rows rows(planes, open);
+std::vector<float> filtered_openness(const SurfacePlanes& planes, std::span<const float> open,
+                                     int samples, const PositionRest& rest) {
+    const Rows rows(planes, rest, open);
     const float most = kMostErrors * kErrorOfOne * std::pow(static_cast<float>(samples), -0.75f);
     std::vector<float> out(open.size());
     constexpr std::size_t kGrain = 16;

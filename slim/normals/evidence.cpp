@@ -18,14 +18,31 @@ constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in 
 constexpr double kManyOff = 0.15;
 constexpr double kClearFlux = 0.15;        // over the size, of a shape that has an inside
 constexpr double kSmallHole = 0.25;        // over the area
+constexpr double kMostArea = 100;          // medians: what a stray far off counts at most
+
+/// What points stand for at most, by their 16th neighbours.
+double most_area_of(const PointBlock& points, const NearestSearch& search,
+                    const std::vector<std::uint32_t>& wanted) {
+    if (wanted.empty()) return 0;
+    std::vector<double> area(wanted.size());
+    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+        for (const std::uint32_t k : neighbors)
+            area[w] = std::max(area[w], sq_length(points.position[k] - points.position[wanted[w]]));
+    });
+    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
+    std::nth_element(area.begin(), middle, area.end());
+    return kMostArea * *middle;
+}
 
 /// What one point adds.
-NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i, std::span<const std::uint32_t> neighbors) {
+NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
+                               std::span<const std::uint32_t> neighbors, double most_area) {
     NormalEvidence one;
     const Vec3d p = points.position[i], normal = to_double(points.normal[i]);
     if (!(sq_length(normal) > 0)) return one;
     one.n = 1;
     for (const std::uint32_t k : neighbors) one.area = std::max(one.area, sq_length(points.position[k] - p));
+    one.area = std::min(one.area, most_area);
     one.sq_size = one.area * sq_length(p);
     one.flux = one.area * dot(p, normal);
     one.moment = one.area * p;
@@ -45,6 +62,13 @@ NormalEvidence& NormalEvidence::operator+=(const NormalEvidence& o) {
     area += o.area, sq_size += o.sq_size, flux += o.flux;
     moment += o.moment, area_vector += o.area_vector;
     return *this;
+}
+
+void NormalEvidence::stand_for(std::size_t n_points) {
+    if (n == 0) return;
+    const double each = static_cast<double>(n_points) / static_cast<double>(n);
+    area *= each, sq_size *= each, flux *= each;
+    moment *= each, area_vector *= each;
 }
 
 bool NormalEvidence::is_off_surface() const {
@@ -67,9 +91,10 @@ NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search
     std::vector<std::uint32_t> wanted(samples.begin(), samples.end());
     std::sort(wanted.begin(), wanted.end());
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
+    const double most_area = most_area_of(points, search, wanted);
     std::vector<NormalEvidence> each(wanted.size());
     search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-        each[w] = evidence_of_one(points, wanted[w], neighbors);
+        each[w] = evidence_of_one(points, wanted[w], neighbors, most_area);
     });
     NormalEvidence sum;
     for (const NormalEvidence& one : each) sum += one;

@@ -59,8 +59,9 @@ Vec3d place_in_core(const Surfel& s, std::size_t i, double& u, double& v) {
     const auto at = [&] { return s.sheet_frame(i).world_from_local({u, v, s.sheet_polynomial(i).value(u, v)}); };
     Vec3d x = at();
     constexpr int kMostPulls = 3;
-    for (int k = 0; k < kMostPulls && length(x) > kHitTrim; ++k) {
-        const double pull = kHitTrim / length(x);
+    const double trim = hit_trim(s);
+    for (int k = 0; k < kMostPulls && length(x) > trim; ++k) {
+        const double pull = trim / length(x);
         u *= pull, v *= pull, x = at();
     }
     return x;
@@ -83,7 +84,7 @@ void for_places(const Surfel& s, const Visit& visit) {
         for (int k = 0; k < n; ++k) place(sheet, radius, 2 * std::numbers::pi * k / n);
     };
     for (std::size_t sheet = 0; sheet < s.n_sheets(); ++sheet)
-        ring(sheet, 0, 1), ring(sheet, kHitTrim / 2, 6), ring(sheet, kHitTrim, 12);
+        ring(sheet, 0, 1), ring(sheet, hit_trim(s) / 2, 6), ring(sheet, hit_trim(s), 12);
 }
 
 Vec3d in_box(const Vec3d& p, const Bbox& box) {

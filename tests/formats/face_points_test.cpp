@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -64,7 +63,7 @@ TEST(FacePoints, CoverTheSidesOfACube) {
         ASSERT_GT(dot(turned.position[i] - Vec3d{0.5, 0.5, 0.5}, to_double(turned.normal[i])), 0.4);
 }
 
-/// Points that a fan of n triangles about the origin gets beside one large square far off.
+/// Points that a fan of n triangles about the origin gets.
 std::vector<FacePoints::Point> of_fan(int n, double radius) {
     FacePoints faces;
     std::vector<FacePoints::Point> out;
