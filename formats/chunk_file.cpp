@@ -239,17 +239,21 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
     if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
 }
 
-void ChunkFile::read(std::string_view name, std::uint64_t first_byte, std::span<unsigned char> out) const {
+void ChunkFile::read(std::string_view name, std::uint64_t first_byte,
+                     std::span<unsigned char> out) const {
     const ChunkEntry& e = state_->entry(name);
     const std::uint64_t n_bytes = e.count * e.element_size;
     if (first_byte > n_bytes || out.size() > n_bytes - first_byte)
-        state_->fail(e.offset, message("chunk ", name, ": expected ", out.size(), " bytes from byte ", first_byte,
-                                       " on, found ", n_bytes, " in all"));
+        state_->fail(e.offset,
+                     message("chunk ", name, ": expected ", out.size(), " bytes from byte ",
+                             first_byte, " on, found ", n_bytes, " in all"));
     std::uint64_t at = e.offset + first_byte;
     while (!out.empty()) {
         const ssize_t n = ::pread(state_->file.fd, out.data(), out.size(), static_cast<off_t>(at));
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw IoError(message(state_->path, ": byte ", at, ": cannot be read: ", std::strerror(errno)));
+        if (n < 0)
+            throw IoError(
+                message(state_->path, ": byte ", at, ": cannot be read: ", std::strerror(errno)));
         if (n == 0) state_->fail(at, "cut off while it was read");
         at += static_cast<std::uint64_t>(n);
         out = out.subspan(static_cast<std::size_t>(n));
@@ -272,7 +276,8 @@ void ChunkFile::read_ahead(std::string_view name) const {
     // Asked for as it stands: without MADV_RANDOM the system would read megabytes beyond its end.
     static const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     const std::uint64_t begin = e.offset / page * page, end = e.offset + e.count * e.element_size;
-    if (begin < end) ::madvise(const_cast<unsigned char*>(state_->data) + begin, end - begin, MADV_WILLNEED);
+    if (begin < end)
+        ::madvise(const_cast<unsigned char*>(state_->data) + begin, end - begin, MADV_WILLNEED);
 }
 
 void ChunkFile::verify_all() const {

@@ -58,7 +58,8 @@ private:
 /// IoError if the file cannot be opened.
 class ChunkFile {
 public:
-    /// by_pages: the system reads the pages that are touched and none around them; see read_ahead().
+    /// by_pages: the system reads the pages that are touched and none around them; see
+    /// read_ahead().
     static ChunkFile open(const std::string& path, const ChunkFileKind& kind,
                           bool by_pages = false);
     ~ChunkFile();
@@ -92,8 +93,8 @@ public:
         return {static_cast<const T*>(data), count};
     }
 
-    /// Copies bytes of a chunk, without mapping them and without a look at its checksum. Thread-safe.
-    /// throws FormatError if they are beyond its end, IoError
+    /// Copies bytes of a chunk, without mapping them and without a look at its checksum.
+    /// Thread-safe. throws FormatError if they are beyond its end, IoError
     void read(std::string_view name, std::uint64_t first_byte, std::span<unsigned char> out) const;
 
     /// Calls body(first, piece) for an array in pieces from front to back, checks its checksum on

@@ -8,8 +8,9 @@
 
 namespace slim {
 
-/// Points on faces that are large against the others of a mesh (or its extent), where the vertices alone would leave the
-/// surface without support: the caps and sides of CAD models, the base of a reduced scan (formats/notes/0003).
+/// Points on faces that are large against the others of a mesh (or its extent), where the vertices
+/// alone would leave the surface without support: the caps and sides of CAD models, the base of a
+/// reduced scan (formats/notes/0003).
 class FacePoints {
 public:
     struct Point {
@@ -21,14 +22,17 @@ public:
     void measure(std::span<const Vec3d> corners);
     /// diagonal: of the vertices
     void choose_spacing(double diagonal, std::size_t n_vertices);
-    /// Then again: adds the points of a face, about one per square of the spacing, to `out`. None for faces that are small, without
-    /// area, not finite, or not star-shaped about their first corner.
-    void sample(std::span<const Vec3d> corners, std::span<const std::size_t> vertices, std::vector<Point>& out);
+    /// Then again: adds the points of a face, about one per square of the spacing, to `out`. None
+    /// for faces that are small, without area, not finite, or not star-shaped about their first
+    /// corner.
+    void sample(std::span<const Vec3d> corners, std::span<const std::size_t> vertices,
+                std::vector<Point>& out);
 
     double spacing() const { return spacing_; }
 
 private:
-    void sample_triangle(const Vec3d (&corner)[3], const Vec3d& normal, std::size_t vertex, std::vector<Point>& out);
+    void sample_triangle(const Vec3d (&corner)[3], const Vec3d& normal, std::size_t vertex,
+                         std::vector<Point>& out);
 
     std::vector<float> edges_;  ///< lengths
     double area_ = 0, spacing_ = 0;

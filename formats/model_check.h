@@ -8,7 +8,7 @@ namespace slim {
 
 /// Where and why a tree is no tree of ours; `chunk` is empty if it is sound.
 struct ModelFault {
-    std::string chunk;        ///< "header", "drawn", "pages", "records", "nodes", "sharp" or "sheets"
+    std::string chunk;  ///< "header", "drawn", "pages", "records", "nodes", "sharp" or "sheets"
     std::size_t entry = 0;    ///< index in that chunk
     std::string reason;
 };

@@ -17,8 +17,8 @@
 namespace slim {
 namespace {
 
-/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size, version 4 leaves
-/// of two rims; a model is of the lowest version that holds it.
+/// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size,
+/// version 4 leaves of two rims; a model is of the lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
 constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
 constexpr ChunkFileKind kMixedModelKind{"SLIMTREE", "SLIM model", 3};
@@ -50,7 +50,8 @@ struct BoxRecord {
 };
 static_assert(sizeof(BoxRecord) == 6 * 8);
 
-/// A place of "hull": where it lies in the box of what is drawn, of "loose_hull" in that with loose surfels.
+/// A place of "hull": where it lies in the box of what is drawn, of "loose_hull" in that with loose
+/// surfels.
 using HullRecord = std::array<std::uint16_t, 3>;
 static_assert(sizeof(HullRecord) == 6);
 constexpr double kHullSteps = 65535;
@@ -62,7 +63,8 @@ std::vector<HullRecord> pack_hull(std::span<const Vec3d> hull, const Bbox& box) 
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double extent = box.hi[axis] - box.lo[axis];
             const double share = extent > 0 ? (hull[i][axis] - box.lo[axis]) / extent : 0;
-            out[i][axis] = static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0, 1.0) * kHullSteps));
+            out[i][axis] =
+                static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0, 1.0) * kHullSteps));
         }
     return out;
 }
@@ -79,7 +81,8 @@ std::vector<Vec3d> read_hull(const ChunkFile& file, const char* chunk, const Bbo
     for (const HullRecord& r : records) {
         Vec3d p = box.hi;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            if (r[axis] < kHullSteps) p[axis] = box.lo[axis] + (box.hi[axis] - box.lo[axis]) * (r[axis] / kHullSteps);
+            if (r[axis] < kHullSteps)
+                p[axis] = box.lo[axis] + (box.hi[axis] - box.lo[axis]) * (r[axis] / kHullSteps);
         hull.push_back(p);
     }
     return hull;
@@ -88,8 +91,8 @@ std::vector<Vec3d> read_hull(const ChunkFile& file, const char* chunk, const Bbo
 /// Whether a chunk says what the surface is; all others are attributes of it.
 bool is_of_surface(std::string_view chunk) {
     constexpr std::string_view kLarge[] = {"nodes", "records", "sharp", "sheets"};
-    return std::find(std::begin(ModelFile::kSmallChunks), std::end(ModelFile::kSmallChunks), chunk) !=
-               std::end(ModelFile::kSmallChunks) ||
+    return std::find(std::begin(ModelFile::kSmallChunks), std::end(ModelFile::kSmallChunks),
+                     chunk) != std::end(ModelFile::kSmallChunks) ||
            std::find(std::begin(kLarge), std::end(kLarge), chunk) != std::end(kLarge);
 }
 
@@ -139,9 +142,11 @@ void write_arrays(const std::string& path, const SurfelTree& tree,
     const ModelHeader& h = tree.header();
     const BoxRecord drawn[] = {{h.drawn.lo, h.drawn.hi}, {h.drawn_loose.lo, h.drawn_loose.hi}};
     if (!h.drawn.empty()) writer.add("drawn", std::span<const BoxRecord>(drawn));
-    if (!h.hull.empty()) writer.add("hull", std::span<const HullRecord>(pack_hull(h.hull, h.drawn)));
+    if (!h.hull.empty())
+        writer.add("hull", std::span<const HullRecord>(pack_hull(h.hull, h.drawn)));
     if (!h.loose_hull.empty())
-        writer.add("loose_hull", std::span<const HullRecord>(pack_hull(h.loose_hull, h.drawn_loose)));
+        writer.add("loose_hull",
+                   std::span<const HullRecord>(pack_hull(h.loose_hull, h.drawn_loose)));
     writer.add("provenance", std::span<const char>(provenance_json));
     writer.add("pages", tree.page_origins());
     writer.add("nodes", tree.nodes());

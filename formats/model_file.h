@@ -27,11 +27,11 @@ public:
     static ModelFile open(const std::string& path);
 
     /// What open_by_pages reads, where it is there.
-    static constexpr const char* kSmallChunks[] = {"header",     "drawn", "hull",       "loose_hull",
-                                                   "provenance", "pages", "page_start", "in_page"};
-    /// Checks and reads only the table and the small chunks: header, boxes and hulls of what is drawn,
-    /// provenance, page origins and the index of records: for views of a part. Before nodes and
-    /// records are used either check() them all, or those of a list.
+    static constexpr const char* kSmallChunks[] = {
+        "header", "drawn", "hull", "loose_hull", "provenance", "pages", "page_start", "in_page"};
+    /// Checks and reads only the table and the small chunks: header, boxes and hulls of what is
+    /// drawn, provenance, page origins and the index of records: for views of a part. Before nodes
+    /// and records are used either check() them all, or those of a list.
     static ModelFile open_by_pages(const std::string& path);
     /// All that open() checks, but for attributes (colours): no page of theirs is read.
     static ModelFile open_surface(const std::string& path);

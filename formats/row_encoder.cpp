@@ -32,20 +32,25 @@ void put_shortest(T value, std::string& out) {
 /// Decimals of a number in text without an exponent; 0 with one.
 int decimals_of(std::string_view word) {
     const auto point = word.find('.');
-    if (point == std::string_view::npos || word.find_first_of("eE") != std::string_view::npos) return 0;
+    if (point == std::string_view::npos || word.find_first_of("eE") != std::string_view::npos)
+        return 0;
     return static_cast<int>(std::min<std::size_t>(word.size() - point - 1, kMostDecimals));
 }
 
-/// Whether a word has more digits than a float keeps, as georeferenced coordinates declared `float` in text have.
+/// Whether a word has more digits than a float keeps, as georeferenced coordinates declared `float`
+/// in text have.
 bool has_more_than_float(std::string_view word) {
     constexpr auto kDigits = std::numeric_limits<float>::digits10;
-    return std::count_if(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; }) > kDigits;
+    return std::count_if(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; }) >
+           kDigits;
 }
 
 void put_decimals(double value, int decimals, std::string& out) {
     char text[400];
     if (decimals > kMostDecimals || std::abs(value) > 1e20) return put_shortest(value, out);
-    out.append(text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr);
+    out.append(
+        text,
+        std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr);
 }
 
 bool is_position(Quantity what) { return what <= Quantity::z; }
@@ -82,12 +87,13 @@ std::vector<std::string> RowEncoder::encode(const RawRows& rows,
     return pieces;
 }
 
-void RowEncoder::put_row(std::string_view row, const RawRows::Slot* slots, const RewrittenPoint& point,
-                         std::string& out) const {
+void RowEncoder::put_row(std::string_view row, const RawRows::Slot* slots,
+                         const RewrittenPoint& point, std::string& out) const {
     std::size_t copied = 0;
     for (std::size_t c = 0; c < n_read_; ++c) {
         out += row.substr(copied, slots[c].begin - copied);
-        put_column(columns_[c], row.substr(slots[c].begin, slots[c].end - slots[c].begin), point, out);
+        put_column(columns_[c], row.substr(slots[c].begin, slots[c].end - slots[c].begin), point,
+                   out);
         copied = slots[c].end;
     }
     out += row.substr(copied);
@@ -99,8 +105,8 @@ void RowEncoder::put_row(std::string_view row, const RawRows::Slot* slots, const
     if (ascii) out += '\n';
 }
 
-void RowEncoder::put_column(const RowColumn& column, std::string_view old, const RewrittenPoint& point,
-                            std::string& out) const {
+void RowEncoder::put_column(const RowColumn& column, std::string_view old,
+                            const RewrittenPoint& point, std::string& out) const {
     const bool keeps = !point.moved && column.what != Quantity::displacement;
     if (!keeps) put_number(column, value(column, point), old, out);
     else if (encoding_ == PlyEncoding::ascii || column.type == *column.in_type) out += old;
@@ -116,7 +122,8 @@ double RowEncoder::value(const RowColumn& column, const RewrittenPoint& point) c
 void RowEncoder::put_number(const RowColumn& column, double value, std::string_view old,
                             std::string& out) const {
     const bool swap = encoding_ == PlyEncoding::big_endian;
-    if (encoding_ != PlyEncoding::ascii && column.type == PlyType::f64) put_binary(value, swap, out);
+    if (encoding_ != PlyEncoding::ascii && column.type == PlyType::f64)
+        put_binary(value, swap, out);
     else if (encoding_ != PlyEncoding::ascii) put_binary(static_cast<float>(value), swap, out);
     else if (is_position(column.what) && (column.type == PlyType::f64 || has_more_than_float(old)))
         put_decimals(value, std::max(decimals_, decimals_of(old)), out);

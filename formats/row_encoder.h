@@ -21,7 +21,8 @@ struct RowColumn {
     std::optional<PlyType> in_type;     ///< as read; nothing: added at the end of the row
 };
 
-/// Consecutive rows as they stand in a file, and where in them the columns stand that are written anew.
+/// Consecutive rows as they stand in a file, and where in them the columns stand that are written
+/// anew.
 struct RawRows {
     struct Slot {
         std::size_t begin = 0, end = 0;  ///< from the row's first byte
@@ -29,7 +30,8 @@ struct RawRows {
     std::string_view bytes;
     std::vector<std::size_t> row_end;  ///< empty: all are of fixed_size
     std::size_t fixed_size = 0;
-    std::vector<Slot> slots;           ///< of a row those of its read columns, in order; fixed rows: once for all
+    std::vector<Slot>
+        slots;  ///< of a row those of its read columns, in order; fixed rows: once for all
 
     std::string_view row(std::size_t i) const;
     const Slot* slots_of(std::size_t i, std::size_t n_columns) const;
@@ -44,8 +46,10 @@ public:
                double text_step);
 
     std::size_t n_read_columns() const { return n_read_; }
-    /// The rows in pieces, to be written one behind the other; in parallel, the same for any thread count.
-    std::vector<std::string> encode(const RawRows& rows, std::span<const RewrittenPoint> points) const;
+    /// The rows in pieces, to be written one behind the other; in parallel, the same for any thread
+    /// count.
+    std::vector<std::string> encode(const RawRows& rows,
+                                    std::span<const RewrittenPoint> points) const;
 
 private:
     void put_row(std::string_view row, const RawRows::Slot* slots, const RewrittenPoint& point,
@@ -53,7 +57,8 @@ private:
     void put_column(const RowColumn& column, std::string_view old, const RewrittenPoint& point,
                     std::string& out) const;
     double value(const RowColumn& column, const RewrittenPoint& point) const;
-    void put_number(const RowColumn& column, double value, std::string_view old, std::string& out) const;
+    void put_number(const RowColumn& column, double value, std::string_view old,
+                    std::string& out) const;
 
     PlyEncoding encoding_;
     std::vector<RowColumn> columns_;

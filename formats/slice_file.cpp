@@ -21,18 +21,22 @@ namespace slim {
 namespace {
 
 std::string columns_text(bool has_normals, bool has_scans) {
-    return message(has_normals ? "normals" : "no normals", " and ", has_scans ? "scans" : "no scans");
+    return message(has_normals ? "normals" : "no normals", " and ",
+                   has_scans ? "scans" : "no scans");
 }
 
-std::string origin_text(const Vec3d& o) { return message(std::setprecision(15), "(", o.x, ", ", o.y, ", ", o.z, ")"); }
+std::string origin_text(const Vec3d& o) {
+    return message(std::setprecision(15), "(", o.x, ", ", o.y, ", ", o.z, ")");
+}
 
 /// An open slice and what its pieces are.
 class SliceReader {
 public:
     explicit SliceReader(const std::string& path) : file_(ChunkFile::open(path, kSliceKind)) {
         if (file_.version() < kSliceKind.version)
-            throw FormatError(message(path, ": byte 8: SLIM slice version ", file_.version(), ", of an earlier slim; expected ",
-                                      kSliceKind.version, ": run `slim slice` or `slim build` again"));
+            throw FormatError(message(path, ": byte 8: SLIM slice version ", file_.version(),
+                                      ", of an earlier slim; expected ", kSliceKind.version,
+                                      ": run `slim slice` or `slim build` again"));
         for (const char* chunk : {"origin", "columns", "pieces"}) file_.verify(chunk);
         columns_ = one<SliceColumns>("columns");
         pieces_ = file_.array<SlicePiece>("pieces");
@@ -66,15 +70,19 @@ private:
     T one(const char* chunk) const {
         const std::span<const T> values = file_.array<T>(chunk);
         if (values.size() != 1)
-            throw FormatError(message(file_.path(), ": byte ", file_.offset(chunk), ": chunk ", chunk,
-                                      ": expected 1 entry, found ", values.size()));
+            throw FormatError(message(file_.path(), ": byte ", file_.offset(chunk), ": chunk ",
+                                      chunk, ": expected 1 entry, found ", values.size()));
         return values[0];
     }
-    std::uint64_t size_of(const SlicePiece& piece) const { return piece.n_bytes(has_normals(), has_scans()); }
-    [[noreturn]] void fail(const SlicePiece& piece, const std::string& text) const {
-        throw FormatError(message(file_.path(), ": byte ", file_.offset("points") + piece.first_byte, ": ", text));
+    std::uint64_t size_of(const SlicePiece& piece) const {
+        return piece.n_bytes(has_normals(), has_scans());
     }
-    /// How a damaged file of a work folder is made again: the stage that wrote it looks at its checksums.
+    [[noreturn]] void fail(const SlicePiece& piece, const std::string& text) const {
+        throw FormatError(message(file_.path(), ": byte ",
+                                  file_.offset("points") + piece.first_byte, ": ", text));
+    }
+    /// How a damaged file of a work folder is made again: the stage that wrote it looks at its
+    /// checksums.
     const char* advice() const {
         return file_.path().ends_with("oriented.slice") ? "; run `slim normals` again"
                : file_.path().ends_with("points.slice") ? "; run `slim slice` again"
@@ -85,18 +93,23 @@ private:
         const SlicePiece& p = pieces_[i];
         const auto require = [&](bool holds, std::size_t field, const auto&... words) {
             if (!holds)
-                throw FormatError(message(file_.path(), ": byte ", file_.offset("pieces") + i * sizeof(SlicePiece) + field,
+                throw FormatError(message(file_.path(), ": byte ",
+                                          file_.offset("pieces") + i * sizeof(SlicePiece) + field,
                                           ": chunk pieces: piece ", i, ": ", words...));
         };
         const auto is_width = [](std::uint16_t bytes) { return bytes == 4 || bytes == 8; };
-        require(p.first_byte == at, offsetof(SlicePiece, first_byte), "expected the first byte ", at,
-                ", where the piece before it ends, found ", p.first_byte);
+        require(p.first_byte == at, offsetof(SlicePiece, first_byte), "expected the first byte ",
+                at, ", where the piece before it ends, found ", p.first_byte);
         require(is_width(p.coordinate_bytes), offsetof(SlicePiece, coordinate_bytes),
                 "expected coordinates of 4 or 8 bytes, found ", p.coordinate_bytes);
-        require(is_width(p.id_bytes), offsetof(SlicePiece, id_bytes), "expected ids of 4 or 8 bytes, found ", p.id_bytes);
-        require(p.n_points > 0, offsetof(SlicePiece, n_points), "expected at least one point, found 0");
-        require(size_of(p) <= end - at, offsetof(SlicePiece, n_points), "expected points of at most ", end - at,
-                " bytes, as many as chunk points has left, found ", p.n_points, " points of ", size_of(p), " bytes");
+        require(is_width(p.id_bytes), offsetof(SlicePiece, id_bytes),
+                "expected ids of 4 or 8 bytes, found ", p.id_bytes);
+        require(p.n_points > 0, offsetof(SlicePiece, n_points),
+                "expected at least one point, found 0");
+        require(size_of(p) <= end - at, offsetof(SlicePiece, n_points),
+                "expected points of at most ", end - at,
+                " bytes, as many as chunk points has left, found ", p.n_points, " points of ",
+                size_of(p), " bytes");
     }
     void check_pieces() const {
         std::uint64_t at = 0;
@@ -106,8 +119,8 @@ private:
             at += size_of(pieces_[i]);
         }
         if (at != end)
-            throw FormatError(message(file_.path(), ": byte ", file_.offset("points"), ": chunk points: expected ", at,
-                                      " bytes, found ", end));
+            throw FormatError(message(file_.path(), ": byte ", file_.offset("points"),
+                                      ": chunk points: expected ", at, " bytes, found ", end));
     }
 
     ChunkFile file_;
@@ -121,9 +134,11 @@ struct Taken {
     std::vector<bool> chosen;  // empty: all or none of it
 };
 
-/// What to take of every piece: choose(columns, i) says which points are wanted where a box does not.
+/// What to take of every piece: choose(columns, i) says which points are wanted where a box does
+/// not.
 template <class Choose>
-std::vector<Taken> choose_points(const SliceReader& slice, const std::function<WantedOf(const Bbox&)>& wanted_of,
+std::vector<Taken> choose_points(const SliceReader& slice,
+                                 const std::function<WantedOf(const Bbox&)>& wanted_of,
                                  const Choose& choose) {
     std::vector<Taken> taken(slice.pieces().size());
     parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
@@ -186,7 +201,9 @@ struct SliceSelection::Part {
         parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
             if (taken[i].n == 0) return;
             if (!kept.empty()) return copy_columns(kept[i], out, at[i]);
-            slice.with_piece(i, [&](const PieceColumns& columns) { columns.copy_to(taken[i].chosen, out, at[i]); });
+            slice.with_piece(i, [&](const PieceColumns& columns) {
+                columns.copy_to(taken[i].chosen, out, at[i]);
+            });
         });
     }
 };
@@ -194,12 +211,14 @@ struct SliceSelection::Part {
 SliceSelection::SliceSelection() = default;
 SliceSelection::~SliceSelection() = default;
 
-void SliceSelection::add(const std::string& path, const std::function<WantedOf(const Bbox&)>& wanted_of,
+void SliceSelection::add(const std::string& path,
+                         const std::function<WantedOf(const Bbox&)>& wanted_of,
                          const std::function<bool(const Vec3d&)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
-    part->take(choose_points(part->slice, wanted_of, [&](const PieceColumns& columns, std::size_t k) {
-        return is_wanted(columns.position(k));
-    }));
+    part->take(
+        choose_points(part->slice, wanted_of, [&](const PieceColumns& columns, std::size_t k) {
+            return is_wanted(columns.position(k));
+        }));
     if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 
@@ -207,8 +226,10 @@ void SliceSelection::add(const std::string& path) {
     add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
 }
 
-/// What is asked of every point is asked of few in vain: a piece is read once, and what is wanted of it is kept.
-void SliceSelection::add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted) {
+/// What is asked of every point is asked of few in vain: a piece is read once, and what is wanted
+/// of it is kept.
+void SliceSelection::add(const std::string& path,
+                         const std::function<bool(std::uint64_t id)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
     const SliceReader& slice = part->slice;
     std::vector<Taken> taken(slice.pieces().size());
@@ -232,7 +253,8 @@ void SliceSelection::append_to(PointBlock& out) const {
     const bool was_empty = out.empty();
     const bool has_normals = was_empty ? first.has_normals() : out.has_normals();
     const bool has_scans = was_empty ? first.has_scans() : out.has_scans();
-    const std::string as = was_empty ? ", as in " + parts_[0]->path : ", as of the points that it is added to";
+    const std::string as =
+        was_empty ? ", as in " + parts_[0]->path : ", as of the points that it is added to";
     if (was_empty) out.origin = first.origin();
     std::size_t n = out.size();
     for (const auto& part : parts_) {
@@ -240,11 +262,16 @@ void SliceSelection::append_to(PointBlock& out) const {
         if (part->n == 0) continue;
         const SliceReader& slice = part->slice;
         if (slice.has_normals() != has_normals || slice.has_scans() != has_scans)
-            slice.fail_at("columns", message("has other columns than the slice that it is joined with: expected ",
-                                             columns_text(has_normals, has_scans), as, ", found ", slice.columns_text()));
+            slice.fail_at(
+                "columns",
+                message("has other columns than the slice that it is joined with: expected ",
+                        columns_text(has_normals, has_scans), as, ", found ",
+                        slice.columns_text()));
         if (slice.origin() != out.origin)
-            slice.fail_at("origin", message("has another origin than the slice that it is joined with: expected ",
-                                            origin_text(out.origin), as, ", found ", origin_text(slice.origin())));
+            slice.fail_at(
+                "origin",
+                message("has another origin than the slice that it is joined with: expected ",
+                        origin_text(out.origin), as, ", found ", origin_text(slice.origin())));
     }
     std::size_t at = out.size();
     resize_exactly(n, has_normals, has_scans, out);
@@ -260,7 +287,9 @@ bool is_slice_file(const std::string& path) {
     return std::string_view(magic, sizeof magic) == kSliceKind.magic;
 }
 
-std::string slice_identity(const std::string& path) { return ChunkFile::open(path, kSliceKind).identity(); }
+std::string slice_identity(const std::string& path) {
+    return ChunkFile::open(path, kSliceKind).identity();
+}
 
 bool is_whole_slice(const std::string& path, const std::string& identity) {
     try {

@@ -14,9 +14,10 @@
 namespace slim {
 
 /// Writes the points of one slice as they come (points.slice: in order of their ids,
-/// oriented.slice: along the Morton curve) in pieces (slice_piece.h) that are read apart. Holds less than 512 points, 46
-/// bytes each, that are too few for a piece. How points come decides about pieces, not about what is read.
-/// 30 bytes a point where floats hold the positions. Throws as AtomicFile.
+/// oriented.slice: along the Morton curve) in pieces (slice_piece.h) that are read apart. Holds
+/// less than 512 points, 46 bytes each, that are too few for a piece. How points come decides about
+/// pieces, not about what is read. 30 bytes a point where floats hold the positions. Throws as
+/// AtomicFile.
 class SliceWriter {
 public:
     SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
@@ -57,24 +58,24 @@ bool is_whole_slice(const std::string& path, const std::string& identity);
 /// What is wanted of the points within a box.
 enum class WantedOf { none, some, all };
 
-/// Chosen points of several slices, read into a block that is as large as they are. Parallel. All throw as read_slice.
+/// Chosen points of several slices, read into a block that is as large as they are. Parallel. All
+/// throw as read_slice.
 class SliceSelection {
 public:
     SliceSelection();
     ~SliceSelection();
 
-    /// Adds the points of a slice whose positions are wanted. Pieces of which none are wanted by their box are not read,
-    /// nor checked.
-    /// is_wanted  asked where a box says `some`
+    /// Adds the points of a slice whose positions are wanted. Pieces of which none are wanted by
+    /// their box are not read, nor checked. is_wanted  asked where a box says `some`
     void add(const std::string& path, const std::function<WantedOf(const Bbox&)>& wanted_of,
              const std::function<bool(const Vec3d&)>& is_wanted);
     /// The same for all points.
     void add(const std::string& path);
     /// The same for the points whose id is wanted.
     void add(const std::string& path, const std::function<bool(std::uint64_t id)>& is_wanted);
-    /// Appends them to `out`, slice after slice, each in its order. An empty block takes over the slices' origin and
-    /// columns.
-    /// throws FormatError if columns or origin are others than those of `out`, or of each other
+    /// Appends them to `out`, slice after slice, each in its order. An empty block takes over the
+    /// slices' origin and columns. throws FormatError if columns or origin are others than those of
+    /// `out`, or of each other
     void append_to(PointBlock& out) const;
 
 private:

@@ -53,7 +53,8 @@ void for_chosen(const std::vector<bool>& chosen, std::size_t n, std::size_t at, 
 }  // namespace
 
 std::uint64_t SlicePiece::n_bytes(bool has_normals, bool has_scans) const {
-    const std::uint64_t a_point = std::uint64_t{3} * coordinate_bytes + id_bytes + (has_normals ? sizeof(Vec3f) : 0) +
+    const std::uint64_t a_point = std::uint64_t{3} * coordinate_bytes + id_bytes +
+                                  (has_normals ? sizeof(Vec3f) : 0) +
                                   (has_scans ? sizeof(std::uint16_t) : 0);
     return (n_points * a_point + kAlignment - 1) / kAlignment * kAlignment;
 }
@@ -69,7 +70,9 @@ EncodedPiece encode_piece(const PointBlock& block, std::size_t begin, std::size_
         piece.box.extend(p);
         are_floats &= is_float(p.x) & is_float(p.y) & is_float(p.z);
     }
-    const auto id_at = [&](std::size_t i) { return block.id.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto id_at = [&](std::size_t i) {
+        return block.id.begin() + static_cast<std::ptrdiff_t>(i);
+    };
     const auto [least, most] = std::minmax_element(id_at(begin), id_at(end));
     piece.least_id = *least;
     piece.coordinate_bytes = are_floats ? sizeof(float) : sizeof(double);
@@ -93,8 +96,8 @@ EncodedPiece encode_piece(const PointBlock& block, std::size_t begin, std::size_
     return out;
 }
 
-PieceColumns::PieceColumns(const SlicePiece& piece, std::span<const unsigned char> bytes, bool has_normals,
-                           bool has_scans)
+PieceColumns::PieceColumns(const SlicePiece& piece, std::span<const unsigned char> bytes,
+                           bool has_normals, bool has_scans)
     : piece_(piece), positions_(bytes.data()) {
     const std::size_t n = piece.n_points;
     ids_ = positions_ + 3 * n * piece.coordinate_bytes;
@@ -109,19 +112,23 @@ Vec3d PieceColumns::position(std::size_t i) const {
 }
 
 std::uint64_t PieceColumns::id(std::size_t i) const {
-    return piece_.least_id +
-           (piece_.id_bytes == 4 ? value_at<std::uint32_t>(ids_, i) : value_at<std::uint64_t>(ids_, i));
+    return piece_.least_id + (piece_.id_bytes == 4 ? value_at<std::uint32_t>(ids_, i)
+                                                   : value_at<std::uint64_t>(ids_, i));
 }
 
 void PieceColumns::copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const {
     const std::size_t n = piece_.n_points;
-    for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) { out.position[to] = position(i); });
+    for_chosen(chosen, n, at,
+               [&](std::size_t i, std::size_t to) { out.position[to] = position(i); });
     for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) { out.id[to] = id(i); });
     if (normals_)
-        for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) { out.normal[to] = value_at<Vec3f>(normals_, i); });
+        for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) {
+            out.normal[to] = value_at<Vec3f>(normals_, i);
+        });
     if (scans_)
-        for_chosen(chosen, n, at,
-                   [&](std::size_t i, std::size_t to) { out.scan[to] = value_at<std::uint16_t>(scans_, i); });
+        for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) {
+            out.scan[to] = value_at<std::uint16_t>(scans_, i);
+        });
 }
 
 }  // namespace slim

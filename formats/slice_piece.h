@@ -10,15 +10,16 @@
 
 namespace slim {
 
-/// A run of a slice's points in its file: where it lies, what is in it. Its bytes: positions, ids (over the least one),
-/// normals, scans, each of all its points, then zeros up to a multiple of 8.
+/// A run of a slice's points in its file: where it lies, what is in it. Its bytes: positions, ids
+/// (over the least one), normals, scans, each of all its points, then zeros up to a multiple of 8.
 struct SlicePiece {
     Bbox box;                    ///< of its positions
     std::uint64_t first_byte;    ///< in the chunk of points
     std::uint64_t checksum;      ///< XXH3-64 of its bytes
     std::uint64_t least_id;
     std::uint32_t n_points;
-    std::uint16_t coordinate_bytes;  ///< 4 where floats give all its positions to the last bit, else 8
+    std::uint16_t
+        coordinate_bytes;  ///< 4 where floats give all its positions to the last bit, else 8
     std::uint16_t id_bytes;          ///< 4 or 8
 
     std::uint64_t n_bytes(bool has_normals, bool has_scans) const;
@@ -38,11 +39,13 @@ EncodedPiece encode_piece(const PointBlock& block, std::size_t begin, std::size_
 class PieceColumns {
 public:
     /// bytes: as many as piece.n_bytes()
-    PieceColumns(const SlicePiece& piece, std::span<const unsigned char> bytes, bool has_normals, bool has_scans);
+    PieceColumns(const SlicePiece& piece, std::span<const unsigned char> bytes, bool has_normals,
+                 bool has_scans);
 
     Vec3d position(std::size_t i) const;
     std::uint64_t id(std::size_t i) const;
-    /// Writes the chosen points, all if `chosen` is empty, to places at, at + 1, ... of a block that has room for them.
+    /// Writes the chosen points, all if `chosen` is empty, to places at, at + 1, ... of a block
+    /// that has room for them.
     void copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const;
 
 private:

@@ -9,11 +9,14 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kPiecePoints = 4096;  // at most: 120 KB, which caches hold
-constexpr std::size_t kLeastPoints = 512;   // so many a piece, the last one apart: what is known of a piece takes memory
+// so many a piece, the last one apart: what is known of a piece takes memory
+constexpr std::size_t kLeastPoints = 512;
 constexpr std::size_t kBatch = 8;           // pieces that are made while others are written
 
-/// The points of a block in equal pieces, as few as hold them: the pieces first, first + 1, ..., at most `most` of them.
-std::vector<EncodedPiece> encode_pieces(const PointBlock& block, std::size_t first, std::size_t most) {
+/// The points of a block in equal pieces, as few as hold them: the pieces first, first + 1, ..., at
+/// most `most` of them.
+std::vector<EncodedPiece> encode_pieces(const PointBlock& block, std::size_t first,
+                                        std::size_t most) {
     const std::size_t n_pieces = (block.size() + kPiecePoints - 1) / kPiecePoints;
     std::vector<EncodedPiece> out(std::min(most, n_pieces - std::min(first, n_pieces)));
     parallel_blocks(out.size(), 1, [&](std::size_t i, std::size_t) {
@@ -32,7 +35,10 @@ void append_all(const std::vector<T>& from, std::vector<T>& to) {
 
 SliceWriter::SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
                          bool has_normals, bool has_scans)
-    : chunks_(path, kSliceKind), n_announced_(n_points), has_normals_(has_normals), has_scans_(has_scans) {
+    : chunks_(path, kSliceKind),
+      n_announced_(n_points),
+      has_normals_(has_normals),
+      has_scans_(has_scans) {
     chunks_.add("origin", std::span<const Vec3d>(&origin, 1));
     const SliceColumns columns{has_normals, has_scans};
     chunks_.add("columns", std::span<const SliceColumns>(&columns, 1));

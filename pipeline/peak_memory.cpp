@@ -44,8 +44,8 @@ std::uint64_t high_water_mark() {
     return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-// Of the memory that may be taken: while the slices so far took no more, what they freed is kept. Larger ones may follow, and
-// what lies between blocks is a tenth (pipeline/notes/0005).
+// Of the memory that may be taken: while the slices so far took no more, what they freed is kept.
+// Larger ones may follow, and what lies between blocks is a tenth (pipeline/notes/0005).
 constexpr double kRoomy = 0.75;
 constexpr int kUsualMaps = 65536;  // blocks that glibc maps by themselves at a time, unless told
 
@@ -80,7 +80,8 @@ FreedBetweenSlices::~FreedBetweenSlices() {
 }
 
 void FreedBetweenSlices::begin_next() {
-    const bool keeps = peak_ && static_cast<double>(peak_->bytes()) <= kRoomy * static_cast<double>(most_bytes_);
+    const bool keeps =
+        peak_ && static_cast<double>(peak_->bytes()) <= kRoomy * static_cast<double>(most_bytes_);
     if (keeps) return keep_all_freed_memory();
     keep_freed_memory_of_balls(bytes_in_use_);
     if (!peak_) peak_.emplace();

@@ -47,16 +47,17 @@ void keep_freed_memory(bool keep);
 /// million points took 1.6 GB of new pages, half of them for such lists.
 void keep_freed_memory_of_balls(std::uint64_t bytes_in_use);
 
-/// The same for slices of which the largest leaves room in --memory for what lies between blocks: nothing goes back, whatever its
-/// size, so that all slices but the first find their pages there (pipeline/notes/0005).
+/// The same for slices of which the largest leaves room in --memory for what lies between blocks:
+/// nothing goes back, whatever its size, so that all slices but the first find their pages there
+/// (pipeline/notes/0005).
 void keep_all_freed_memory();
 
 /// Gives what was freed and kept back to the system, small blocks and those of other threads' heaps
 /// included: between slices and stages. Cost: a few ms.
 void return_freed_memory();
 
-/// What becomes of freed memory in a job's slices, one after the other: it is kept for the next as soon as those before have
-/// shown that there is room.
+/// What becomes of freed memory in a job's slices, one after the other: it is kept for the next as
+/// soon as those before have shown that there is room.
 class FreedBetweenSlices {
 public:
     /// most_bytes: that the process may take (--memory); bytes_in_use: by a usual slice

@@ -39,8 +39,8 @@ std::string text_of(const Vec3d& v) {
 
 [[noreturn]] void bad_camera(const std::string& what) { throw ConfigError("camera: " + what); }
 
-/// A direction of a view with y up in a world with another axis up: a rotation that keeps the front view
-/// along -Z, or turns it along +Y where that axis is z.
+/// A direction of a view with y up in a world with another axis up: a rotation that keeps the front
+/// view along -Z, or turns it along +Y where that axis is z.
 Vec3d with_up(UpAxis up, const Vec3d& v) {
     switch (up) {
         case UpAxis::z:
@@ -83,7 +83,8 @@ std::vector<Vec3d> places_of(const Framed& framed) {
 constexpr int kMostTurns = 72;
 
 /// The same in camera axes, in each of its positions.
-std::vector<Vec3d> turned_places(std::span<const Vec3d> places, const Basis& b, UpAxis up, int turns) {
+std::vector<Vec3d> turned_places(std::span<const Vec3d> places, const Basis& b, UpAxis up,
+                                 int turns) {
     std::vector<Vec3d> out;
     const Vec3d x = with_up(up, {1, 0, 0}), y = with_up(up, {0, 1, 0}), z = with_up(up, {0, 0, 1});
     const int n = std::clamp(turns, 1, kMostTurns);
@@ -110,7 +111,8 @@ void validate(const Camera& c) {
     // Beyond, squares leave the range of doubles.
     constexpr double kNearest = 1e-150, kFarthest = 1e150;
     if (const double distance = length(view); !(distance >= kNearest && distance <= kFarthest))
-        bad_camera("eye " + text_of(c.eye) + " must lie 1e-150 to 1e150 from the target " + text_of(c.target));
+        bad_camera("eye " + text_of(c.eye) + " must lie 1e-150 to 1e150 from the target " +
+                   text_of(c.target));
     if (c.up == Vec3d{}) bad_camera("up is zero");
     if (const double size = length(c.up); !(size >= kNearest && size <= kFarthest))
         bad_camera("up must be 1e-150 to 1e150 long, found " + text_of(c.up));
@@ -179,8 +181,8 @@ Camera named_camera(std::string_view name, const Framed& framed, double aspect,
 PixelView pixel_view(const Camera& camera, int width, int height) {
     validate(camera);
     if (width < 1 || height < 1)
-        throw ConfigError("picture size must be at least 1x1, found " + std::to_string(width) + "x" +
-                          std::to_string(height));
+        throw ConfigError("picture size must be at least 1x1, found " + std::to_string(width) +
+                          "x" + std::to_string(height));
     const Basis basis = basis_of(camera);
     PixelView view{camera.eye, basis.right, basis.down, basis.forward, camera.orthographic,
                    width / 2.0, height / 2.0, 0, 0, camera.near_plane};

@@ -10,8 +10,8 @@
 
 namespace slim {
 
-/// A camera in the frame of the job: right-handed, looks along its -Z, +Y up; image origin top left,
-/// pixel centres at +0.5 (CONVENTIONS 1.4).
+/// A camera in the frame of the job: right-handed, looks along its -Z, +Y up; image origin top
+/// left, pixel centres at +0.5 (CONVENTIONS 1.4).
 struct Camera {
     Vec3d eye{0, 0, 1};
     Vec3d target{0, 0, 0};
@@ -22,8 +22,9 @@ struct Camera {
     double near_plane = 0;  ///< camera z before which nothing is seen; 0: 1e-6 |target - eye|
 };
 
-/// Throws ConfigError naming the value: not finite, eye = target, nearer than 1e-150 or beyond 1e150 from it, up zero or parallel to the
-/// view, angle outside (0, 180), width <= 0, near plane < 0.
+/// Throws ConfigError naming the value: not finite, eye = target, nearer than 1e-150 or beyond
+/// 1e150 from it, up zero or parallel to the view, angle outside (0, 180), width <= 0, near plane <
+/// 0.
 void validate(const Camera& camera);
 
 /// The axis that named views hold upright.
@@ -48,8 +49,8 @@ struct Framing {
     double free_bottom = 0;     ///< and of its height
 };
 
-/// What named cameras frame: the convex hull of the points, or the box where there are none. A turntable turns it
-/// about the box's middle.
+/// What named cameras frame: the convex hull of the points, or the box where there are none. A
+/// turntable turns it about the box's middle.
 struct Framed {
     Bbox box;
     std::span<const Vec3d> points = {};
@@ -59,16 +60,16 @@ struct Framed {
 
 struct FramedCamera {
     Camera camera;
-    /// From the axis to what is seen in the middle of the points' part of the picture: a camera that moves
-    /// by 1 - 1 / zoom of it enlarges about that.
+    /// From the axis to what is seen in the middle of the points' part of the picture: a camera
+    /// that moves by 1 - 1 / zoom of it enlarges about that.
     Vec3d to_middle;
 };
 
-/// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the points in a
-/// picture of the given aspect (width / height): as large as they fit, in its middle both ways. `front` looks
-/// along -Z (with z or -z up: along +Y). With free_right (free_bottom) the camera steps back and to the right
-/// (down), no more than the points need to stay out of that part; the direction of view stays. Throws
-/// ConfigError on another name, listing these.
+/// The camera "front", "back", "left", "right", "top", "bottom" or "iso" that frames the points in
+/// a picture of the given aspect (width / height): as large as they fit, in its middle both ways.
+/// `front` looks along -Z (with z or -z up: along +Y). With free_right (free_bottom) the camera
+/// steps back and to the right (down), no more than the points need to stay out of that part; the
+/// direction of view stays. Throws ConfigError on another name, listing these.
 FramedCamera framed_camera(std::string_view name, const Framed& framed, double aspect,
                            const Framing& framing = {});
 
@@ -107,8 +108,8 @@ struct PixelView {
     Vec3d ray_direction(double px, double py) const;
 };
 
-/// Checks the camera and fixes it for a picture of width x height pixels. Throws ConfigError also on a
-/// size below 1.
+/// Checks the camera and fixes it for a picture of width x height pixels. Throws ConfigError also
+/// on a size below 1.
 PixelView pixel_view(const Camera& camera, int width, int height);
 
 }  // namespace slim

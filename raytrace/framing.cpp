@@ -18,11 +18,12 @@ struct Interval {
 };
 
 /// One axis of a perspective picture. A point at x stays inside if
-/// -before <= (x - step) / (tan (distance + z)) <= after. Past what lies on the axis each side's most at distance 0
-/// gives the least distance that has a step for both.
+/// -before <= (x - step) / (tan (distance + z)) <= after. Past what lies on the axis each side's
+/// most at distance 0 gives the least distance that has a step for both.
 class AxisFit {
 public:
-    AxisFit(std::span<const Vec3d> points, std::size_t axis, double tan, double before, double after)
+    AxisFit(std::span<const Vec3d> points, std::size_t axis, double tan, double before,
+            double after)
         : points_(points), axis_(axis), tan_(tan), before_(before), after_(after) {
         for (const Vec3d& p : points_) {
             past_after_ = std::max(past_after_, p[axis_] - after_ * tan_ * p.z);
@@ -30,7 +31,9 @@ public:
         }
     }
 
-    double least_distance() const { return (past_after_ + past_before_) / (tan_ * (before_ + after_)); }
+    double least_distance() const {
+        return (past_after_ + past_before_) / (tan_ * (before_ + after_));
+    }
 
     /// The part of the picture that the points take from a camera there.
     Interval seen(double distance, double step) const {
@@ -44,7 +47,8 @@ public:
         return span;
     }
 
-    /// To the middle of what is seen, from the axis, at the harmonic mean of the depths of its ends.
+    /// To the middle of what is seen, from the axis, at the harmonic mean of the depths of its
+    /// ends.
     double middle(double distance, double step) const {
         double least = kFar, most = -kFar, at_least = 0, at_most = 0;  // ends and their depths
         for (const Vec3d& p : points_) {
@@ -56,8 +60,8 @@ public:
         return 0.5 * (least + most) * 2 / (1 / at_least + 1 / at_most);
     }
 
-    /// The step that brings them into the middle, or as near to it as the part has room: what is seen moves
-    /// to the left as the camera steps to the right.
+    /// The step that brings them into the middle, or as near to it as the part has room: what is
+    /// seen moves to the left as the camera steps to the right.
     double step(double distance) const {
         const double least = past_after_ - after_ * tan_ * distance;
         const double most = before_ * tan_ * distance - past_before_;
@@ -93,8 +97,8 @@ private:
     double past_before_ = -kFar, past_after_ = -kFar;
 };
 
-/// The distance of an eye that no point comes too near: of a wide view of something pointed the nearest camera
-/// would stand at its tip.
+/// The distance of an eye that no point comes too near: of a wide view of something pointed the
+/// nearest camera would stand at its tip.
 double before_all(std::span<const Vec3d> points) {
     constexpr double kClear = 0.002;  // of their extent
     Interval x, y, z;
@@ -109,8 +113,10 @@ double parallel_step(const Interval& x, double half, double before, double after
 
 }  // namespace
 
-FrameFit fit_perspective(std::span<const Vec3d> points, double tan_x, double tan_y, const FreePart& part) {
-    const AxisFit x(points, 0, tan_x, part.left, part.right), y(points, 1, tan_y, part.top, part.bottom);
+FrameFit fit_perspective(std::span<const Vec3d> points, double tan_x, double tan_y,
+                         const FreePart& part) {
+    const AxisFit x(points, 0, tan_x, part.left, part.right),
+        y(points, 1, tan_y, part.top, part.bottom);
     FrameFit fit;
     fit.distance = std::max({x.least_distance(), y.least_distance(), before_all(points)});
     fit.step_right = x.step(fit.distance), fit.step_down = y.step(fit.distance);

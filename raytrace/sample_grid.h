@@ -27,12 +27,15 @@ struct LaneKeys {
 
 private:
     /// The last two bits, swapped.
-    static std::uint32_t swapped(std::uint64_t v) { return static_cast<std::uint32_t>((v & 1) << 1 | (v >> 1 & 1)); }
+    static std::uint32_t swapped(std::uint64_t v) {
+        return static_cast<std::uint32_t>((v & 1) << 1 | (v >> 1 & 1));
+    }
 };
 
 /// Samples of [0, 1]^2, one in each cell of a square grid: stratified, and alike in neighbouring
-/// lanes, so that their rays keep together. Any 4 x 4 pixels have theirs in all sixteenths of a cell (interleaved
-/// sampling, Keller and Heidrich 2001), so that together they are a grid of 16 times the cells.
+/// lanes, so that their rays keep together. Any 4 x 4 pixels have theirs in all sixteenths of a
+/// cell (interleaved sampling, Keller and Heidrich 2001), so that together they are a grid of 16
+/// times the cells.
 class SampleGrid {
 public:
     /// At least n samples.

@@ -58,7 +58,8 @@ std::string remarks(const nlohmann::json& result) {
     if (const auto n = count(slice, "dropped"))
         text += fmt::format("not finite, dropped: {}\n", counted(n, "point"));
     if (const auto n = count(slice, "face_points"))
-        text += fmt::format("added on large faces: {} (--face-points off: vertices alone)\n", counted(n, "point"));
+        text += fmt::format("added on large faces: {} (--face-points off: vertices alone)\n",
+                            counted(n, "point"));
     if (const auto n = count(result, "normals_estimated"))
         text += fmt::format("normals estimated: {}\n", n);
     if (const auto n = count(result, "normals_turned"))

@@ -54,13 +54,17 @@ public:
               const CloudInfo& info) {
         while (survey_.inputs.size() <= i) begin_input(first_id, info);
         PlanInput& input = survey_.inputs[i];
-        if (is_gathering_ && input.first_id + info.n_points.value_or(0) > most_gathered_) stop_gathering();
+        if (is_gathering_ && input.first_id + info.n_points.value_or(0) > most_gathered_)
+            stop_gathering();
         if (first_box_.empty()) first_box_ = box_of(chunk.position);
         Bbox box;
-        run_both([&] { box = take_positions(chunk, input); }, [&] {
-            if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info)) stop_gathering();
-            if (!is_gathering_) count_cells(chunk.position);
-        });
+        run_both(
+            [&] { box = take_positions(chunk, input); },
+            [&] {
+                if (is_gathering_ && !survey_.gathered.add(chunk, first_id, input.first_scan, info))
+                    stop_gathering();
+                if (!is_gathering_) count_cells(chunk.position);
+            });
         survey_.boxes[i].extend(box);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan)
@@ -93,8 +97,9 @@ private:
         survey_.boxes.emplace_back();
     }
 
-    /// What was gathered is counted; a cloud that says that it is too large is not gathered first. It says how many
-    /// points it has, those that are not finite among them: one that would fit without these is not gathered either.
+    /// What was gathered is counted; a cloud that says that it is too large is not gathered first.
+    /// It says how many points it has, those that are not finite among them: one that would fit
+    /// without these is not gathered either.
     void stop_gathering() {
         is_gathering_ = false;
         count_cells(survey_.gathered.release(false, false).position);
@@ -181,12 +186,14 @@ void Spread::keep(const Vec3d& p) {
     step_ *= 2;
 }
 
-/// The sample without the tenth that is farthest from its middle; of few points strays may be more than that.
+/// The sample without the tenth that is farthest from its middle; of few points strays may be more
+/// than that.
 bool Spread::middle_is_line() const {
     Vec3d middle;
     std::vector<double> values(sample_.size());
     const auto nth = [&](double share) {
-        const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+        const auto at = values.begin() +
+                        static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
         std::nth_element(values.begin(), at, values.end());
         return *at;
     };

@@ -63,8 +63,8 @@ public:
         all_.add(p);
         if (n_++ % step_ == 0) keep(p);
     }
-    /// Whether the points lie on one line, as Moments has it, and not only because a few strays are so far away that
-    /// the others are a speck.
+    /// Whether the points lie on one line, as Moments has it, and not only because a few strays are
+    /// so far away that the others are a speck.
     bool is_line() const { return all_.are_of_a_line() && middle_is_line(); }
     /// Whether they seem to for such strays alone.
     bool has_far_strays() const { return all_.are_of_a_line() && !middle_is_line(); }
@@ -98,12 +98,13 @@ struct CloudSurvey {
 /// throws what open_cloud() and read() throw; DataError if scan numbers do not fit 16 bits together
 /// cost   two chunks of points in memory, and 46 bytes a gathered point
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,
-                          std::uint64_t most_gathered, Reporter& reporter, bool face_points = false);
+                          std::uint64_t most_gathered, Reporter& reporter,
+                          bool face_points = false);
 
 inline constexpr std::size_t kChunkPoints = std::size_t{1} << 16;
 
-/// Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most kChunkPoints;
-/// first_id counts all points. face_points: as open_cloud has it.
+/// Calls take(chunk, first_id, input) for all chunks of all clouds in order, of at most
+/// kChunkPoints; first_id counts all points. face_points: as open_cloud has it.
 void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
                     const std::string& doing,
                     const std::function<void(const PointChunk&, std::uint64_t first_id,

@@ -25,12 +25,14 @@ double rim_width(const SlicePlan& plan) {
 
 /// Adds the points of another slice near this one's region. Strictly outside it, as drop_rims
 /// tells them apart: a coordinate of the slice may round to the cut.
-void add_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice, SliceSelection& points) {
+void add_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
+             SliceSelection& points) {
     const Bbox& region = plan.slices[slice].region;
     const double width = rim_width(plan);
     const auto wanted_of = [&](const Bbox& box) {
         if (!comes_near(region, box, width)) return WantedOf::none;
-        return is_near(region, box, width) && !comes_near(region, box, 0) ? WantedOf::all : WantedOf::some;
+        return is_near(region, box, width) && !comes_near(region, box, 0) ? WantedOf::all
+                                                                          : WantedOf::some;
     };
     points.add(path.string(), wanted_of,
                [&](const Vec3d& p) { return is_near(region, p, width) && !is_near(region, p, 0); });
@@ -48,10 +50,11 @@ std::filesystem::path rim_of(const NormalsConfig& config, const SlicePlan& plan,
         return slice_points_path(config.work, other);
     const auto path = oriented_points_path(config.work, other);
     if (!std::filesystem::exists(manifest_path(path)))
-        throw IncompleteError(fmt::format(
-            "{}: slice {} takes the signs of its normals from slice {}, which has none yet: run `slim "
-            "normals {}` for all slices",
-            config.work, slice, other, config.work));
+        throw IncompleteError(
+            fmt::format("{}: slice {} takes the signs of its normals from slice {}, which has none "
+                        "yet: run `slim "
+                        "normals {}` for all slices",
+                        config.work, slice, other, config.work));
     return path;
 }
 

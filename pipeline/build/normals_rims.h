@@ -11,8 +11,8 @@
 
 namespace slim {
 
-// Points of other slices near a slice's region, its rim: neighbours for those at the cut, and where all normals
-// are estimated the signs of the slices before.
+// Points of other slices near a slice's region, its rim: neighbours for those at the cut, and where
+// all normals are estimated the signs of the slices before.
 
 /// Whether all normals of the job are estimated: then signs are carried from slice to slice.
 bool signs_carry_over(const NormalsConfig& config, const SlicePlan& plan);
@@ -22,8 +22,8 @@ bool signs_carry_over(const NormalsConfig& config, const SlicePlan& plan);
 std::filesystem::path rim_of(const NormalsConfig& config, const SlicePlan& plan, std::size_t other,
                              std::size_t slice);
 
-/// The slices that the rim is of: those near this one; where signs carry over, the one before in any
-/// case, so that all before have theirs.
+/// The slices that the rim is of: those near this one; where signs carry over, the one before in
+/// any case, so that all before have theirs.
 std::vector<std::size_t> rims(const NormalsConfig& config, const SlicePlan& plan,
                               std::size_t slice);
 

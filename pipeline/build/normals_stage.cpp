@@ -37,7 +37,8 @@ std::vector<NoiseVariance> noise_of(const PointBlock& points, const NearestSearc
     if (plan.slices.size() == 1)
         return {estimate_noise_variance(search, samples, 0, points.normal)};
     // All slices together have four times as many as one slice would, or more.
-    const std::size_t fewest = std::clamp(4 * kFewestSamples / plan.slices.size(), kFewestOfSlice, kFewestSamples);
+    const std::size_t fewest =
+        std::clamp(4 * kFewestSamples / plan.slices.size(), kFewestOfSlice, kFewestSamples);
     std::vector<NoiseVariance> noise;
     for (const std::size_t k : kNoiseNeighbors) {
         noise.push_back(estimate_noise_variance(search, samples, k, points.normal, fewest));
@@ -66,7 +67,8 @@ NormalEvidence evidence_from(const nlohmann::json& j) {
 /// Which side is in is known of a whole cloud only.
 void warn_of_inward(Reporter& reporter) {
     reporter.warn(
-        "the normals point inwards, as those of a room scanned from inside do: of an object, turn them with --normals flip (curvatures "
+        "the normals point inwards, as those of a room scanned from inside do: of an object, turn "
+        "them with --normals flip (curvatures "
         "have the other sign, outlines are ragged else)");
 }
 
@@ -154,8 +156,8 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     return result;
 }
 
-/// Whether the arrays of one slice may be kept for the next one: not all find room among them, half as much memory again,
-/// which slices do not need where their fits hold wide halos besides.
+/// Whether the arrays of one slice may be kept for the next one: not all find room among them, half
+/// as much memory again, which slices do not need where their fits hold wide halos besides.
 bool has_room_for_freed(const SlicePlan& plan) {
     if (plan.slices.size() == 1) return true;
     std::uint64_t most = 0;
@@ -165,9 +167,9 @@ bool has_room_for_freed(const SlicePlan& plan) {
 
 /// Counts of all slices added up.
 void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
-    for (const char* key : {"points", "kept", "turned", "of_contrary_scans", "estimates_turned", "estimated", "degenerate", "noisy",
-                            "oriented_by_sensor", "oriented_by_neighbors", "oriented_by_rule",
-                            "unanchored_components"})
+    for (const char* key : {"points", "kept", "turned", "of_contrary_scans", "estimates_turned",
+                            "estimated", "degenerate", "noisy", "oriented_by_sensor",
+                            "oriented_by_neighbors", "oriented_by_rule", "unanchored_components"})
         sum[key] = sum.value(key, std::uint64_t{0}) + one.at(key).get<std::uint64_t>();
     sum["neighbors"] = std::max(sum.value("neighbors", std::uint64_t{0}),
                                 one.at("neighbors").get<std::uint64_t>());
@@ -177,12 +179,14 @@ void add_counts(const nlohmann::json& one, nlohmann::json& sum) {
 
 void check_normals_config(const NormalsConfig& config) {
     if (config.neighbors != 0 && config.neighbors < 4)
-        throw ConfigError(fmt::format("neighbors: expected 0, or 4 to 200, found {}", config.neighbors));
+        throw ConfigError(
+            fmt::format("neighbors: expected 0, or 4 to 200, found {}", config.neighbors));
     if (config.normals != "keep") return;
     if (!config.sensors.empty())
         throw ConfigError("sensors: turn estimated normals; --normals keep estimates none");
     if (config.neighbors != 0)
-        throw ConfigError("neighbors: are what normals are estimated from; --normals keep estimates none");
+        throw ConfigError(
+            "neighbors: are what normals are estimated from; --normals keep estimates none");
 }
 
 std::filesystem::path oriented_points_path(const std::filesystem::path& work, std::size_t slice) {

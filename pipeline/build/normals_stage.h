@@ -22,17 +22,21 @@ struct NormalsConfig : SliceChoice {
     void visit(Visitor&& field) {
         field.input("work", work, "work folder of `slim slice`");
         SliceChoice::visit(field);
-        field.choice("normals", normals,
-                     "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
-                     "those that oppose their neighbours, estimate missing ones and all where they are those of no surface; flip: as auto, "
-                     "then all turned round",
-                     {"auto", "keep", "estimate", "flip"});
+        field.choice(
+            "normals", normals,
+            "keep: take normals as they are; estimate: ignore them; auto: keep good ones, turn "
+            "those that oppose their neighbours, estimate missing ones and all where they are "
+            "those of no surface; flip: as auto, "
+            "then all turned round",
+            {"auto", "keep", "estimate", "flip"});
         field("neighbors", neighbors,
-              "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up to 64 where noise "
+              "neighbours of a point that its normal is estimated from, 4 or more; 0: 16, and up "
+              "to 64 where noise "
               "is thicker than they reach (by slice)",
               0, 200);
         field.path("sensors", sensors,
-                   "JSON with the position of each scan's sensor, or the direction to it (as `slim scan` writes); default: "
+                   "JSON with the position of each scan's sensor, or the direction to it (as `slim "
+                   "scan` writes); default: "
                    "<input>.scans.json beside an input, if there");
     }
 };
@@ -47,8 +51,8 @@ std::filesystem::path oriented_points_path(const std::filesystem::path& work, st
 /// Where all normals are estimated, a slice takes their signs from the one before (IncompleteError
 /// if that one is missing), so that an object cut in slices has one outside. The result counts, per
 /// cause, what was kept, turned and estimated, and holds the slice's share of lambda (noise).
-/// Cost: a core works 0.3 us a point on oriented clouds and 1.2 to 2.6 us where normals are estimated, 7 in noise of 1 %;
-/// memory: 81 and 165 to 210 bytes a point of a slice.
+/// Cost: a core works 0.3 us a point on oriented clouds and 1.2 to 2.6 us where normals are
+/// estimated, 7 in noise of 1 %; memory: 81 and 165 to 210 bytes a point of a slice.
 nlohmann::json run_normals(const NormalsConfig& config, StageContext& context);
 
 }  // namespace slim

@@ -45,9 +45,10 @@ void PointDealer::sort_by_slice(const PointChunk& chunk) {
 }
 
 /// The chunk's points of a slice, whose bounds they extend.
-PointBlock PointDealer::points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id,
-                                  std::size_t input) {
-    const std::span<const std::size_t> own(&order_[begin_[slice]], begin_[slice + 1] - begin_[slice]);
+PointBlock PointDealer::points_of(std::size_t slice, const PointChunk& chunk,
+                                  std::uint64_t first_id, std::size_t input) {
+    const std::span<const std::size_t> own(&order_[begin_[slice]],
+                                           begin_[slice + 1] - begin_[slice]);
     PointBlock out;
     out.position.reserve(own.size());
     out.id.reserve(own.size());
@@ -69,7 +70,8 @@ PointBlock PointDealer::points_of(std::size_t slice, const PointChunk& chunk, st
         out.scan.reserve(own.size());
         for (const std::size_t i : own) {
             const std::uint32_t of_input = chunk.scan.empty() ? 0u : chunk.scan[i];
-            out.scan.push_back(static_cast<std::uint16_t>(plan_.inputs[input].first_scan + of_input));
+            out.scan.push_back(
+                static_cast<std::uint16_t>(plan_.inputs[input].first_scan + of_input));
         }
     }
     return out;

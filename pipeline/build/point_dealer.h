@@ -12,13 +12,15 @@
 
 namespace slim {
 
-/// Deals points out to the files of their slices, to several at a time. Holds the points of one chunk.
+/// Deals points out to the files of their slices, to several at a time. Holds the points of one
+/// chunk.
 class PointDealer {
 public:
     /// Sets the bounds of the plan's slices as points come; both must outlive the dealer.
     PointDealer(const std::filesystem::path& work, SlicePlan& plan, const BlockPlan& blocks);
 
-    /// input: the number of the cloud that the chunk is of; first_id: the job's id of its first point
+    /// input: the number of the cloud that the chunk is of; first_id: the job's id of its first
+    /// point
     void take(const PointChunk& chunk, std::uint64_t first_id, std::size_t input);
 
     /// Makes the files visible.
@@ -26,7 +28,8 @@ public:
 
 private:
     void sort_by_slice(const PointChunk& chunk);
-    PointBlock points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id, std::size_t input);
+    PointBlock points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id,
+                         std::size_t input);
 
     SlicePlan& plan_;
     const BlockPlan& blocks_;

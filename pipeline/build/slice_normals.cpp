@@ -26,9 +26,10 @@ constexpr double kManyContrary = 0.1;
 // points of which noise and spacing are measured before normals are estimated
 constexpr double kFewSamples = 4000;
 constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
-constexpr double kEvidenceSamples = 2000;  // points that say whether given normals are those of a surface, and which side is in
-// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the noise or more
-// (slim/normals/notes/0002).
+// points that say whether given normals are those of a surface, and which side is in
+constexpr double kEvidenceSamples = 2000;
+// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the
+// noise or more (slim/normals/notes/0002).
 constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
 
 /// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
@@ -58,7 +59,8 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
-/// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are to be estimated.
+/// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
+/// to be estimated.
 std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
                                 const std::vector<bool>& own, std::size_t n_wanted) {
     if (kFew * n_wanted < points.size()) return kUsualNeighbors;
@@ -88,14 +90,14 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
     if (orient_to_sensors(points, wanted, sensors) < wanted.size())
-        report.orientation = orient_by_neighbors(points, std::move(graph), known, center, hints, own,
-                                                seen_from_above);
+        report.orientation = orient_by_neighbors(points, std::move(graph), known, center, hints,
+                                                 own, seen_from_above);
     report.orientation.by_sensor =
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
 }
 
-/// Estimates are wrong here and there, too: the sensor's word at a grazing angle, a vote at a crease.
-/// How many are is what the fit takes for the noise of normals.
+/// Estimates are wrong here and there, too: the sensor's word at a grazing angle, a vote at a
+/// crease. How many are is what the fit takes for the noise of normals.
 void audit_estimates(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
                      const std::vector<std::uint32_t>& wanted, NormalsReport& report) {
     std::vector<bool> estimated(points.size(), false);
@@ -105,8 +107,10 @@ void audit_estimates(PointBlock& points, const NearestSearch& search, const std:
     report.noisy += audit.noisy;
 }
 
-/// Whether most of the samples face their sensors, so that a surface may well enclose them. False where no sensor is known.
-bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples, const std::vector<Vec3d>& sensors) {
+/// Whether most of the samples face their sensors, so that a surface may well enclose them. False
+/// where no sensor is known.
+bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples,
+                   const std::vector<Vec3d>& sensors) {
     std::int64_t votes = 0;
     for (const std::uint32_t i : samples) {
         const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
@@ -116,9 +120,10 @@ bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& s
     return votes > 0;
 }
 
-/// Turns scans whose normals are turned round against the others', of a job of one slice: which scans are in the minority is
-/// not known of less. Returns how many points these have.
-std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search, const std::vector<std::uint32_t>& samples) {
+/// Turns scans whose normals are turned round against the others', of a job of one slice: which
+/// scans are in the minority is not known of less. Returns how many points these have.
+std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search,
+                                const std::vector<std::uint32_t>& samples) {
     const std::vector<bool> contrary = contrary_scans(points, search, samples);
     if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
     std::size_t n = 0;
@@ -128,7 +133,8 @@ std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search,
 }
 
 /// Some 2,000 of the slice's own points, or all.
-std::vector<std::uint32_t> evidence_samples(const PointBlock& points, const std::vector<bool>& own) {
+std::vector<std::uint32_t> evidence_samples(const PointBlock& points,
+                                            const std::vector<bool>& own) {
     const auto n = static_cast<double>(std::count(own.begin(), own.end(), true));
     return sample_points(points, own, kEvidenceSamples / n);
 }
@@ -140,14 +146,15 @@ struct Mistrust {
 };
 
 /// Mends given normals here and there, and looks at them as a whole.
-Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own, std::size_t n_own,
-                     const std::vector<Vec3d>& sensors, NormalsReport& report) {
+Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
+                     std::size_t n_own, const std::vector<Vec3d>& sensors, NormalsReport& report) {
     const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
     report.turned = audit.contrary;
     report.noisy = audit.noisy;
     const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
     if (share > kManyContrary || audit.has_mixed_signs())
-        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} % of neighbouring "
+        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} "
+                            "% of neighbouring "
                             "normals each other",
                             100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
                 true};
@@ -155,13 +162,17 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
     report.evidence = evidence_of(points, search, samples);
     report.evidence.stand_for(n_own);
     if (report.evidence.is_off_surface())
-        return {fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that the points make",
-                            100 * static_cast<double>(report.evidence.n_off) / static_cast<double>(report.evidence.n_flat))};
+        return {
+            fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that "
+                        "the points make",
+                        100 * static_cast<double>(report.evidence.n_off) /
+                            static_cast<double>(report.evidence.n_flat))};
     if (faces_sensors(points, samples, sensors)) report.evidence = {};
     return {};
 }
 
-/// --normals flip: the other side is out. What the slices before have is flipped, and known here, where signs carry over.
+/// --normals flip: the other side is out. What the slices before have is flipped, and known here,
+/// where signs carry over.
 void flip_all(std::vector<Vec3f>& normals) {
     for (Vec3f& n : normals) n = -n;
 }
@@ -215,8 +226,10 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
             report.of_contrary_scans =
                 turn_contrary_scans(points, search, evidence_samples(points, own));
             if (report.of_contrary_scans > 0)
-                reporter.warn(fmt::format("{} points are of scans whose normals are turned round against the others': turned",
-                                          report.of_contrary_scans));
+                reporter.warn(
+                    fmt::format("{} points are of scans whose normals are turned round against the "
+                                "others': turned",
+                                report.of_contrary_scans));
         }
         const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
         if (!mistrust.why.empty()) {

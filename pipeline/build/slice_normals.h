@@ -18,11 +18,12 @@ namespace slim {
 /// Counts of one slice, by what became of the normals.
 struct NormalsReport {
     std::size_t neighbors = 0;  ///< that each was estimated from
-    std::size_t kept = 0, turned = 0, estimated = 0;  ///< what became of the cloud's own, and how many had none
+    std::size_t kept = 0, turned = 0,
+                estimated = 0;  ///< what became of the cloud's own, and how many had none
     std::size_t estimates_turned = 0;                 ///< as their neighbours opposed them
-    std::size_t of_contrary_scans = 0;                ///< of scans that were turned whole, before all else
+    std::size_t of_contrary_scans = 0;  ///< of scans that were turned whole, before all else
     std::size_t degenerate = 0;                       ///< estimates from neighbours on a line
-    std::size_t noisy = 0;                            ///< of all: far off their neighbours', but not opposed
+    std::size_t noisy = 0;  ///< of all: far off their neighbours', but not opposed
     OrientReport orientation;
     NormalEvidence evidence;  ///< of given normals that are kept
 };
@@ -31,10 +32,11 @@ struct NormalsReport {
 std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
                                          double share);
 
-/// Normals of a slice's points (local frame, Morton order, `search` over them): given ones kept, turned where they oppose their
-/// neighbours, estimated where they are missing or not to be trusted, flipped at last, as config.normals says. center: of the whole object, for
-/// which side is out; seen_from_above: what the slices before found.
-/// own: which points are the slice's own; the report is of those. Warns through the reporter of many wrong ones.
+/// Normals of a slice's points (local frame, Morton order, `search` over them): given ones kept,
+/// turned where they oppose their neighbours, estimated where they are missing or not to be
+/// trusted, flipped at last, as config.normals says. center: of the whole object, for which side is
+/// out; seen_from_above: what the slices before found. own: which points are the slice's own; the
+/// report is of those. Warns through the reporter of many wrong ones.
 NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                            const std::vector<bool>& own,
                            const std::optional<Vec3d>& center,

@@ -8,8 +8,8 @@
 namespace slim {
 
 /// The slices of the clouds that were surveyed: as many as were asked for, or as leave room for the
-/// halo that the fit wants. `blocks`, in the world's frame, are what they are cut by; none of points
-/// that were gathered, which are one slice.
+/// halo that the fit wants. `blocks`, in the world's frame, are what they are cut by; none of
+/// points that were gathered, which are one slice.
 SlicePlan plan_from_survey(const SliceConfig& config, const CloudSurvey& survey, BlockPlan& blocks);
 
 }  // namespace slim

@@ -37,7 +37,9 @@ std::string names_of(const std::vector<std::string>& paths) {
 void check_survey(const SliceConfig& config, const CloudSurvey& survey) {
     if (survey.n_points == 0)
         throw DataError(names_of(config.inputs) + ": no points" +
-                        (survey.n_dropped > 0 ? fmt::format(" ({} not finite, dropped)", survey.n_dropped) : ""));
+                        (survey.n_dropped > 0
+                             ? fmt::format(" ({} not finite, dropped)", survey.n_dropped)
+                             : ""));
     const Bbox& b = survey.bounds;
     if (!std::isfinite(b.diagonal()))
         throw DataError(fmt::format(
@@ -108,14 +110,16 @@ void warn_of_same_files(const std::vector<std::string>& inputs, Reporter& report
 void report(const SlicePlan& plan, Reporter& reporter) {
     for (const PlanInput& in : plan.inputs) {
         reporter.info(fmt::format(
-            "{}: {}, {} point{}{}", in.path, in.format, in.n_points - in.n_face_points, in.n_points - in.n_face_points == 1 ? "" : "s",
+            "{}: {}, {} point{}{}", in.path, in.format, in.n_points - in.n_face_points,
+            in.n_points - in.n_face_points == 1 ? "" : "s",
             in.faces_turned         ? ", normals from its faces, which are wound inwards: turned"
             : in.normals_from_faces ? ", normals from its faces"
             : in.has_normals        ? ", with normals"
                                     : ""));
         if (in.n_face_points > 0)
-            reporter.info(fmt::format("{}: {} points added on its large faces (--face-points off: vertices alone)", in.path,
-                                      in.n_face_points));
+            reporter.info(fmt::format(
+                "{}: {} points added on its large faces (--face-points off: vertices alone)",
+                in.path, in.n_face_points));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points - in.n_face_points));
@@ -124,29 +128,36 @@ void report(const SlicePlan& plan, Reporter& reporter) {
                                       in.n_bad_normals));
     }
     if (plan.n_points > 1 && plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
-        reporter.warn(fmt::format(
-            "the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: finer detail is "
-            "lost; store them as doubles, or relative to a nearby origin",
-            plan.coordinate_quantum, plan.diagonal));
+        reporter.warn(
+            fmt::format("the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: "
+                        "finer detail is "
+                        "lost; store them as doubles, or relative to a nearby origin",
+                        plan.coordinate_quantum, plan.diagonal));
 }
 
-/// Clouds of several frames, and points that are nearly a line or a speck in their extent, for that reason or by themselves.
+/// Clouds of several frames, and points that are nearly a line or a speck in their extent, for that
+/// reason or by themselves.
 void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Reporter& reporter) {
-    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty()) reporter.warn(text);
+    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty())
+        reporter.warn(text);
     if (survey.n_points > 2 && survey.spread.is_line())
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
                               "model may have nothing to draw; are the columns x, y and z?");
     if (const FarStrays::Found& strays = survey.strays; strays.n > 0)
         reporter.warn(fmt::format(
-            "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its diagonal is {:.4g}, not {:.4g}",
-            names_of(config.inputs), strays.n == 1 ? "a point" : fmt::format("{} points", strays.n), strays.example.x,
-            strays.example.y, strays.example.z, strays.n == 1 ? "is" : "are", strays.box.diagonal(), survey.bounds.diagonal()));
+            "{}: {} far from all others, as ({}, {}, {}), {} not counted for the cloud's size: its "
+            "diagonal is {:.4g}, not {:.4g}",
+            names_of(config.inputs), strays.n == 1 ? "a point" : fmt::format("{} points", strays.n),
+            strays.example.x, strays.example.y, strays.example.z, strays.n == 1 ? "is" : "are",
+            strays.box.diagonal(), survey.bounds.diagonal()));
     else if (survey.n_points > 2 && survey.spread.has_far_strays())
-        reporter.warn(fmt::format(
-            "{}: a few points lie so far from the others that these are a speck in the cloud's extent of {:.3g}, and the "
-            "model, made for that extent, may have nothing to draw of them: take the far points out",
-            names_of(config.inputs), survey.bounds.diagonal()));
+        reporter.warn(
+            fmt::format("{}: a few points lie so far from the others that these are a speck in the "
+                        "cloud's extent of {:.3g}, and the "
+                        "model, made for that extent, may have nothing to draw of them: take the "
+                        "far points out",
+                        names_of(config.inputs), survey.bounds.diagonal()));
 }
 
 nlohmann::json summary(const SlicePlan& plan) {
@@ -189,7 +200,8 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const InputWatch watch(config.inputs);
     const std::uint64_t most = most_gathered(config);
     keep_freed_memory(most > 0);
-    CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter, config.face_points == "on");
+    CloudSurvey survey = survey_clouds(config.inputs, config.strict, most, context.reporter,
+                                       config.face_points == "on");
     keep_freed_memory(!survey.gathered.points().empty());
     check_survey(config, survey);
     warn_of_extent(config, survey, context.reporter);
@@ -217,7 +229,8 @@ nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     if (gathered && !context.writes_handed_points()) return summary(plan);
 
     std::vector<fs::path> slices;
-    for (std::size_t i = 0; i < plan.slices.size(); ++i) slices.push_back(slice_points_path(work, i));
+    for (std::size_t i = 0; i < plan.slices.size(); ++i)
+        slices.push_back(slice_points_path(work, i));
     return stamp.commit(summary(plan), Outlasts::process, slices);
 }
 

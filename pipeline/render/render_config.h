@@ -82,10 +82,11 @@ private:
               "ex,ey,ez,tx,ty,tz,ux,uy,uz (world; six: "
               "up is --up)");
         field("name", name, "name of the view in file names (default: the camera's)");
-        field("fov", fov,
-              "angle of view from top to bottom, degrees (a named camera frames what is drawn at any "
-              "angle: --zoom enlarges)",
-              0.001, 179);
+        field(
+            "fov", fov,
+            "angle of view from top to bottom, degrees (a named camera frames what is drawn at any "
+            "angle: --zoom enlarges)",
+            0.001, 179);
         field("ortho", ortho, "orthographic instead of perspective");
         field("ortho_width", ortho_width, "orthographic, this wide in model units (0: as --ortho)",
               0, 1e30);

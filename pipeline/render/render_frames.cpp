@@ -49,7 +49,8 @@ std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& fra
 
 /// Projection, shading and lines: what a frame time means.
 RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
-                       const PicturePart& part, RenderedFrame& frame, std::vector<FeatureLine>& lines) {
+                       const PicturePart& part, RenderedFrame& frame,
+                       std::vector<FeatureLine>& lines) {
     // LOD pixels are the picture's own: supersampling smooths edges, it does not refine the model.
     const RenderStats stats =
         draw_buffer(job, {job.size.width * factor, job.size.height * factor},
@@ -79,9 +80,12 @@ double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const 
     std::vector<double> times;
     const auto repeats = static_cast<std::uint64_t>(job.config.repeat);
     for (std::uint64_t k = 0; k < repeats; ++k) {
-        if (repeats > 1) context.reporter.progress("frames", k, repeats);  // of one picture: those of a film are told
+        if (repeats > 1)
+            context.reporter.progress("frames", k,
+                                      repeats);  // of one picture: those of a film are told
         const auto start = std::chrono::steady_clock::now();
-        frames.stats = draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
+        frames.stats =
+            draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
         times.push_back(milliseconds_since(start));
     }
     return median(times);
@@ -98,7 +102,8 @@ std::uint64_t count_hits(const GBuffer& b, const PixelWindow& w) {
 }  // namespace
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
 }
 
 /// What the plain frame is for: data files take all, pictures only what is never averaged.
@@ -138,15 +143,17 @@ Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& 
                                                   times(part.inside(), job.config.supersample))
                                      : count_hits(frames.plain.buffer, part.inside());
     if (job.wants("truth_distance"))
-        frames.plain.truth_distance =
-            truth_distances(job.config, job.tree.header().origin, frames.plain.buffer, &frames.truth_unknown);
+        frames.plain.truth_distance = truth_distances(job.config, job.tree.header().origin,
+                                                      frames.plain.buffer, &frames.truth_unknown);
     return frames;
 }
 
-std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes, StageContext& context) {
+std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes,
+                                    StageContext& context) {
     const Channels channels = job.channels(plain_aovs(job)) | job.for_lines();
     const PixelWindow whole{0, 0, job.size.width, job.size.height};
-    const auto parts = picture_parts(job.size, whole, pixel_bytes, line_margin(job.size.width, job.size.height));
+    const auto parts =
+        picture_parts(job.size, whole, pixel_bytes, line_margin(job.size.width, job.size.height));
     PictureLines search(job.line_models(), job.lines);
     RenderedFrame frame;
     for (std::size_t band = 0; band < parts.size(); ++band) {
@@ -215,7 +222,8 @@ std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
             const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
             const auto [at, is_new] = ranges.emplace(aov, range);
             if (!is_new)
-                at->second.lo = std::min(at->second.lo, range.lo), at->second.hi = std::max(at->second.hi, range.hi);
+                at->second.lo = std::min(at->second.lo, range.lo),
+                at->second.hi = std::max(at->second.hi, range.hi);
         }
     }
     job.camera = own;

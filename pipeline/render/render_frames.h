@@ -10,8 +10,10 @@ namespace slim {
 /// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
 void choose_looks(RenderJob& job);
 
-/// Finds the lines of the whole picture in bands that take at most about 384 MiB, by the bytes of a pixel.
-std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes, StageContext& context);
+/// Finds the lines of the whole picture in bands that take at most about 384 MiB, by the bytes of a
+/// pixel.
+std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes,
+                                    StageContext& context);
 
 double milliseconds_since(std::chrono::steady_clock::time_point start);
 

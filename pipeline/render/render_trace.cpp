@@ -144,16 +144,19 @@ Channels light_channels(const RenderConfig& config, const std::vector<std::strin
 ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
     ModelHeader header = tree.header();
     header.bounds = drawn_bounds(tree, loose, visited);
-    if (loose) header.hull.insert(header.hull.end(), header.loose_hull.begin(), header.loose_hull.end());
+    if (loose)
+        header.hull.insert(header.hull.end(), header.loose_hull.begin(), header.loose_hull.end());
     return header;
 }
 
 namespace {
 
-/// A scene's bounds and hull with those of a further model; of one without a hull the corners of its bounds.
+/// A scene's bounds and hull with those of a further model; of one without a hull the corners of
+/// its bounds.
 void add_drawn(const ModelHeader& drawn, const Vec3d& offset, ModelHeader& scene) {
     if (scene.hull.empty()) scene.hull = corners_of(scene.bounds);
-    for (const Vec3d& p : drawn.hull.empty() ? corners_of(drawn.bounds) : drawn.hull) scene.hull.push_back(p + offset);
+    for (const Vec3d& p : drawn.hull.empty() ? corners_of(drawn.bounds) : drawn.hull)
+        scene.hull.push_back(p + offset);
     scene.bounds.extend(drawn.bounds.lo + offset);
     scene.bounds.extend(drawn.bounds.hi + offset);
 }

@@ -61,7 +61,8 @@ struct FrameLight {
     const TracedModels* traced = nullptr;
 };
 
-/// Fills frame.open, the ambient openness of every hit, and if a picture shows it frame.ground_open.
+/// Fills frame.open, the ambient openness of every hit, and if a picture shows it
+/// frame.ground_open.
 void find_openness(const FrameLight& light, RenderedFrame& frame);
 
 /// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps

@@ -119,7 +119,8 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
             throw ConfigError(fmt::format(
                 "camera: expected front, back, left, right, top, bottom, iso or nine numbers "
                 "ex,ey,ez,tx,ty,tz,ux,uy,uz (six: the up axis of --up), found \"{}\"{}",
-                config.camera, config.camera.find("zoom") == std::string::npos ? "" : "; --zoom 2 enlarges"));
+                config.camera,
+                config.camera.find("zoom") == std::string::npos ? "" : "; --zoom 2 enlarges"));
         camera = camera_of_numbers(numbers, config, model.origin);
         camera.orthographic = orthographic;
         camera.width *= aspect;
@@ -172,8 +173,9 @@ std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model
             keys.push_back(make_camera(frame, model, size, free_right));
         } catch (const ConfigError& error) {  // said of --camera, which is not given
             const std::string text = error.what(), blamed = "camera: ";
-            throw ConfigError(fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
-                                          text.starts_with(blamed) ? text.substr(blamed.size()) : text));
+            throw ConfigError(
+                fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
+                            text.starts_with(blamed) ? text.substr(blamed.size()) : text));
         }
     }
     return keys;
@@ -183,16 +185,18 @@ std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model
 
 int n_frames(const RenderConfig& config) {
     if (config.turntable > 0 && !config.path.empty())
-        throw ConfigError("turntable and " + quoted_key("path") + " both move the camera: give one");
+        throw ConfigError("turntable and " + quoted_key("path") +
+                          " both move the camera: give one");
     if (config.path.empty() != (config.frames == 0))
-        throw ConfigError(config.path.empty() ? "frames is for a " + quoted_key("path") + ", which is not given"
-                                              : "path: say how many pictures with " + quoted_key("frames"));
+        throw ConfigError(config.path.empty()
+                              ? "frames is for a " + quoted_key("path") + ", which is not given"
+                              : "path: say how many pictures with " + quoted_key("frames"));
     const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
     const bool film = config.turntable > 0 || !config.path.empty();
     if (config.frame > (film ? n : 0))
         throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
-                               : "frame is for a " + quoted_key("turntable") + " or a " + quoted_key("path") +
-                                     ", which are not given");
+                               : "frame is for a " + quoted_key("turntable") + " or a " +
+                                     quoted_key("path") + ", which are not given");
     return n;
 }
 
@@ -224,13 +228,15 @@ std::string view_name(const RenderConfig& config) {
 }
 
 bool is_folder_output(const std::filesystem::path& output) {
-    return std::filesystem::is_directory(output) || !output.has_filename() || !output.has_extension();
+    return std::filesystem::is_directory(output) || !output.has_filename() ||
+           !output.has_extension();
 }
 
 std::vector<std::string> cameras_of(const RenderConfig& config) {
     if (config.path.empty()) return {config.camera};
     std::vector<std::string> cameras;
-    for (const std::string& key : keyframes_of(config)) cameras.push_back(keyframe_of(config, key).camera);
+    for (const std::string& key : keyframes_of(config))
+        cameras.push_back(keyframe_of(config, key).camera);
     return cameras;
 }
 

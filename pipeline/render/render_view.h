@@ -30,8 +30,9 @@ std::optional<Vec3f> parse_color(std::string_view text);
 UpAxis up_axis(const RenderConfig& config);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame
-/// what is drawn (header.hull, else its bounds), clear of the `free_right` share of the picture's width unless --ortho-width
-/// fixes the scale, and zoom about their middle; numbers are world coordinates (origin + local). Throws ConfigError.
+/// what is drawn (header.hull, else its bounds), clear of the `free_right` share of the picture's
+/// width unless --ortho-width fixes the scale, and zoom about their middle; numbers are world
+/// coordinates (origin + local). Throws ConfigError.
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    double free_right);
 

@@ -14,10 +14,12 @@ inline void for_each_block(const TileBuffers& t, const ScreenRect& r, Visit&& vi
     const ScreenRect on = t.on_tile(r);
     if (on.empty()) return;
     for (int row = on.y0 / kBlockHeight; row * kBlockHeight < on.y1; ++row)
-        for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column) visit(row, column);
+        for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column)
+            visit(row, column);
 }
 
-// The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or far off the axis.
+// The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or
+// far off the axis.
 
 /// What the rim leaves at roots of a surfel of one sheet.
 inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, const FloatV& t) {
@@ -27,8 +29,9 @@ inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, cons
 
 /// Stage 1: the first root of the joined function.
 template <int Degree>
-[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim, float entry, float base, int row, int column,
-                                              const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim,
+                                                float entry, float base, int row, int column,
+                                                const TileSums& sums, TileBuffers& t) {
     const double trim = s.n_sheets > 1 ? kSharpHitTrim : kHitTrim;
     const auto sq_trim = static_cast<float>(trim * trim);
     const DrawRecord& r = s.sheet[0];
@@ -43,16 +46,19 @@ template <int Degree>
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
     const auto found = best_joined_root<Degree, FloatV>(
         s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
-    const FloatV z_root = t.depths.zeta<FloatV>(base + r.radius * (found.root.t - ball.along) * rays.dz);
-    const auto nearer = found.root.hit && z_root < t.z.load(i) && rim_share_at(rim, f, found.root.t) > 0.0f;
+    const FloatV z_root =
+        t.depths.zeta<FloatV>(base + r.radius * (found.root.t - ball.along) * rays.dz);
+    const auto nearer =
+        found.root.hit && z_root < t.z.load(i) && rim_share_at(rim, f, found.root.t) > 0.0f;
     if (stdx::none_of(nearer)) return;
     keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found), sums);
 }
 
 /// Stage 2: the root of the joined function nearest q^.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base, int row, int column,
-                                         const TileSums& sums, TileBuffers& t) {
+[[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base,
+                                           int row, int column, const TileSums& sums,
+                                           TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = block_start(row, column);
     const PixelRays<FloatV> rays = t.rays(row, column);
@@ -73,8 +79,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
     const auto taken = found.root.hit && stdx::abs(x - guess) <= static_cast<float>(kBelongs) &&
                        admitted<kSharpModel>(g, i, t) && share > 0.0f;
     if (stdx::none_of(taken)) return;
-    add_to_sums(t, i, taken, share, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g, sums,
-                [&](const FloatV& w) {
+    add_to_sums(t, i, taken, share, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
+                sums, [&](const FloatV& w) {
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
                     for (std::size_t k = 0; k < 6; ++k) t.hessian[k].add(i, w * h[k]);
@@ -85,8 +91,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 }
 
 template <int Degree>
-void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, float entry,
-                        const TileSums& sums, TileBuffers& t) {
+void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect,
+                        float entry, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
     for_each_block(t, rect, [&](int row, int column) {
@@ -95,12 +101,13 @@ void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRec
 }
 
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
-void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect, const TileSums& sums,
-                        TileBuffers& t) {
+void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect,
+                        const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
     for_each_block(t, rect, [&](int row, int column) {
-        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, row, column, sums, t);
+        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, row, column,
+                                                                     sums, t);
     });
 }
 

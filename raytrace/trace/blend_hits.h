@@ -80,7 +80,8 @@ template <int Degree, Derivatives kWanted>
     const KernelRay kernel(base, at.direction);
     const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
     const auto k = ray_polynomial<Degree, FloatV>(r, s);
-    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction), FloatV(1.0f)};
+    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction),
+                                 FloatV(1.0f)};
     const auto root = nearest_in_ball<Degree, FloatV>(k, ball, kFarthest * 1.001f, inside);
     const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);

@@ -18,7 +18,8 @@ struct FirstHits {
     FloatV record{0.0f};  ///< bits of the record's number
     LanesOfVec gradient;  ///< of the winner, times rho
     FloatV t_low{0.0f};   ///< what t lacks, of winners in a frame of their own; else 0
-    FloatV own_t{0.0f};   ///< of winners in a frame of their own: there, from where their PlacedRays begin
+    FloatV own_t{
+        0.0f};  ///< of winners in a frame of their own: there, from where their PlacedRays begin
 
     /// Lanes where a root t of record number `id` comes first; of equal ones the lower number does,
     /// so that a lane's hit does not depend on the order of the search.

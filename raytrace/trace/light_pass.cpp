@@ -55,13 +55,14 @@ FloatV distance_of(const ShadePoints& at, const RayPacket& rays) {
 }
 
 /// What is known of the ground's openness: where no surface is.
-KnownOpenness load_ground(const TracedSurface& surface, std::span<const float> open, const ShadePoints& at,
-                          const PixelBlock& block) {
+KnownOpenness load_ground(const TracedSurface& surface, std::span<const float> open,
+                          const ShadePoints& at, const PixelBlock& block) {
     KnownOpenness out;
     if (open.empty()) return out;
     out.known = !at.on;
     for (int lane = 0; lane < kLanes; ++lane)
-        if (block.holds(lane)) out.open[static_cast<std::size_t>(lane)] = open[surface.planes.index(block, lane)];
+        if (block.holds(lane))
+            out.open[static_cast<std::size_t>(lane)] = open[surface.planes.index(block, lane)];
     return out;
 }
 
@@ -116,7 +117,8 @@ std::vector<float> ground_openness_plane(const TracedSurface& surface, const Ope
     look.ground = ground;
     const LightTracer tracer(surface.scene, look);
     for_blocks(planes.window, [&](std::size_t row, const PixelBlock& block) {
-        ShadePoints at = tracer.ground_points(rays_to_ground(planes.view, surface.scene.frame(), block), FloatV(kFar));
+        ShadePoints at = tracer.ground_points(
+            rays_to_ground(planes.view, surface.scene.frame(), block), FloatV(kFar));
         at.on = at.on && !load_points(planes, surface.scene.frame(), block).on;
         if (stdx::none_of(at.on)) return;
         const FloatV open = tracer.open_share(at, openness, {block, rows[row]});
@@ -126,12 +128,14 @@ std::vector<float> ground_openness_plane(const TracedSurface& surface, const Ope
             const std::size_t i = planes.index(block, lane);
             seen.hit[i] = 1, out[i] = open[k];
             const LanesOfVec &p = at.point, &n = at.normal;
-            seen.position[0][i] = p.x[k], seen.position[1][i] = p.y[k], seen.position[2][i] = p.z[k];
+            seen.position[0][i] = p.x[k], seen.position[1][i] = p.y[k],
+            seen.position[2][i] = p.z[k];
             seen.normal[0][i] = n.x[k], seen.normal[1][i] = n.y[k], seen.normal[2][i] = n.z[k];
         }
     });
     counts += sum_of(rows);
-    return filtered_openness({planes.view, planes.window, seen, seen.normal}, out, openness.samples);
+    return filtered_openness({planes.view, planes.window, seen, seen.normal}, out,
+                             openness.samples);
 }
 
 Picture light_rows(const TracedSurface& surface, const TraceLook& look, const OpenPlanes& open,

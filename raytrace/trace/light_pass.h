@@ -19,8 +19,8 @@ struct TracedSurface {
 };
 
 /// Openness of every hit, 1 where nothing is near; 0 elsewhere. The ground is near, too, where
-/// there is one. Filtered (openness_filter.h): pixels kOpennessReach inside a window are the whole picture's. Rows in
-/// parallel.
+/// there is one. Filtered (openness_filter.h): pixels kOpennessReach inside a window are the whole
+/// picture's. Rows in parallel.
 std::vector<float> openness_plane(const TracedSurface& surface, const Openness& openness,
                                   const std::optional<GroundPlane>& ground, TraceCounts& counts);
 
@@ -34,8 +34,8 @@ struct OpenPlanes {
 };
 
 /// Shades rows of a traced frame: light with shadows, mirror images, the ground. `open` is
-/// openness_plane and ground_openness_plane if the look has openness, else empty; a ground without is found pixel by
-/// pixel.
+/// openness_plane and ground_openness_plane if the look has openness, else empty; a ground without
+/// is found pixel by pixel.
 ///
 /// returns  premultiplied linear Rec.709
 /// cost     a shadow ray for each hit, light and sample; what the look leaves out costs nothing.

@@ -43,9 +43,12 @@ FloatV luminance(const LanesOfVec& c) { return 0.2126f * c.x + 0.7152f * c.y + 0
 
 SceneGround::SceneGround(const GroundPlane& plane, const TraceScene& scene)
     : normal(to_float(plane.normal)), clearance(1e-5f) {
-    const double exact = (plane.height - dot(plane.normal, scene.frame().middle)) / scene.frame().unit;
-    height = static_cast<float>(exact), height_low = static_cast<float>(exact - static_cast<double>(height));
-    for (const TraceModel& model : scene.models()) clearance = std::min(clearance, 1e-5f * model.place.unit);
+    const double exact =
+        (plane.height - dot(plane.normal, scene.frame().middle)) / scene.frame().unit;
+    height = static_cast<float>(exact),
+    height_low = static_cast<float>(exact - static_cast<double>(height));
+    for (const TraceModel& model : scene.models())
+        clearance = std::min(clearance, 1e-5f * model.place.unit);
 }
 
 FloatV SceneGround::distance(const RayPacket& rays) const {
@@ -185,8 +188,9 @@ ShadePoints LightTracer::ground_points(const RayPacket& rays, const FloatV& far)
     if (!ground_) return at;
     const FloatV t = ground_->distance(rays);
     at.on = rays.active() && t < far && t < kFar;
-    const TwoFloatVecs place = place_along({rays.origin, rays.origin_low}, {rays.direction, rays.direction_low},
-                                           select<FloatV>(at.on, t, FloatV(0.0f)));
+    const TwoFloatVecs place =
+        place_along({rays.origin, rays.origin_low}, {rays.direction, rays.direction_low},
+                    select<FloatV>(at.on, t, FloatV(0.0f)));
     at.point = place.high, at.point_low = place.low;
     at.outward = LanesOfVec{Vec3f{}};  // no surfel makes it
     at.normal = LanesOfVec(ground_->normal), at.toward_eye = -rays.direction,

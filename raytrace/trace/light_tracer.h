@@ -21,8 +21,9 @@ struct SceneGround {
 
     SceneGround(const GroundPlane& plane, const TraceScene& scene);
 
-    /// Where rays meet the upper side, infinite where they do not: from the second floats of the origins on for planes
-    /// across an axis (all that --up makes); of tilted ones, whose normals are floats, as exact as a float of the scene.
+    /// Where rays meet the upper side, infinite where they do not: from the second floats of the
+    /// origins on for planes across an axis (all that --up makes); of tilted ones, whose normals
+    /// are floats, as exact as a float of the scene.
     FloatV distance(const RayPacket& rays) const;
 };
 
@@ -48,9 +49,10 @@ class LightTracer {
 public:
     LightTracer(const TraceScene& scene, const TraceLook& look);
 
-    /// Share of the directions above the points in which nothing is within the distance. Of points that are
-    /// seen from behind, inside something thinner than a tenth of the distance, on their outer side: such are
-    /// the backs of a rim's ragged discs and what cracks between discs show (notes/0002).
+    /// Share of the directions above the points in which nothing is within the distance. Of points
+    /// that are seen from behind, inside something thinner than a tenth of the distance, on their
+    /// outer side: such are the backs of a rim's ragged discs and what cracks between discs show
+    /// (notes/0002).
     FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
 
     /// Colour of the points, each of the material of its model.
@@ -60,13 +62,14 @@ public:
     /// Where rays meet the ground before `far`, if there is one.
     ShadePoints ground_points(const RayPacket& rays, const FloatV& far) const;
 
-    /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`. `known` is its
-    /// openness where that is found already.
+    /// The ground that a block's rays meet before `far`: premultiplied colour, opacity in `alpha`.
+    /// `known` is its openness where that is found already.
     LanesOfVec ground_color(const RayPacket& rays, const FloatV& far, const RaySite& site,
                             FloatV& alpha, const KnownOpenness& known = {}) const;
 
 private:
-    FloatV free_share(const ShadePoints& at, const FloatV& far, int samples, const RaySite& site) const;
+    FloatV free_share(const ShadePoints& at, const FloatV& far, int samples,
+                      const RaySite& site) const;
     /// open_share if the look asks for it, else 1.
     FloatV openness(const ShadePoints& at, const RaySite& site) const;
     FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,

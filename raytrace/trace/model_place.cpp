@@ -27,7 +27,8 @@ ModelPlace ModelPlace::of(const Bbox& bounds, const SceneFrame& scene) {
 
 SceneFrame ModelPlace::frame(const SceneFrame& scene) const {
     if (is_scene) return scene;
-    return {scene.to_job(to_double(middle) + to_double(middle_low)), scene.unit * static_cast<double>(unit)};
+    return {scene.to_job(to_double(middle) + to_double(middle_low)),
+            scene.unit * static_cast<double>(unit)};
 }
 
 TwoFloatVecs ModelPlace::to_scene(const TwoFloatVecs& p) const {
@@ -35,11 +36,13 @@ TwoFloatVecs ModelPlace::to_scene(const TwoFloatVecs& p) const {
     return scaled_sum({p.high * s, p.low * s}, {lanes(middle), lanes(middle_low)}, FloatV(1.0f));
 }
 
-PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, const FloatV& far_low) : rays(scene_rays) {
+PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, const FloatV& far_low)
+    : rays(scene_rays) {
     constexpr float kSqReach = 1.1f;  // every ball lies within 1
     const FloatV per_unit(1 / place.unit), none(0.0f);
     const TwoFloatVecs direction{rays.direction, rays.direction_low};
-    TwoFloatVecs origin = scaled_sum({rays.origin, rays.origin_low}, {lanes(-place.middle), lanes(-place.middle_low)}, per_unit);
+    TwoFloatVecs origin = scaled_sum({rays.origin, rays.origin_low},
+                                     {lanes(-place.middle), lanes(-place.middle_low)}, per_unit);
     // The place nearest the middle, found twice: a float of the way there is no place from afar.
     const FloatV way = -origin.high.dot(rays.direction);
     TwoFloatVecs nearest = place_along(origin, direction, way);
@@ -54,7 +57,8 @@ PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, con
     rays.origin = select_vec(outside, entry.high, origin.high);
     rays.origin_low = select_vec(outside, entry.low, origin.low);
     rays.far = (scene_rays.far * per_unit - start.high) + (far_low * per_unit - start.low);
-    const auto meets = scene_rays.active() && sq_half > 0.0f && middle + half >= 0.0f && rays.far >= 0.0f;
+    const auto meets =
+        scene_rays.active() && sq_half > 0.0f && middle + half >= 0.0f && rays.far >= 0.0f;
     rays.far = select<FloatV>(meets, rays.far, FloatV(-1.0f));
 }
 

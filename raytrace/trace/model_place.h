@@ -7,9 +7,9 @@
 
 namespace slim {
 
-/// Where the frame of a model's floats lies in the scene's. It is the scene's own unless the model is much smaller: a
-/// surfel's floats are as exact as those of its centre are, so that a model a share s of the scene would lose log2(1 / s)
-/// bits (notes/0004).
+/// Where the frame of a model's floats lies in the scene's. It is the scene's own unless the model
+/// is much smaller: a surfel's floats are as exact as those of its centre are, so that a model a
+/// share s of the scene would lose log2(1 / s) bits (notes/0004).
 struct ModelPlace {
     Vec3f middle{}, middle_low{};  ///< scene coordinates, in two floats
     float unit = 1;                ///< scene units; a power of two
@@ -24,7 +24,8 @@ struct ModelPlace {
     TwoFloatVecs to_scene(const TwoFloatVecs& p) const;
 };
 
-/// A packet in a model's own frame, from where it enters the model's sphere on; lanes that miss it have no ray.
+/// A packet in a model's own frame, from where it enters the model's sphere on; lanes that miss it
+/// have no ray.
 struct PlacedRays {
     RayPacket rays;
     TwoFloats start;  ///< how far that is from the packet's origin; own units

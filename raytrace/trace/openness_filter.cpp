@@ -11,11 +11,13 @@
 namespace slim {
 namespace {
 
-/// RMS error of openness by one ray; by n stratified ones n^(3/4) times less (Mitchell 1996). Measured: notes/0005.
+/// RMS error of openness by one ray; by n stratified ones n^(3/4) times less (Mitchell 1996).
+/// Measured: notes/0005.
 constexpr float kErrorOfOne = 0.5f;
 /// In units of that error: what differs more is something else.
 constexpr float kMostErrors = 7.0f;
-/// Sine of the angle between the way to another pixel and the surface, above which that is another one.
+/// Sine of the angle between the way to another pixel and the surface, above which that is another
+/// one.
 constexpr float kMostSlope = 0.25f;
 constexpr float kLeastAgreement = 0.9f;  // of normals: 26 degrees
 
@@ -48,15 +50,17 @@ struct NoRest {
     float operator()(std::size_t, std::size_t) const { return 0; }
 };
 
-/// Adds one neighbour, `step` entries further on, of the pixels [begin, end): `share` is its weight in the
-/// mean.
+/// Adds one neighbour, `step` entries further on, of the pixels [begin, end): `share` is its weight
+/// in the mean.
 template <class Rest>
-void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t begin, std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
+void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t begin,
+                   std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
                    float* __restrict sum, float* __restrict weight) {
     const GBuffer& b = r.planes.buffer;
-    const float *const px = b.position[0].data(), *const py = b.position[1].data(), *const pz = b.position[2].data(),
-                *const nx = b.normal[0].data(), *const ny = b.normal[1].data(), *const nz = b.normal[2].data(),
-                *const open = r.open.data(), *const hit = r.hit.data();
+    const float *const px = b.position[0].data(), *const py = b.position[1].data(),
+                       *const pz = b.position[2].data(), *const nx = b.normal[0].data(),
+                       *const ny = b.normal[1].data(), *const nz = b.normal[2].data(),
+                       *const open = r.open.data(), *const hit = r.hit.data();
     constexpr float kSteep = 1 / (kMostSlope * kMostSlope), kFacing = 1 / (1 - kLeastAgreement);
 #pragma GCC ivdep
     for (std::size_t i = begin; i < end; ++i) {
@@ -75,8 +79,8 @@ void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t b
     }
 }
 
-void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float> sum, std::span<float> weight,
-                std::vector<float>& out) {
+void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float> sum,
+                std::span<float> weight, std::vector<float>& out) {
     const std::size_t row = y * r.width;
     for (std::size_t x = 0; x < r.width; ++x) sum[x] = r.open[row + x], weight[x] = 1;
     for (int dy = -kOpennessReach; dy <= kOpennessReach; ++dy) {
@@ -85,8 +89,10 @@ void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float
         for (int dx = -kOpennessReach; dx <= kOpennessReach; ++dx) {
             if (dx == 0 && dy == 0) continue;
             // Four in a row: both outer ones count half.
-            const float share = (std::abs(dx) == kOpennessReach ? 0.5f : 1.0f) * (std::abs(dy) == kOpennessReach ? 0.5f : 1.0f);
-            const auto left = static_cast<std::size_t>(std::max(0, -dx)), right = static_cast<std::size_t>(std::max(0, dx));
+            const float share = (std::abs(dx) == kOpennessReach ? 0.5f : 1.0f) *
+                                (std::abs(dy) == kOpennessReach ? 0.5f : 1.0f);
+            const auto left = static_cast<std::size_t>(std::max(0, -dx)),
+                       right = static_cast<std::size_t>(std::max(0, dx));
             if (left + right >= r.width) continue;
             const auto add = [&](const auto& rest) {
                 add_neighbour(r, rest, row + left, row + r.width - right,
@@ -96,10 +102,12 @@ void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float
             if (r.rest[0].empty())
                 add(std::array<NoRest, 3>{});
             else
-                add(std::array{RestOf{r.rest[0].data()}, RestOf{r.rest[1].data()}, RestOf{r.rest[2].data()}});
+                add(std::array{RestOf{r.rest[0].data()}, RestOf{r.rest[1].data()},
+                               RestOf{r.rest[2].data()}});
         }
     }
-    for (std::size_t x = 0; x < r.width; ++x) out[row + x] = r.hit[row + x] > 0 ? sum[x] / weight[x] : 0.0f;
+    for (std::size_t x = 0; x < r.width; ++x)
+        out[row + x] = r.hit[row + x] > 0 ? sum[x] / weight[x] : 0.0f;
 }
 
 }  // namespace
@@ -112,7 +120,8 @@ std::vector<float> filtered_openness(const SurfacePlanes& planes, std::span<cons
     constexpr std::size_t kGrain = 16;
     parallel_blocks(rows.height, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<float> sum(rows.width), weight(rows.width);
-        for (std::size_t y = begin; y < end; ++y) filter_row(rows, y, 1 / (most * most), sum, weight, out);
+        for (std::size_t y = begin; y < end; ++y)
+            filter_row(rows, y, 1 / (most * most), sum, weight, out);
     });
     return out;
 }

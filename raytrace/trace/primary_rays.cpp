@@ -39,7 +39,9 @@ struct alignas(64) LanesInTwo {
 struct VecsInTwo {
     LanesInTwo x, y, z;
 
-    void store(std::size_t first, const DoubleVecs& v) { x.store(first, v.x), y.store(first, v.y), z.store(first, v.z); }
+    void store(std::size_t first, const DoubleVecs& v) {
+        x.store(first, v.x), y.store(first, v.y), z.store(first, v.z);
+    }
     LanesOfVec high() const { return {x.load_high(), y.load_high(), z.load_high()}; }
     LanesOfVec low() const { return {x.load_low(), y.load_low(), z.load_low()}; }
 };
@@ -53,7 +55,8 @@ struct SceneRays {
         : origin(view.eye - frame.middle), direction(view.forward) {
         const DoubleVecs right(view.right), down(view.down), forward(view.forward);
         const Doubles per_px(1 / (view.orthographic ? view.px_per_unit : view.focal_px));
-        const DoubleVecs across = right * ((px - view.center_x) * per_px) + down * ((py - view.center_y) * per_px);
+        const DoubleVecs across =
+            right * ((px - view.center_x) * per_px) + down * ((py - view.center_y) * per_px);
         if (view.orthographic) {
             origin = origin + across;
         } else {
@@ -84,7 +87,8 @@ Doubles far_entry(const SceneRays& rays) {
 
 /// A block's rays from entry(rays) on; lanes where that is negative have none.
 template <class Entry>
-RayPacket rays_through(const PixelView& view, const SceneFrame& frame, const PixelBlock& block, const Entry& entry) {
+RayPacket rays_through(const PixelView& view, const SceneFrame& frame, const PixelBlock& block,
+                       const Entry& entry) {
     VecsInTwo origin, direction;
     alignas(64) LaneFloats far;
     for (std::size_t first = 0; first < kLanes; first += kDoubles) {

@@ -11,8 +11,8 @@ namespace slim {
 /// miss its sphere have none.
 RayPacket primary_rays(const PixelView& view, const SceneFrame& frame, const PixelBlock& block);
 
-/// The same towards a ground, which goes on outside that sphere: from no farther before the scene's middle than it
-/// matters.
+/// The same towards a ground, which goes on outside that sphere: from no farther before the scene's
+/// middle than it matters.
 RayPacket rays_to_ground(const PixelView& view, const SceneFrame& frame, const PixelBlock& block);
 
 }  // namespace slim

@@ -9,8 +9,8 @@ namespace slim {
 
 inline constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// Rays origin + t direction for t in [0, far]; |direction| = 1. `far` < 0 is a lane without a ray. Scene coordinates, but
-/// those of a model's own frame in PlacedRays.
+/// Rays origin + t direction for t in [0, far]; |direction| = 1. `far` < 0 is a lane without a ray.
+/// Scene coordinates, but those of a model's own frame in PlacedRays.
 struct RayPacket {
     LanesOfVec origin, direction;
     FloatV far{-1.0f};

@@ -13,7 +13,8 @@
 
 namespace slim {
 
-/// A surfel ready for rays from anywhere: floats, the scene's axes, places and lengths of the model's frame; two cache lines.
+/// A surfel ready for rays from anywhere: floats, the scene's axes, places and lengths of the
+/// model's frame; two cache lines.
 struct alignas(64) TraceRecord {
     std::array<float, 3> center;      ///< coordinates of the model's frame
     std::array<float, 3> center_low;  ///< what they lack of the exact ones

@@ -53,7 +53,8 @@ struct Writer {
             const Vec3f position = to_float(p), normal = hits.normal.at(lane);
             if (out.has(kDepthChannel))
                 out.depth[pixel] = static_cast<float>(dot(p - view.eye, view.forward));
-            if (planes && !planes->position_low[0].empty()) keep_low(pixel, p - to_double(position));
+            if (planes && !planes->position_low[0].empty())
+                keep_low(pixel, p - to_double(position));
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 if (out.has(kPositionChannel)) out.position[axis][pixel] = position[axis];
                 if (out.has(kNormalChannel)) out.normal[axis][pixel] = normal[axis];
@@ -156,7 +157,8 @@ RenderStats render_traced(const TraceScene& scene, const RenderRequest& request,
     if (planes) {
         planes->clearance.assign(out.n_pixels(), 0.0f);
         planes->model.assign(scene.models().size() > 1 ? out.n_pixels() : 0, 0);
-        for (auto& plane : planes->position_low) plane.assign(scene.is_wide() ? out.n_pixels() : 0, 0.0f);
+        for (auto& plane : planes->position_low)
+            plane.assign(scene.is_wide() ? out.n_pixels() : 0, 0.0f);
     }
     const Derivatives wanted = derivatives_for(out, degree_of(scene));
     std::vector<Counts> rows(n_block_rows(window));

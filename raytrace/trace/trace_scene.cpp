@@ -32,8 +32,8 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
 }
 
 /// Nearer hits on one model, in the frame of its records.
-[[gnu::always_inline]] inline void find_hits(const TraceModel& model, const RayPacket& rays, FirstHits& hits,
-                                             TraceCounts& counts) {
+[[gnu::always_inline]] inline void find_hits(const TraceModel& model, const RayPacket& rays,
+                                             FirstHits& hits, TraceCounts& counts) {
     counts.nodes_visited += for_leaves_along(model.bvh, rays, hits.t, [&](const BvhNode& leaf) {
         for (std::uint32_t k = 0; k < leaf.n_items; ++k)
             if (surfel_hits(model, leaf.first + k, rays, KeepNearest{hits}))
@@ -41,9 +41,10 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
     });
 }
 
-/// The same of a model with a frame of its own, for rays and hits of the scene's; lanes with nearer ones. A float of the scene
-/// does not tell which of two small models comes first: two do.
-[[gnu::noinline]] FloatV::mask_type find_hits_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
+/// The same of a model with a frame of its own, for rays and hits of the scene's; lanes with nearer
+/// ones. A float of the scene does not tell which of two small models comes first: two do.
+[[gnu::noinline]] FloatV::mask_type find_hits_in_own_frame(const TraceModel& model,
+                                                           const RayPacket& scene_rays,
                                                            FirstHits& hits, TraceCounts& counts) {
     RayPacket up_to = scene_rays;
     up_to.far = hits.t;
@@ -53,7 +54,8 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
     own.t = placed.rays.far, own.gradient = hits.gradient;
     find_hits(model, placed.rays, own, counts);
     const TwoFloats way = sum_of(placed.start, {own.t, FloatV(0.0f)});
-    const FloatV t = way.high * FloatV(model.place.unit), t_low = way.low * FloatV(model.place.unit);
+    const FloatV t = way.high * FloatV(model.place.unit),
+                 t_low = way.low * FloatV(model.place.unit);
     const auto won = own.t < placed.rays.far && (t < hits.t || (t == hits.t && t_low < hits.t_low));
     hits.t = select<FloatV>(won, t, hits.t);
     hits.t_low = select<FloatV>(won, t_low, hits.t_low);
@@ -64,8 +66,10 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
 }
 
 /// Nearer hits on a model in the scene's frame; lanes that have some.
-[[gnu::always_inline]] inline FloatV::mask_type find_hits_in_scene(const TraceModel& model, const RayPacket& rays,
-                                                                   FirstHits& hits, TraceCounts& counts) {
+[[gnu::always_inline]] inline FloatV::mask_type find_hits_in_scene(const TraceModel& model,
+                                                                   const RayPacket& rays,
+                                                                   FirstHits& hits,
+                                                                   TraceCounts& counts) {
     const FloatV before = hits.t;
     find_hits(model, rays, hits, counts);
     const auto won = hits.t < before;
@@ -74,8 +78,8 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
 }
 
 /// Lanes that meet the model this side of `far` get a negative one.
-[[gnu::always_inline]] inline void end_at_any(const TraceModel& model, const RayPacket& rays, FloatV& far,
-                                              TraceCounts& counts) {
+[[gnu::always_inline]] inline void end_at_any(const TraceModel& model, const RayPacket& rays,
+                                              FloatV& far, TraceCounts& counts) {
     counts.nodes_visited += for_leaves_along(model.bvh, rays, far, [&](const BvhNode& leaf) {
         for (std::uint32_t k = 0; k < leaf.n_items; ++k)
             if (surfel_hits(model, leaf.first + k, rays, EndAtAny{far}))
@@ -83,8 +87,8 @@ void points_on(const RayPacket& rays, const FloatV& t, RaysAtHits& at) {
     });
 }
 
-[[gnu::noinline]] void end_at_any_in_own_frame(const TraceModel& model, const RayPacket& scene_rays, FloatV& far,
-                                               TraceCounts& counts) {
+[[gnu::noinline]] void end_at_any_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
+                                               FloatV& far, TraceCounts& counts) {
     RayPacket up_to = scene_rays;
     up_to.far = far;
     const PlacedRays placed(model.place, up_to);
@@ -136,7 +140,8 @@ void average(const RaysAtHits& at, const FloatV& t_first, SurfaceHits& out) {
 }
 
 /// Lengths of some lanes from one unit to another.
-void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const FloatV& unit, BlendLanes& sums) {
+void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const FloatV& unit,
+                   BlendLanes& sums) {
     const auto scale = [&](FloatV& x, const FloatV& by) { x = select<FloatV>(lanes, x * by, x); };
     scale(sums.offset, unit), scale(sums.spread, unit);
     if (wanted == Derivatives::first) return;
@@ -146,16 +151,17 @@ void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const Flo
 }
 
 /// Both stages of lanes whose winner has a frame of its own: found there, told in the scene's.
-void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays, const FirstHits& hits,
-                          const RaysAtHits& scene_at, Derivatives wanted, SurfaceHits& out,
-                          TraceCounts& counts) {
+void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
+                          const FirstHits& hits, const RaysAtHits& scene_at, Derivatives wanted,
+                          SurfaceHits& out, TraceCounts& counts) {
     const PlacedRays placed(model.place, scene_rays);
     RaysAtHits at = scene_at;
     const FloatV t = select<FloatV>(at.hit, hits.own_t, FloatV(0.0f)), unit(model.place.unit);
     points_on(placed.rays, t, at);
     blend_in(model, wanted, at, out.sums, counts);
     SurfaceHits own;
-    own.sums.weight = out.sums.weight, own.sums.offset = out.sums.offset, own.sums.gradient = out.sums.gradient;
+    own.sums.weight = out.sums.weight, own.sums.offset = out.sums.offset,
+    own.sums.gradient = out.sums.gradient;
     average(at, t, own);
     scale_lengths(at.hit, wanted, unit, out.sums);
     const TwoFloatVecs p = model.place.to_scene({own.point, own.point_low});
@@ -205,7 +211,8 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     hits.gradient = LanesOfVec(Vec3f{});
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         const TraceModel& model = models_[m];
-        // A root as far as an earlier model's does not come before it, whatever its number: none is below 0.
+        // A root as far as an earlier model's does not come before it, whatever its number: none is
+        // below 0.
         const FloatV earlier = hits.record;
         hits.record = FloatV(0.0f);
         const auto won = model.place.is_scene ? find_hits_in_scene(model, rays, hits, counts)

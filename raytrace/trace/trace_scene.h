@@ -57,7 +57,8 @@ public:
     bool is_wide() const;
 
     /// Stage 1: the first hits on the shrunken balls (Ohtake 2005, sec. 3), front to back; of
-    /// several models the nearest, of equally near ones the first. `model` gets the number of the winner's.
+    /// several models the nearest, of equally near ones the first. `model` gets the number of the
+    /// winner's.
     FirstHits first_hits(const RayPacket& rays, std::array<std::uint32_t, kLanes>& model,
                          TraceCounts& counts) const;
 

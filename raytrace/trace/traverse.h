@@ -22,7 +22,8 @@ public:
     explicit BoxRays(const RayPacket& rays)
         : slope_(box_slope(rays.direction.x), box_slope(rays.direction.y),
                  box_slope(rays.direction.z)),
-          at_zero_(-rays.origin.x * slope_.x, -rays.origin.y * slope_.y, -rays.origin.z * slope_.z) {
+          at_zero_(-rays.origin.x * slope_.x, -rays.origin.y * slope_.y,
+                   -rays.origin.z * slope_.z) {
         const auto on = rays.active();
         const int n = stdx::popcount(on);
         const std::array<const FloatV*, 3> slopes{&slope_.x, &slope_.y, &slope_.z};
@@ -38,7 +39,8 @@ public:
     /// Whether most rays run towards higher coordinates.
     bool runs_forth(std::size_t axis) const { return forth_[axis]; }
 
-    /// Lanes that meet a box within [0, far]. Off by the rounding of the rays' origins, for which boxes have a margin.
+    /// Lanes that meet a box within [0, far]. Off by the rounding of the rays' origins, for which
+    /// boxes have a margin.
     [[gnu::always_inline]] FloatV::mask_type meets(const BoxF& box, const FloatV& far) const {
         const FloatV none(0.0f);
         // Rays that run the same way meet the same planes first.

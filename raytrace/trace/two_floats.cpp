@@ -2,8 +2,8 @@
 
 #include "slim/base/simd.h"
 
-// Built without contraction of products and sums (CMakeLists.txt): a sum that swallowed a product unrounded would not be the
-// one whose error is told.
+// Built without contraction of products and sums (CMakeLists.txt): a sum that swallowed a product
+// unrounded would not be the one whose error is told.
 
 namespace slim {
 namespace {
@@ -14,8 +14,10 @@ namespace {
     return {sum, (a - (sum - back)) + (b - back)};
 }
 
-[[gnu::always_inline]] inline TwoFloats number_along(const TwoFloats& o, const TwoFloats& d, const FloatV& t) {
-    const FloatV product = t * d.high, product_low = lanes_fma<FloatV>(t, d.high, -product) + t * d.low;
+[[gnu::always_inline]] inline TwoFloats number_along(const TwoFloats& o, const TwoFloats& d,
+                                                     const FloatV& t) {
+    const FloatV product = t * d.high,
+                 product_low = lanes_fma<FloatV>(t, d.high, -product) + t * d.low;
     const TwoFloats sum = exact_sum(o.high, product);
     return exact_sum(sum.high, sum.low + (product_low + o.low));
 }

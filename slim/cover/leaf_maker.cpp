@@ -19,19 +19,26 @@ constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2
 constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
 constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
 constexpr int kMostAttempts = 12;
-constexpr double kInwards = 0.45;           // of rho: how far its centre moves, so that it still covers the point
+// of rho: how far its centre moves, so that it still covers the point
+constexpr double kInwards = 0.45;
 constexpr double kFinestBall = 3.3;         // its radius, in spacings
-constexpr double kResolved = 8;             // over the finest radius: a sample says nothing of finer detail
-constexpr double kRoundsOff = 0.055;        // eps / rho of a smooth leaf that rounds a real edge or corner off
-constexpr double kThinNoise = 0.015;        // sqrt(typical noise) over the usual finest ball: from it on noise is as thick
+constexpr double kResolved = 8;  // over the finest radius: a sample says nothing of finer detail
+// eps / rho of a smooth leaf that rounds a real edge or corner off
+constexpr double kRoundsOff = 0.055;
+// sqrt(typical noise) over the usual finest ball: from it on noise is as thick
+constexpr double kThinNoise = 0.015;
 constexpr double kFlat = 0.01;              // eps / rho of a plane that bends nowhere
 constexpr double kOwnNormals = 0.999;       // mean cosine of its points' normals to its own
-constexpr double kNoisy = 0.08;             // sqrt(lambda) over the usual finest ball: from it on normals feign edges
+// sqrt(lambda) over the usual finest ball: from it on normals feign edges
+constexpr double kNoisy = 0.08;
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
-constexpr double kBlurred = 0.25;           // sqrt(lambda) over the spacing: from it on a single point's plane says little
-constexpr double kLittleNoise = 0.15;       // the same: up to it planes say enough for larger balls to be worth their time
-constexpr std::size_t kFewForAir = 8;       // points of a ball: of fewer there is no saying where a surface ends
-constexpr double kThickForAir = 0.1;        // eps / rho: thicker leaves have no surface to stand off from
+// sqrt(lambda) over the spacing: from it on a single point's plane says little
+constexpr double kBlurred = 0.25;
+// the same: up to it planes say enough for larger balls to be worth their time
+constexpr double kLittleNoise = 0.15;
+// points of a ball: of fewer there is no saying where a surface ends
+constexpr std::size_t kFewForAir = 8;
+constexpr double kThickForAir = 0.1;  // eps / rho: thicker leaves have no surface to stand off from
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
 LadderRules ladder_rules(const CoverRules& rules) {
@@ -46,17 +53,20 @@ bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
 }
 
-/// Whether the normals of the points about a leaf that are no edge's are its own: estimated ones turn towards an edge.
+/// Whether the normals of the points about a leaf that are no edge's are its own: estimated ones
+/// turn towards an edge.
 bool has_own_normals(const FittedSurfel& leaf, const BallPoints<double>& ball) {
     double sum = 0, n = 0;
     for (std::size_t i = 0; i < ball.n; ++i) {
-        const double along = dot(leaf.surfel.frame.normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
+        const double along =
+            dot(leaf.surfel.frame.normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
         if (along > kSharpGate) sum += along, ++n;
     }
     return sum > kOwnNormals * n;
 }
 
-/// The share of its radius with which a flat leaf beside an edge ends there (slim/fit/notes/0014); 1 for others.
+/// The share of its radius with which a flat leaf beside an edge ends there (slim/fit/notes/0014);
+/// 1 for others.
 double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) {
     const FittedSurfel& f = leaf.fitted;
     const bool is_flat = f.surfel.degree < 2 && f.fit_error < kFlat * f.surfel.support_radius;
@@ -69,7 +79,8 @@ std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p
     double best_sq = radius * radius;
     tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
         for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
-            const double sq = sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} + (bucket.origin - p));
+            const double sq =
+                sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} + (bucket.origin - p));
             if (sq >= best_sq) continue;
             best_sq = sq;
             best = static_cast<std::uint32_t>(first + k);
@@ -80,8 +91,7 @@ std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p
 
 }  // namespace
 
-LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
-                     const PointPyramid& pyramid)
+LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid)
     : block_(points),
       rules_(rules),
       pyramid_(pyramid),
@@ -89,8 +99,9 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules,
               rules.degree, ladder_rules(rules)),
       windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
-      sharp_(pyramid, rules.energy(), rules.typical_variance, level_radius(rules.diagonal, 1 + rules.top_rung()),
-             rules.usual_degree(), rules.ladder),
+      sharp_(pyramid, rules.energy(), rules.typical_variance,
+             level_radius(rules.diagonal, 1 + rules.top_rung()), rules.usual_degree(),
+             rules.ladder),
       place_(points.size()),
       spacing_(rules.spacing) {
     if (!(spacing_ > 0) && points.size() > 0) spacing_ = spacing_here();
@@ -132,7 +143,8 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
     const bool may_widen = c.choice.limited && is_resolved && c.n_sheets == 1 && !rules_.windows;
     if (may_widen && relative_noise() < kLittleNoise) widen(c, center, normal, work);
-    if (may_widen && are_edges_in_noise() && c.choice.degree < 3) widen_over_plate(c, center, normal, work);
+    if (may_widen && are_edges_in_noise() && c.choice.degree < 3)
+        widen_over_plate(c, center, normal, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
 }
@@ -147,39 +159,43 @@ bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work, Lists lists) const {
-    // Where normals are clean and edges are looked for, wider balls would lend the edges' own curvature.
+    // Where normals are clean and edges are looked for, wider balls would lend the edges' own
+    // curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
     if (lends && !choice.widened && (choice.forced || choice.limited))
         return fit_steady_surfel(pyramid_, center, normal, choice.radius, choice.degree,
                                  choice.forced, rules_.noise_variance, work.exact, lists);
     return fit_surfel(pyramid_.all(), center, normal, choice.radius, choice.degree,
-                      choice.forced && !choice.widened, rules_.noise_variance, work.exact.ball, edges(), lists);
+                      choice.forced && !choice.widened, rules_.noise_variance, work.exact.ball,
+                      edges(), lists);
 }
 
 /// sqrt(lambda) over the spacing.
 double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_variance) / spacing_; }
 
 /// A leaf with its points, and where it stands in the air if it ended early.
-CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
-                                       LeafWork& work) const {
+CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal,
+                                       const RadiusChoice& choice, LeafWork& work) const {
     CoveringSurfel leaf = fit(center, normal, choice, work, Lists::left_out);
     list_with_air(choice, work, leaf);
     return leaf;
 }
 
-/// Adds the points of a leaf that was fitted last, and where it stands in the air. Real edges have rims of their own
-/// (notes/0011).
-void LeafMaker::list_with_air(const RadiusChoice& choice, const LeafWork& work, CoveringSurfel& leaf) const {
+/// Adds the points of a leaf that was fitted last, and where it stands in the air. Real edges have
+/// rims of their own (notes/0011).
+void LeafMaker::list_with_air(const RadiusChoice& choice, const LeafWork& work,
+                              CoveringSurfel& leaf) const {
     list_points(pyramid_.all(), work.exact.ball, rules_.noise_variance, leaf);
     const std::size_t n = work.exact.ball.n;
     const bool is_thin = leaf.fitted.fit_error <= kThickForAir * leaf.fitted.surfel.support_radius;
-    const bool ended_early = (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
+    const bool ended_early =
+        (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
     if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
 }
 
-/// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns (notes/0013). It does not wait
-/// for the level of its size: nobody else would cover them.
+/// A sparse leaf of few points is no disc as large as the gap about them: a mast's returns
+/// (notes/0013). It does not wait for the level of its size: nobody else would cover them.
 void LeafMaker::shrink_to_few(LeafCandidate& c, LeafWork& work) const {
     const double share = share_of_few(c.surfel);
     if (!(share < 1)) return;
@@ -211,21 +227,24 @@ bool LeafMaker::are_edges_in_noise() const {
     return edges() == Edges::doubtful && relative_noise() >= kLittleNoise;
 }
 
-/// Whether a smooth leaf rounds a real edge or corner off (notes/0011). In noise a smaller ball would be thicker still,
-/// and leaves would fall apart into single points.
+/// Whether a smooth leaf rounds a real edge or corner off (notes/0011). In noise a smaller ball
+/// would be thicker still, and leaves would fall apart into single points.
 bool LeafMaker::rounds_off(const CoveringSurfel& leaf) const {
     if (std::sqrt(rules_.typical_variance) > kThinNoise * kFinestBall * spacing_) return false;
     const FittedSurfel& f = leaf.fitted;
-    return edges() == Edges::real && f.n_points > kFewest && f.fit_error > kRoundsOff * f.surfel.support_radius;
+    return edges() == Edges::real && f.n_points > kFewest &&
+           f.fit_error > kRoundsOff * f.surfel.support_radius;
 }
 
-/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth choice.
-/// The exact fit must confirm them, here and not later, so that the smooth choice is still at hand.
+/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth
+/// choice. The exact fit must confirm them, here and not later, so that the smooth choice is still
+/// at hand.
 void LeafMaker::sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const {
     auto found = sharp_.choose(center, c.choice, work.ladder);
     if (!found) {
         const Vec3d normal = normalized(to_double(block_.normal[c.point]));
-        c.choice.radius = static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
+        c.choice.radius =
+            static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
         return;
     }
     found->radius = static_cast<float>(found->radius);
@@ -249,7 +268,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     }
     bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
     for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
-        const Glance seen = attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
+        const Glance seen =
+            attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
         if (seen == Glance::unexplained) {
             c.surfel = {};
             return;
@@ -261,9 +281,11 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         }
         c.surfel = fit(center, normal, c.choice, work, Lists::left_out);
         const bool may_shrink = c.choice.forced && c.sparse;
-        // In thick noise half of all fits are given up by their measures: nobody asks for their points.
+        // In thick noise half of all fits are given up by their measures: nobody asks for their
+        // points.
         bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
-        if (may_shrink || (!is_given_up && !leaves_center(c)) || attempt == kMostAttempts) list_with_air(c.choice, work, c.surfel);
+        if (may_shrink || (!is_given_up && !leaves_center(c)) || attempt == kMostAttempts)
+            list_with_air(c.choice, work, c.surfel);
         if (may_shrink) {
             shrink_to_few(c, work);
             is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
@@ -273,7 +295,9 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             if (!c.leaf) return;
             continue;
         }
-        const double share = std::exchange(may_end_at_edges, false) ? share_before_edges(c.surfel, work.exact.ball) : 1;
+        const double share = std::exchange(may_end_at_edges, false)
+                                 ? share_before_edges(c.surfel, work.exact.ball)
+                                 : 1;
         if (share < 1) {
             make_smaller(c, share * c.choice.radius, lower);
             if (!c.leaf) return;
@@ -289,8 +313,9 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         if (c.choice.forced) return;
         const bool at_corner = c.center == c.point && length(c.surfel.lean) > kCorner;
         if (!smaller && !at_corner) return;
-        // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by chance: unless edges
-        // are looked for, no leaf becomes smaller than the finest ball that its search admits.
+        // A corner's leaf that cannot move inwards is tried at the next rung. Few points lean by
+        // chance: unless edges are looked for, no leaf becomes smaller than the finest ball that
+        // its search admits.
         const double radius = smaller.value_or(kGoldenRatio * c.choice.radius);
         if (edges() != Edges::real && radius < c.choice.finest) return;
         make_smaller(c, radius, lower);
@@ -298,12 +323,13 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     }
 }
 
-/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that covers the
-/// border point as well reaches beyond it by a quarter of that only; it takes the leaf's place if its
-/// own radius allows it. If the radius there is smaller, the border must not have a larger one (a corner sees
-/// a quarter of the data only): that radius is returned.
-/// Departs from the paper, whose surfels overhang the borders of scans and sharp edges as discs.
-std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower, LeafWork& work) const {
+/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that
+/// covers the border point as well reaches beyond it by a quarter of that only; it takes the leaf's
+/// place if its own radius allows it. If the radius there is smaller, the border must not have a
+/// larger one (a corner sees a quarter of the data only): that radius is returned. Departs from the
+/// paper, whose surfels overhang the borders of scans and sharp edges as discs.
+std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower,
+                                              LeafWork& work) const {
     const Vec3d from = block_.position[c.point];
     const double rho = c.surfel.fitted.surfel.support_radius;
     const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);

@@ -11,24 +11,28 @@
 namespace slim {
 namespace {
 
-/// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last points there
-/// may be a gap, which both must reach across. Of a half-filled disc it is too much by 1.4.
+/// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last
+/// points there may be a gap, which both must reach across. Of a half-filled disc it is too much
+/// by 1.4.
 constexpr double kMargin = 1.2;
-/// Where n points at random would all lie this side of the last one once in e^7 = 1,100 times only, the surface has
-/// ended: half of a spacing is what a point stands for.
+/// Where n points at random would all lie this side of the last one once in e^7 = 1,100 times only,
+/// the surface has ended: half of a spacing is what a point stands for.
 constexpr double kSurelyEnded = 7;
 constexpr double kMarginOfBorder = 0.5;
-/// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover as wholes.
+/// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover
+/// as wholes.
 constexpr double kMarginOfFew = 0.15;
 constexpr std::size_t kFew = 8;
-constexpr double kOnEdge = 0.12;  // over rho: so far an edge's own points may lie before the last covered one
+// over rho: so far an edge's own points may lie before the last covered one
+constexpr double kOnEdge = 0.12;
 constexpr double kAlike = 1e-6;   // over rho: reaches that differ by rounding
 constexpr double kOfEdge = 0.1;   // over rho: so far covered points may lie beyond an edge
 constexpr double kNoRim = 1;      // over rho: where the ball ends
-constexpr double kBeyondEdge = 0.02;  // over rho: so far a leaf may be drawn beyond an edge before it is made smaller
-constexpr int kLeastShare = 78;       // hundredths of its radius: to where a rim is none, 0.56 / 0.72
+// over rho: so far a leaf may be drawn beyond an edge before it is made smaller
+constexpr double kBeyondEdge = 0.02;
+constexpr int kLeastShare = 78;   // hundredths of its radius: to where a rim is none, 0.56 / 0.72
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
-constexpr int kLeans = 4;         // directions, 45 degrees: a corner's own point leans between its edges
+constexpr int kLeans = 4;  // directions, 45 degrees: a corner's own point leans between its edges
 constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
 constexpr double kLongestRim = kRimReaches * kRimStep;
 using PerDirection = std::array<float, kRimDirections>;
@@ -44,8 +48,8 @@ struct Directions {
     }
 };
 
-/// How far the covered points reach in each direction, over rho; at least 0, where the centre is. Nothing once they
-/// reach farther than any rim everywhere, as they soon do on most surfaces.
+/// How far the covered points reach in each direction, over rho; at least 0, where the centre is.
+/// Nothing once they reach farther than any rim everywhere, as they soon do on most surfaces.
 std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf, double longest = kLongestRim) {
     static const Directions directions;
     constexpr std::size_t kAtOnce = 24, kRounds = 16;
@@ -59,13 +63,16 @@ std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf, double longes
                 for (std::size_t k = 0; k < reach.size(); ++k)
                     reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
             }
-            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(longest)) return {};
+            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(longest))
+                return {};
         }
     return reach;
 }
 
 /// Entry of a direction, which may be counted round the circle by one turn.
-std::size_t direction(int k) { return static_cast<std::size_t>((k + kRimDirections) % kRimDirections); }
+std::size_t direction(int k) {
+    return static_cast<std::size_t>((k + kRimDirections) % kRimDirections);
+}
 
 /// How far the leaf may reach in each direction, over rho.
 struct Bounds {
@@ -83,7 +90,8 @@ struct Bounds {
         return best;
     }
     void leave_out(int k, int width) {
-        for (int d = -width; d <= width; ++d) reach[direction(k + d)] = kNoRim, lean[direction(k + d)] = 0;
+        for (int d = -width; d <= width; ++d)
+            reach[direction(k + d)] = kNoRim, lean[direction(k + d)] = 0;
     }
 };
 
@@ -113,8 +121,8 @@ struct EdgeVotes {
     }
 };
 
-/// How well the normals of an edge's own points that are the last covered ones in a direction lean there: the sum of the
-/// cosines; 0 where the leaf does not end at such points.
+/// How well the normals of an edge's own points that are the last covered ones in a direction lean
+/// there: the sum of the cosines; 0 where the leaf does not end at such points.
 PerDirection ends_of(const std::vector<EdgePoint>& edge_points, const PerDirection& covered) {
     PerDirection ends{};
     for (const EdgePoint& p : edge_points) {
@@ -125,7 +133,8 @@ PerDirection ends_of(const std::vector<EdgePoint>& edge_points, const PerDirecti
             const auto [u, v] = rim_direction(static_cast<int>(i));
             const double reach = u * static_cast<double>(p.x) + v * static_cast<double>(p.y);
             const double lean = u * static_cast<double>(p.u) + v * static_cast<double>(p.v);
-            if (reach >= static_cast<double>(covered[i]) - kOnEdge) ends[i] += static_cast<float>(lean);
+            if (reach >= static_cast<double>(covered[i]) - kOnEdge)
+                ends[i] += static_cast<float>(lean);
         }
     }
     return ends;
@@ -152,15 +161,16 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     for (int k = 0; k < kRimDirections; ++k) {
         const double last = static_cast<double>(covered[direction(k)]);
         double margin = margin_beyond(last, n);
-        if (leaf.edges_are_real && leaf.covered.size() < kFew) margin = std::min(margin, kMarginOfFew);
+        if (leaf.edges_are_real && leaf.covered.size() < kFew)
+            margin = std::min(margin, kMarginOfFew);
         out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));
         if (out.lean[direction(k)] > 0) out.reach[direction(k)] = last;
     }
     return out;
 }
 
-/// The rim before the most of those places, which it takes out; 0 where none has any beyond it. Covered points stay
-/// inside.
+/// The rim before the most of those places, which it takes out; 0 where none has any beyond it.
+/// Covered points stay inside.
 PackedRim rim_before(std::vector<AirPlace>& air, const PerDirection& covered) {
     const auto reach = [](const AirPlace& p, int k) {
         const auto [u, v] = rim_direction(k);
@@ -169,9 +179,11 @@ PackedRim rim_before(std::vector<AirPlace>& air, const PerDirection& covered) {
     std::ptrdiff_t most = 0;
     int best = 0, best_step = 0;
     for (int k = 0; k < kRimDirections; ++k)
-        for (int step = kRimReaches; step > 0 && kRimStep * step >= static_cast<double>(covered[direction(k)]); --step) {
-            const auto n = std::count_if(air.begin(), air.end(),
-                                         [&](const AirPlace& p) { return reach(p, k) >= kRimStep * step; });
+        for (int step = kRimReaches;
+             step > 0 && kRimStep * step >= static_cast<double>(covered[direction(k)]); --step) {
+            const auto n = std::count_if(air.begin(), air.end(), [&](const AirPlace& p) {
+                return reach(p, k) >= kRimStep * step;
+            });
             if (n > most) most = n, best = k, best_step = step;
         }
     if (most == 0) return 0;
@@ -184,7 +196,8 @@ PackedRim rim_at(const Bounds& bounds) {
     return pack_rim(k, bounds.reach[direction(k)]);
 }
 
-/// By how much a leaf that ends at that reach is drawn beyond it, over rho, in a ball `share` times as large.
+/// By how much a leaf that ends at that reach is drawn beyond it, over rho, in a ball `share` times
+/// as large.
 double drawn_beyond(double reach, double share) {
     const double step = std::max(1.0, std::ceil(reach / share / kRimStep - kAlike));
     const double end = step <= kRimReaches ? kRimStep * step : kHitTrim;
@@ -196,7 +209,8 @@ std::array<double, 2> nearest_edges(const CoveringSurfel& leaf, const PerDirecti
     Bounds bounds = bounds_of(leaf, covered);
     const EdgeVotes votes(leaf.edges, covered);
     for (int k = 0; k < kRimDirections; ++k)
-        if (!(votes.mean(k) < kNoRim) && !(bounds.lean[direction(k)] > 0)) bounds.reach[direction(k)] = kNoRim;
+        if (!(votes.mean(k) < kNoRim) && !(bounds.lean[direction(k)] > 0))
+            bounds.reach[direction(k)] = kNoRim;
     std::array<double, 2> out{};
     for (double& reach : out) {
         const int k = bounds.nearest();

@@ -8,8 +8,8 @@
 namespace slim {
 namespace {
 
-/// Cosine that a sheet's normal must have with the face that is followed: less than the least angle between
-/// the sheets of a surfel, as where surfaces are blended (kSharpGate).
+/// Cosine that a sheet's normal must have with the face that is followed: less than the least angle
+/// between the sheets of a surfel, as where surfaces are blended (kSharpGate).
 constexpr double kSameFace = 0.866;
 
 /// An edge of a leaf where it is nearest a place.
@@ -19,20 +19,23 @@ struct OwnEdge {
 };
 
 /// The normals of a pair's faces at x in the order of the side; nothing if it is another edge.
-std::optional<std::array<Vec3d, 2>> normals_of_side(const Surfel& s, std::size_t pair, const Vec3d& x,
-                                                    const EdgeSide& side) {
+std::optional<std::array<Vec3d, 2>> normals_of_side(const Surfel& s, std::size_t pair,
+                                                    const Vec3d& x, const EdgeSide& side) {
     if ((join_of_pair(*s.sharp, pair) == Join::max) != side.convex) return std::nullopt;
     const SheetPair& sheets = kSheetPairs[pair];
     std::array<Vec3d, 2> n{normalized(s.sheet_gradient(sheets.a, x)),
                            normalized(s.sheet_gradient(sheets.b, x))};
-    const auto agree = [&] { return std::min(dot(n[0], side.normal[0]), dot(n[1], side.normal[1])); };
+    const auto agree = [&] {
+        return std::min(dot(n[0], side.normal[0]), dot(n[1], side.normal[1]));
+    };
     if (agree() > kSameFace) return n;
     std::swap(n[0], n[1]);
     if (agree() > kSameFace) return n;
     return std::nullopt;
 }
 
-std::optional<OwnEdge> own_edge(const Surfel& s, std::size_t pair, const Vec3d& x, const EdgeSide& side) {
+std::optional<OwnEdge> own_edge(const Surfel& s, std::size_t pair, const Vec3d& x,
+                                const EdgeSide& side) {
     if (!normals_of_side(s, pair, x, side)) return std::nullopt;
     const auto at = nearest_on_edge(s, kSheetPairs[pair], x);
     if (!at || !(sq_length(*at - x) < kBelongs * kBelongs)) return std::nullopt;
@@ -47,7 +50,8 @@ BallIndex sharp_leaves(const SurfelTree& tree, bool loose) {
     std::vector<Surfel> leaves;
     for (const SharpEntry& entry : tree.sharp()) {
         const TreeNode& node = tree.node(entry.node);
-        if (node.is_leaf() && (loose || !node.is_loose())) leaves.push_back(tree.surfel(entry.node));
+        if (node.is_leaf() && (loose || !node.is_loose()))
+            leaves.push_back(tree.surfel(entry.node));
     }
     return BallIndex(std::move(leaves));
 }
@@ -66,8 +70,8 @@ std::optional<BlendedEdge> EdgeBlender::blend(const Vec3d& p, const EdgeSide& si
             const auto own = own_edge(*s, pair, x, side);
             if (!own) continue;
             const bool shows = edge_shows(*s, kSheetPairs[pair], own->x);
-            parts_.push_back(
-                {static_cast<std::uint32_t>(leaves_.number_of(s)), static_cast<std::uint8_t>(pair)});
+            parts_.push_back({static_cast<std::uint32_t>(leaves_.number_of(s)),
+                              static_cast<std::uint8_t>(pair)});
             (shows ? sum.shown : sum.cut) += g;
             sum.in_core = sum.in_core || (shows && sq_length(own->x) < kHitTrim * kHitTrim);
             weight += g, sum.radius += g * rho;

@@ -35,14 +35,15 @@ struct BlendedEdge {
     std::array<Vec3d, 2> normal;  ///< unit, outwards, in the order of the side asked for
     double radius = 0;            ///< mean rho
     double shown = 0,
-           cut =
-               0;  ///< weight of the leaves that show the edge there, and of those whose third sheet cuts it
+           cut = 0;  ///< weight of the leaves that show the edge there, and of those whose third
+                     ///< sheet cuts it
     bool in_core = false;  ///< some leaf shows it within its core, where first hits are looked for
 };
 
-/// Blends edges of leaves as eq. (6) (Ohtake 2005) blends surfaces: every leaf that holds p and has an edge
-/// of that side there, no farther than kBelongs rho, moves p to its own edge; the mean of these points by the
-/// weights G(|p - c| / rho). The leaves that took part, as `parts`. Nothing where there is none.
+/// Blends edges of leaves as eq. (6) (Ohtake 2005) blends surfaces: every leaf that holds p and has
+/// an edge of that side there, no farther than kBelongs rho, moves p to its own edge; the mean of
+/// these points by the weights G(|p - c| / rho). The leaves that took part, as `parts`. Nothing
+/// where there is none.
 class EdgeBlender {
 public:
     explicit EdgeBlender(const BallIndex& leaves) : leaves_(leaves) {}

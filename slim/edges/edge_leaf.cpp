@@ -16,7 +16,8 @@ std::optional<Vec3d> nearest_on_edge(const Surfel& s, const SheetPair& pair, Vec
         const Vec3d ga = s.sheet_gradient(pair.a, x), gb = s.sheet_gradient(pair.b, x);
         const double fa = s.sheet_value(pair.a, x), fb = s.sheet_value(pair.b, x);
         // The step d = p ga + q gb with ga . d = -fa, gb . d = -fb.
-        const double aa = sq_length(ga), ab = dot(ga, gb), bb = sq_length(gb), det = aa * bb - ab * ab;
+        const double aa = sq_length(ga), ab = dot(ga, gb), bb = sq_length(gb),
+                     det = aa * bb - ab * ab;
         if (!(det > kLeastSqSine * aa * bb)) return std::nullopt;
         const Vec3d d = ga * ((ab * fb - bb * fa) / det) + gb * ((ab * fa - aa * fb) / det);
         x += d;
@@ -36,7 +37,8 @@ std::optional<Vec3d> corner_of(const Surfel& s) {
         if (!(std::abs(volume) > kLeastVolume * length(g[0]) * length(g[1]) * length(g[2])))
             return std::nullopt;
         const Vec3d d =
-            (c0 * s.sheet_value(0, x) + c1 * s.sheet_value(1, x) + c2 * s.sheet_value(2, x)) * (-1 / volume);
+            (c0 * s.sheet_value(0, x) + c1 * s.sheet_value(1, x) + c2 * s.sheet_value(2, x)) *
+            (-1 / volume);
         x += d;
         if (!(sq_length(x) < kFarOff * kFarOff)) return std::nullopt;
         if (sq_length(d) < kSmallStep * kSmallStep) return x;

@@ -22,8 +22,9 @@ inline Join join_of_pair(const SharpSheets& sheets, std::size_t pair) {
     return sheets.n_extra == 2 && pair == 2 ? sheets.inner : sheets.outer;
 }
 
-/// The point nearest x where both sheets of a pair are 0, by Newton's steps of least length; relative to the
-/// centre, over rho. Nothing where they do not meet near the ball, or at less than about 6 degrees.
+/// The point nearest x where both sheets of a pair are 0, by Newton's steps of least length;
+/// relative to the centre, over rho. Nothing where they do not meet near the ball, or at less than
+/// about 6 degrees.
 std::optional<Vec3d> nearest_on_edge(const Surfel& s, const SheetPair& pair, Vec3d x);
 
 /// Where all three sheets are 0, likewise, from the centre. Of surfels of three sheets.

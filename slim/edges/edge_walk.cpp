@@ -46,7 +46,8 @@ bool returns_to(const EdgePoint& start, const EdgePoint& from, const EdgePoint& 
 bool leads_on(const EdgePoint& from, const EdgePoint& to, double step) {
     const Vec3d moved = to.point - from.point;
     return !(dot(to.tangent, from.tangent) < 0.5f) &&
-           dot(moved, to_double(from.tangent)) > 0.3 * step && !(sq_length(moved) > 4 * step * step);
+           dot(moved, to_double(from.tangent)) > 0.3 * step &&
+           !(sq_length(moved) > 4 * step * step);
 }
 
 void append_numbers(const std::vector<LeafEdge>& parts, std::vector<std::uint32_t>& out) {

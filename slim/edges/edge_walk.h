@@ -53,8 +53,8 @@ public:
     EdgeWalker(const BallIndex& leaves, const Corners& corners)
         : leaves_(leaves), blender_(leaves), corners_(corners) {}
 
-    /// On the blended edge, from a place within the leaf's core that it shows: nearest the centre, or to
-    /// either side. Nothing where there is none.
+    /// On the blended edge, from a place within the leaf's core that it shows: nearest the centre,
+    /// or to either side. Nothing where there is none.
     std::optional<EdgeStart> start(std::size_t leaf, std::size_t pair);
     EdgeWalk follow(const EdgeStart& start, double way, const PassedEdges& passed);
 

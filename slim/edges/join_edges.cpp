@@ -27,8 +27,8 @@ std::vector<FreeEnd> free_ends(const std::vector<TracedEdge>& edges) {
             const SharpEdge& e = edges[i].edge;
             if (e.closed || e.corner[side] != kNoCorner) continue;
             const EdgePoint& p = side ? e.points.back() : e.points.front();
-            ends.push_back(
-                {i, side, p.point, to_double(p.tangent) * (side ? 1.0 : -1.0), edges[i].radius[side]});
+            ends.push_back({i, side, p.point, to_double(p.tangent) * (side ? 1.0 : -1.0),
+                            edges[i].radius[side]});
         }
     std::sort(ends.begin(), ends.end(), [](const FreeEnd& a, const FreeEnd& b) {
         return std::tie(a.point.x, a.edge, a.side) < std::tie(b.point.x, b.edge, b.side);
@@ -50,9 +50,11 @@ double gap(const std::vector<TracedEdge>& edges, const FreeEnd& a, const FreeEnd
     constexpr double kLeads = 0.7;
     const Vec3d d = b.point - a.point;
     const double apart = length(d);
-    if (!(apart < std::min(a.radius, b.radius)) || (a.edge == b.edge && edges[a.edge].edge.points.size() < 8))
+    if (!(apart < std::min(a.radius, b.radius)) ||
+        (a.edge == b.edge && edges[a.edge].edge.points.size() < 8))
         return -1;
-    if (!(dot(d, a.outwards) >= kLeads * apart) || !(-dot(d, b.outwards) >= kLeads * apart)) return -1;
+    if (!(dot(d, a.outwards) >= kLeads * apart) || !(-dot(d, b.outwards) >= kLeads * apart))
+        return -1;
     return same_faces(edges[a.edge].edge, a.side, edges[b.edge].edge, b.side) ? apart : -1;
 }
 
@@ -75,17 +77,19 @@ std::vector<std::uint32_t> along_curve(const std::vector<FreeEnd>& ends) {
 }
 
 /// Pairs that may be joined, nearest first.
-std::vector<Bridge> bridges(const std::vector<TracedEdge>& edges, const std::vector<FreeEnd>& ends) {
+std::vector<Bridge> bridges(const std::vector<TracedEdge>& edges,
+                            const std::vector<FreeEnd>& ends) {
     const std::vector<std::uint32_t> order = along_curve(ends);
     const BoxTree boxes(order.size(), [&](std::size_t i) { return ends[order[i]].point; });
     std::vector<Bridge> out;
     for (std::uint32_t i = 0; i < ends.size(); ++i)
-        boxes.for_buckets_in_ball(ends[i].point, ends[i].radius, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k)
-                if (order[k] > i)
-                    if (const double d = gap(edges, ends[i], ends[order[k]]); d >= 0)
-                        out.push_back({d, i, order[k]});
-        });
+        boxes.for_buckets_in_ball(
+            ends[i].point, ends[i].radius, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t k = begin; k < end; ++k)
+                    if (order[k] > i)
+                        if (const double d = gap(edges, ends[i], ends[order[k]]); d >= 0)
+                            out.push_back({d, i, order[k]});
+            });
     std::sort(out.begin(), out.end(), [](const Bridge& p, const Bridge& q) {
         return std::tie(p.gap, p.a, p.b) < std::tie(q.gap, q.a, q.b);
     });
@@ -99,7 +103,8 @@ void turn_about(SharpEdge& e) {
 }
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-using Partners = std::vector<std::array<std::uint32_t, 2>>;  // by edge and side: the other end, 2 edge + side
+using Partners =
+    std::vector<std::array<std::uint32_t, 2>>;  // by edge and side: the other end, 2 edge + side
 
 /// Follows partners from an edge that is entered at `side`'s opposite; marks what it takes.
 SharpEdge chain(std::vector<TracedEdge>& edges, const Partners& partners, std::uint32_t first,

@@ -35,9 +35,9 @@ std::optional<WalkedEdge> walk_edge(EdgeWalker& walker, std::uint32_t number,
     return edge;
 }
 
-/// Edges in the order of the leaves: each takes what it passes, and ends where all has been taken. They are
-/// walked several at once, from where they will likely start; what others took before them is cut
-/// off when their turn comes, so that all is as if one had been followed after the other.
+/// Edges in the order of the leaves: each takes what it passes, and ends where all has been taken.
+/// They are walked several at once, from where they will likely start; what others took before them
+/// is cut off when their turn comes, so that all is as if one had been followed after the other.
 class EdgeTracer {
 public:
     EdgeTracer(const BallIndex& leaves, const EachBatch& each_batch)
@@ -54,7 +54,8 @@ public:
                                 [&](std::size_t done, std::size_t) { tell(done); });
         for (std::size_t i = 0; i < n; ++i)
             for (std::size_t pair = 0; pair < n_sheet_pairs(leaves_.leaf(i)); ++pair)
-                if (const auto number = static_cast<std::uint32_t>(3 * i + pair); !passed_[number]) {
+                if (const auto number = static_cast<std::uint32_t>(3 * i + pair);
+                    !passed_[number]) {
                     auto edge = walked(number);
                     if (edge) take(std::move(*edge));
                     tell(n + i);
@@ -78,7 +79,8 @@ private:
     std::optional<WalkedEdge> walked(std::uint32_t number) {
         while (!batch_.empty() && next_ < batch_.size() && batch_[next_] < number) ++next_;
         if (next_ == batch_.size()) walk_batch(number);
-        if (next_ < batch_.size() && batch_[next_] == number) return std::move(edges_of_batch_[next_++]);
+        if (next_ < batch_.size() && batch_[next_] == number)
+            return std::move(edges_of_batch_[next_++]);
         return walk_edge(walker_, number, passed_);
     }
 
@@ -107,7 +109,8 @@ private:
             if (!edge.back) edge.back = walker_.follow(edge.start, -1, passed_);
             back = part_of(std::move(*edge.back), edge.start.point(-1), radius);
         }
-        put_together(edge.start.point(1), std::move(back), std::move(ahead), edge.start.side.convex);
+        put_together(edge.start.point(1), std::move(back), std::move(ahead),
+                     edge.start.side.convex);
     }
 
     /// Whether all leaves' edges here have been passed by edges before this one.
@@ -147,11 +150,13 @@ private:
         const double near = 0.5 * kEdgeStep * corner.radius;
         const Vec3d along = to_double(last().tangent);
         const Vec3d ahead = corner.point - last().point;
-        if (sq_length(ahead - along * dot(ahead, along)) > 16 * near * near || dot(ahead, along) > 8 * near) {
+        if (sq_length(ahead - along * dot(ahead, along)) > 16 * near * near ||
+            dot(ahead, along) > 8 * near) {
             half.corner = kNoCorner;
             return;
         }
-        while (!half.points.empty() && dot(corner.point - last().point, to_double(last().tangent)) < near)
+        while (!half.points.empty() &&
+               dot(corner.point - last().point, to_double(last().tangent)) < near)
             half.points.pop_back();
         EdgePoint end = last();
         const Vec3d chord = corner.point - end.point;
@@ -178,18 +183,21 @@ private:
         };
         if (!at_start(back) && !at_start(ahead)) edge.points.push_back(first);
         edge.points.insert(edge.points.end(), ahead.points.begin(), ahead.points.end());
-        if (edge.points.size() > 1) edges_.push_back({std::move(edge), {back.radius, ahead.radius}});
+        if (edge.points.size() > 1)
+            edges_.push_back({std::move(edge), {back.radius, ahead.radius}});
     }
 
     const BallIndex& leaves_;
     const EachBatch& each_batch_;
     const Corners corners_;
     EdgeWalker walker_;
-    std::vector<std::uint32_t> likely_, batch_;  ///< where edges likely start; those that were walked together
+    std::vector<std::uint32_t> likely_,
+        batch_;  ///< where edges likely start; those that were walked together
     std::size_t next_likely_ = 0, next_ = 0;
     std::vector<std::optional<WalkedEdge>> edges_of_batch_;
     PassedEdges passed_;
-    std::vector<std::uint32_t> owner_;  ///< number of the edge that passed each edge of each leaf first
+    std::vector<std::uint32_t>
+        owner_;  ///< number of the edge that passed each edge of each leaf first
     std::uint32_t number_ = 0;
     std::size_t n_leaves_ = 0;
     std::vector<TracedEdge> edges_;
@@ -197,11 +205,13 @@ private:
 
 }  // namespace
 
-std::vector<SharpEdge> trace_sharp_edges(const SurfelTree& tree, bool loose, const EachBatch& each_batch) {
+std::vector<SharpEdge> trace_sharp_edges(const SurfelTree& tree, bool loose,
+                                         const EachBatch& each_batch) {
     if (tree.sharp().empty()) return {};
     const BallIndex leaves = sharp_leaves(tree, loose);
     if (leaves.n_leaves() == 0) return {};
-    return without_weak_edges(joined_edges(EdgeTracer(leaves, each_batch).run()), sharp_roughness(tree, loose));
+    return without_weak_edges(joined_edges(EdgeTracer(leaves, each_batch).run()),
+                              sharp_roughness(tree, loose));
 }
 
 }  // namespace slim

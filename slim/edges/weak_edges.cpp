@@ -23,7 +23,8 @@ double sharp_roughness(const SurfelTree& tree, bool loose) {
     for (const SharpEntry& entry : tree.sharp()) {
         const TreeNode& node = tree.node(entry.node);
         if (!node.is_leaf() || (node.is_loose() && !loose)) continue;
-        rough.push_back(node.fit_error / static_cast<float>(tree.surfel(entry.node).support_radius));
+        rough.push_back(node.fit_error /
+                        static_cast<float>(tree.surfel(entry.node).support_radius));
     }
     if (rough.empty()) return 0;
     const auto middle = rough.begin() + static_cast<std::ptrdiff_t>(rough.size() / 2);
@@ -33,7 +34,8 @@ double sharp_roughness(const SurfelTree& tree, bool loose) {
 
 std::vector<SharpEdge> without_weak_edges(std::vector<SharpEdge> edges, double roughness) {
     const double least = std::min(kTurnOverRoughness * roughness, kSurelyTurns);
-    std::erase_if(edges, [&](const SharpEdge& edge) { return edge.n_leaves < 2 && mean_turn(edge) < least; });
+    std::erase_if(
+        edges, [&](const SharpEdge& edge) { return edge.n_leaves < 2 && mean_turn(edge) < least; });
     return edges;
 }
 

@@ -10,7 +10,8 @@ constexpr double kClosest = 0.866;     // cos of the least angle between two clu
 constexpr std::size_t kLeastMembers = 3;  // a plane's worth
 constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
-constexpr double kSpreadWithin2 = 0.4, kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
+constexpr double kSpreadWithin2 = 0.4,
+                 kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
 constexpr std::size_t kJudged = 48;
 
 template <class T>
@@ -18,7 +19,8 @@ Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
     return {p.nx[i], p.ny[i], p.nz[i]};
 }
 
-/// The normal whose largest cosine to any of the first `k` normals is smallest, of every `stride`-th point.
+/// The normal whose largest cosine to any of the first `k` normals is smallest, of every
+/// `stride`-th point.
 template <class T>
 Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& from, std::size_t k,
                std::size_t stride) {

@@ -11,7 +11,8 @@
 
 namespace slim {
 
-/// Share of the way from one cluster's normal to another's (in 1 - cos) within which a normal is neither's.
+/// Share of the way from one cluster's normal to another's (in 1 - cos) within which a normal is
+/// neither's.
 inline constexpr double kAmbiguous = 0.4;
 
 /// How far a ball's normals are from one: 1 - |sum n| / n over the points that have one; 0 on a
@@ -23,8 +24,8 @@ double normal_spread(const BallPoints<T>& points);
 inline constexpr double kLeastSpread = 0.03;
 
 /// Whether it may pay to look for sheets: the normals spread by more than kLeastSpread, and two or
-/// three groups of them hold most of that spread, which those of a curved surface do not (two halves
-/// of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
+/// three groups of them hold most of that spread, which those of a curved surface do not (two
+/// halves of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
 template <class T>
 bool shows_edge(const BallPoints<T>& points);
 
@@ -32,10 +33,11 @@ struct NormalClusters {
     std::array<Vec3d, kMostSheets> normal;  ///< unit
 };
 
-/// Splits a ball's normals into k = 2 or 3 clusters: k-means, the seeds being the normal farthest from the
-/// mean, the one farthest from that, and the one farthest from both. `member[i]` is the bit of the cluster of
-/// point i, or 0 where its normal lies between two (an edge's own vertices) or is missing.
-/// False if two clusters are less than 30 degrees apart or one has fewer than 3 points or 4 % of all.
+/// Splits a ball's normals into k = 2 or 3 clusters: k-means, the seeds being the normal farthest
+/// from the mean, the one farthest from that, and the one farthest from both. `member[i]` is the
+/// bit of the cluster of point i, or 0 where its normal lies between two (an edge's own vertices)
+/// or is missing. False if two clusters are less than 30 degrees apart or one has fewer than 3
+/// points or 4 % of all.
 template <class T>
 bool cluster_normals(const BallPoints<T>& points, std::size_t k, NormalClusters& clusters,
                      std::vector<std::uint8_t>& member);

@@ -18,14 +18,16 @@ constexpr double kNoises = 2.5;       // and so many standard deviations of the 
 /// What places on the joined surface are held against; lengths over rho.
 struct Limits {
     double sq_gap, sq_beside;
-    double side;  ///< of the points' planes where the surface lies: 1 below, -1 above, 0 either (mixed corners)
+    double side;  ///< of the points' planes where the surface lies: 1 below, -1 above, 0 either
+                  ///< (mixed corners)
     double stands_out;
 };
 
 template <class T>
 Limits limits_of(const SharpFit& fit, const BallPoints<T>& points, double noise_variance) {
     const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(points.n));
-    const double gap = std::max(kLeastGap, kGap * spacing), beside = std::min(kBeside * spacing, gap);
+    const double gap = std::max(kLeastGap, kGap * spacing),
+                 beside = std::min(kBeside * spacing, gap);
     const bool is_mixed = fit.n_sheets > 2 && fit.outer != fit.inner;
     return {gap * gap, beside * beside, is_mixed ? 0.0 : fit.outer == Join::max ? 1.0 : -1.0,
             kStandsOut + kNoises * std::sqrt(noise_variance) / points.radius};
@@ -33,7 +35,8 @@ Limits limits_of(const SharpFit& fit, const BallPoints<T>& points, double noise_
 
 /// Whether the points bear out a place x on a sheet of that normal.
 template <class T>
-bool is_borne_out(const BallPoints<T>& points, const Vec3d& x, const Vec3d& normal, const Limits& limits) {
+bool is_borne_out(const BallPoints<T>& points, const Vec3d& x, const Vec3d& normal,
+                  const Limits& limits) {
     bool found = false;
     for (std::size_t i = 0; i < points.n; ++i) {
         const Vec3d away = x - Vec3d{points.x[i], points.y[i], points.z[i]};
@@ -56,10 +59,12 @@ bool is_filled(const SharpFit& fit, const BallPoints<T>& points, double noise_va
         for (int i = -kGrid; i <= kGrid; ++i)
             for (int j = -kGrid; j <= kGrid; ++j) {
                 const double u = kTrim * i / kGrid, v = kTrim * j / kGrid;
-                const Vec3d x = fit.frame[k].world_from_local({u, v, fit.polynomial[k].value(u, v)});
+                const Vec3d x =
+                    fit.frame[k].world_from_local({u, v, fit.polynomial[k].value(u, v)});
                 if (sq_length(x) >= kTrim * kTrim) continue;
                 if (!s.sharp->on_surface(k, s.sheet_values(x))) continue;
-                if (!is_borne_out(points, x, normalized(s.sheet_gradient(k, x)), limits)) return false;
+                if (!is_borne_out(points, x, normalized(s.sheet_gradient(k, x)), limits))
+                    return false;
             }
     return true;
 }

@@ -16,7 +16,7 @@ constexpr double kOffSheet = 5;         // times the noise, as in the ladder
 constexpr double kWorthADegree = 1.5;   // eps^2 of the plane over that of the full degree
 constexpr double kExplained = 4;        // residuals up to this many eps belong to a sheet
 constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
-constexpr double kFollows = 0.9;         // mean cosine of a sheet's gradients to its points' normals
+constexpr double kFollows = 0.9;        // mean cosine of a sheet's gradients to its points' normals
 constexpr int kRefits = 2;
 
 template <class T>
@@ -63,7 +63,10 @@ template <class T>
 class SharpFitter {
 public:
     SharpFitter(const BallPoints<T>& points, int degree, double noise_variance, SharpWork<T>& work)
-        : p_(points), degree_(degree), noise_(std::sqrt(noise_variance) / points.radius), work_(work) {}
+        : p_(points),
+          degree_(degree),
+          noise_(std::sqrt(noise_variance) / points.radius),
+          work_(work) {}
 
     std::optional<SharpFit> run(std::size_t n_sheets) {
         NormalClusters clusters;
@@ -93,14 +96,15 @@ private:
         return dot(fit_.frame[k].world_from_local(g), n) / length(g);
     }
 
-    /// The fit of the full degree to the points of a sheet, those in work_.part; of few, by their normals too.
+    /// The fit of the full degree to the points of a sheet, those in work_.part; of few, by their
+    /// normals too.
     LocalFit full_fit(std::size_t k) {
         const LocalFit full = fit_ball(work_.part, 1, fit_.frame[k], degree_);
         return full.degree > 1 ? full : fit_by_normals(work_.part, fit_.frame[k]).value_or(full);
     }
 
-    /// Each sheet to its own points; the plane if the full degree is not clearly better: a sheet must not
-    /// swing where it has no points.
+    /// Each sheet to its own points; the plane if the full degree is not clearly better: a sheet
+    /// must not swing where it has no points.
     bool fit_sheets() {
         fit_.degree = 1;
         fit_.n_coefficients = 0;
@@ -134,7 +138,8 @@ private:
         return sum >= kFollows * n;
     }
 
-    /// The plane across the mean normal through the mean of the sheet's points (those in work_.part).
+    /// The plane across the mean normal through the mean of the sheet's points (those in
+    /// work_.part).
     LocalFit level(std::size_t k) {
         double sum = 0, squares = 0, weight = 0;
         for (std::size_t i = 0; i < work_.part.n; ++i) {
@@ -144,13 +149,14 @@ private:
         }
         LocalFit fit;
         fit.polynomial.a[0] = sum / weight;
-        fit.sq_error = p_.radius * p_.radius * std::max(0.0, squares / weight - std::pow(sum / weight, 2));
+        fit.sq_error =
+            p_.radius * p_.radius * std::max(0.0, squares / weight - std::pow(sum / weight, 2));
         fit_.polynomial[k] = fit.polynomial;
         return fit;
     }
 
-    /// Points go to the sheet whose normal they have, and to every other that is nearly as good and that
-    /// they lie on: an edge's own points are on both.
+    /// Points go to the sheet whose normal they have, and to every other that is nearly as good and
+    /// that they lie on: an edge's own points are on both.
     void assign() {
         for (std::size_t i = 0; i < p_.n; ++i) {
             const Vec3d x = place_of(p_, i), n = normal_of(p_, i);
@@ -189,9 +195,9 @@ private:
         return sum;
     }
 
-    /// The way to join that the points follow best; of three sheets the one that is unlike goes first:
-    /// F = outer(f_0, inner(f_1, f_2)). Sides of single sheets would not do: a face with a notch lies on
-    /// both sides of the notch's walls.
+    /// The way to join that the points follow best; of three sheets the one that is unlike goes
+    /// first: F = outer(f_0, inner(f_1, f_2)). Sides of single sheets would not do: a face with a
+    /// notch lies on both sides of the notch's walls.
     void find_joins() {
         double least = INFINITY;
         std::size_t best_first = 0;
@@ -234,8 +240,9 @@ private:
         count_off(joined, std::sqrt(sq_error));
     }
 
-    /// Points that lie off the joined surface, or off the sheet whose normal they have: a mean over the ball
-    /// would hide the few points of a third face, and sheets where there is no surface at all.
+    /// Points that lie off the joined surface, or off the sheet whose normal they have: a mean over
+    /// the ball would hide the few points of a third face, and sheets where there is no surface at
+    /// all.
     void count_off(const Surfel& joined, double error) {
         const double tolerance = kExplained * std::max(error, noise_);
         fit_.n_off = 0;
@@ -250,7 +257,8 @@ private:
         }
     }
 
-    /// The sheet whose normal at x is nearest to n, and their cosine; 1 for a point without a normal.
+    /// The sheet whose normal at x is nearest to n, and their cosine; 1 for a point without a
+    /// normal.
     std::pair<std::size_t, double> nearest_normal(const Vec3d& x, const Vec3d& n) const {
         std::pair<std::size_t, double> best{0, -1};
         for (std::size_t k = 0; k < fit_.n_sheets; ++k)

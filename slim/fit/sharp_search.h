@@ -12,13 +12,13 @@ namespace slim {
 /// Share of contrary normals of a cloud up to which one of them says "edge".
 inline constexpr double kCleanNormals = 1e-3;
 
-/// Bytes of a surfel of 1, 2, 3 sheets in the file over those of one sheet (quadratic; the other degrees
-/// differ by less than a tenth).
+/// Bytes of a surfel of 1, 2, 3 sheets in the file over those of one sheet (quadratic; the other
+/// degrees differ by less than a tenth).
 double sharp_price(std::size_t n_sheets);
 
-/// Searches a radius at which two or three joined sheets beat the single height field that the ladder found
-/// (notes/0002): E = eps^2 + lambda (T L / rho)^2 price, at steps of sqrt(1/g) upwards of the finest
-/// radius that holds enough points.
+/// Searches a radius at which two or three joined sheets beat the single height field that the
+/// ladder found (notes/0002): E = eps^2 + lambda (T L / rho)^2 price, at steps of sqrt(1/g) upwards
+/// of the finest radius that holds enough points.
 class SharpSearch {
 public:
     struct Choice {
@@ -32,9 +32,9 @@ public:
         : points_(points), energy_(energy), typical_variance_(typical_variance),
           root_radius_(root_radius), degree_(degree), rules_(rules) {}
 
-    /// The largest radius whose energy is no higher than the least upper bound of all tried, if that is below
-    /// the energy of the smooth choice. `work` is as RadiusLadder::choose left it, with
-    /// look_for_edges. Cost: nothing where no edge is in sight, else about ten balls.
+    /// The largest radius whose energy is no higher than the least upper bound of all tried, if
+    /// that is below the energy of the smooth choice. `work` is as RadiusLadder::choose left it,
+    /// with look_for_edges. Cost: nothing where no edge is in sight, else about ten balls.
     std::optional<Choice> choose(const Vec3d& center, const RadiusChoice& smooth,
                                  LadderWork& work) const;
 

@@ -69,8 +69,9 @@ inline constexpr double kTrim = 2.0 / 3.0;
 /// igea's 37 in three views of 1600x1200 two are left, of bunny_raw's 14 four; a smaller core of
 /// the cover does it for 27 % more leaves.
 inline constexpr double kHitTrim = 0.72;
-/// The same of sharp surfels: points bear their sheets out up to kTrim only (slim/fit/sharp_filled.h). Beyond it they go
-/// straight on past what the points show, and stand out of the outline; nearer, gaps open in faces (slim/fit/notes/0014).
+/// The same of sharp surfels: points bear their sheets out up to kTrim only
+/// (slim/fit/sharp_filled.h). Beyond it they go straight on past what the points show, and stand
+/// out of the outline; nearer, gaps open in faces (slim/fit/notes/0014).
 inline constexpr double kSharpHitTrim = 0.7;
 /// The one of the two that a surfel has.
 inline double hit_trim(const Surfel& s) { return s.sharp ? kSharpHitTrim : kHitTrim; }

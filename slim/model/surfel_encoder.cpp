@@ -46,7 +46,8 @@ PackedRim turn_rim(PackedRim packed, const Frame<double>& from, const Frame<doub
 
 /// What is left of them if one reaches too far now comes first.
 PackedRims turn_rims(PackedRims rims, const Frame<double>& from, const Frame<double>& to) {
-    const PackedRim first = turn_rim(rims.first, from, to), second = turn_rim(rims.second, from, to);
+    const PackedRim first = turn_rim(rims.first, from, to),
+                    second = turn_rim(rims.second, from, to);
     if (first == 0) return {second, 0};
     return {first, second};
 }

@@ -35,8 +35,8 @@ public:
     using Shapes = std::function<SurfelShape(std::size_t node)>;
     SurfelEncoder(std::size_t n, const Shapes& shape, SurfelTreeData& out);
 
-    /// Each node once, with a surfel of the shape that was announced. Returns its rims in the axes that it is
-    /// stored with.
+    /// Each node once, with a surfel of the shape that was announced. Returns its rims in the axes
+    /// that it is stored with.
     PackedRims put(std::size_t node, const Surfel& surfel);
 
 private:

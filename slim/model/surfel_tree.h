@@ -102,8 +102,8 @@ struct ModelHeader {
     /// Boxes of what pictures show without and with loose surfels (slim/tree/drawn_bounds.h); empty
     /// in older files.
     Bbox drawn, drawn_loose;
-    /// Places whose convex hull is about that of what pictures show, local frame, and of the loose surfels beside
-    /// it (slim/tree/drawn_hull.h); empty in older files.
+    /// Places whose convex hull is about that of what pictures show, local frame, and of the loose
+    /// surfels beside it (slim/tree/drawn_hull.h); empty in older files.
     std::vector<Vec3d> hull, loose_hull;
 };
 

@@ -16,7 +16,8 @@
 
 namespace slim {
 
-// What an audit of normals reads: points bucket by bucket, relative to the buckets' corners, and what lies around some of them.
+// What an audit of normals reads: points bucket by bucket, relative to the buckets' corners, and
+// what lies around some of them.
 
 inline constexpr std::size_t kAuditBucket = BoxTree::kBucket;
 
@@ -25,7 +26,8 @@ inline constexpr float kNowhere = 1e30f;  ///< of padding: in no ball
 /// A bucket's points relative to the low corner of its box, and their normals, as flat arrays:
 /// ready to be moved to the origin of any bucket near.
 struct alignas(64) LocalBucket {
-    float x[kAuditBucket], y[kAuditBucket], z[kAuditBucket], nx[kAuditBucket], ny[kAuditBucket], nz[kAuditBucket];
+    float x[kAuditBucket], y[kAuditBucket], z[kAuditBucket], nx[kAuditBucket], ny[kAuditBucket],
+        nz[kAuditBucket];
 
     void set(const PointBlock& points, std::size_t begin, std::size_t end, const Vec3d& corner) {
         for (std::size_t k = 0; k < kAuditBucket; ++k) {
@@ -48,8 +50,8 @@ struct Neighborhoods {
         : tree(boxes), buckets(tree.n_buckets()) {
         parallel_blocks(buckets.size(), 256, [&](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; b < end; ++b)
-                buckets[b].set(points, b * kAuditBucket, std::min((b + 1) * kAuditBucket, points.size()),
-                               tree.bucket(b).lo);
+                buckets[b].set(points, b * kAuditBucket,
+                               std::min((b + 1) * kAuditBucket, points.size()), tree.bucket(b).lo);
         });
     }
 };

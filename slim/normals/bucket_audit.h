@@ -10,12 +10,14 @@
 
 namespace slim {
 
-/// Cosine to the mean of the others below which a normal is looked at: the height-field limit of the radius ladder.
+/// Cosine to the mean of the others below which a normal is looked at: the height-field limit of
+/// the radius ladder.
 inline constexpr double kNoisyNormal = 0.3;
 inline constexpr float kLeastNeighbors = 5;
 /// |cosine| of normals that are the same but for the sign.
 inline constexpr float kAlongOneLine = 0.7f;
-/// A bucket agrees by itself where |mean normal| and the least cosine to the mean of the others are at least:
+/// A bucket agrees by itself where |mean normal| and the least cosine to the mean of the others are
+/// at least:
 inline constexpr float kOfOneMind = 0.8f, kClose = 0.5f;
 
 inline constexpr std::size_t kAuditGroups = kAuditBucket / kLanes;  ///< of lanes that hold a bucket
@@ -29,8 +31,8 @@ inline BucketLanes lanes_of(const float (&values)[kAuditBucket]) {
     return out;
 }
 
-/// Whether all points of a full bucket face as the mean of the others in it does, and clearly: no look at what lies around is
-/// needed (notes/0001).
+/// Whether all points of a full bucket face as the mean of the others in it does, and clearly: no
+/// look at what lies around is needed (notes/0001).
 [[gnu::flatten]] inline bool is_of_one_mind(const LocalBucket& b) {
     FloatV sum[3] = {0, 0, 0};
     for (std::size_t k = 0; k < kAuditBucket; k += kLanes) {
@@ -42,26 +44,30 @@ inline BucketLanes lanes_of(const float (&values)[kAuditBucket]) {
     constexpr float kLeast = kOfOneMind * kAuditBucket;
     if (!(x * x + y * y + z * z > kLeast * kLeast)) return false;
     for (std::size_t k = 0; k < kAuditBucket; k += kLanes) {
-        const FloatV nx = audit_lanes(b.nx + k), ny = audit_lanes(b.ny + k), nz = audit_lanes(b.nz + k);
+        const FloatV nx = audit_lanes(b.nx + k), ny = audit_lanes(b.ny + k),
+                     nz = audit_lanes(b.nz + k);
         const FloatV mx = x - nx, my = y - ny, mz = z - nz;
         const FloatV along = mx * nx + my * ny + mz * nz;
         const FloatV sq_own = nx * nx + ny * ny + nz * nz, sq_mean = mx * mx + my * my + mz * mz;
-        if (!stdx::all_of(along > FloatV(0) && along * along > FloatV(kClose * kClose) * sq_own * sq_mean)) return false;
+        if (!stdx::all_of(along > FloatV(0) &&
+                          along * along > FloatV(kClose * kClose) * sq_own * sq_mean))
+            return false;
     }
     return true;
 }
 
-/// Whether a normal is within 72 degrees of the mean of the others, by more than rounding: from their dot product and squared
-/// lengths, numbers or lanes.
+/// Whether a normal is within 72 degrees of the mean of the others, by more than rounding: from
+/// their dot product and squared lengths, numbers or lanes.
 template <class T>
 auto do_agree(const T& along, const T& sq_own, const T& sq_mean) {
     constexpr float kAgree = static_cast<float>(kNoisyNormal) + 0.01f;
     return (along > T(0)) && (along * along > T(kAgree * kAgree) * sq_own * sq_mean);
 }
 
-/// Whether nothing is wrong with the k-th of some points, as Sixteen::agreeing() says of each: for a few of them, a lane is a
-/// candidate (padded).
-[[gnu::flatten]] inline bool agrees(const LocalBucket& own, std::size_t k, const Candidates& c, float sq_radius) {
+/// Whether nothing is wrong with the k-th of some points, as Sixteen::agreeing() says of each: for
+/// a few of them, a lane is a candidate (padded).
+[[gnu::flatten]] inline bool agrees(const LocalBucket& own, std::size_t k, const Candidates& c,
+                                    float sq_radius) {
     FloatV lanes[3] = {0, 0, 0};
     for (std::size_t i = 0; i < c.n; i += kLanes) {
         const FloatV dx = audit_lanes(&c.x[i]) - own.x[k], dy = audit_lanes(&c.y[i]) - own.y[k],
@@ -72,7 +78,8 @@ auto do_agree(const T& along, const T& sq_own, const T& sq_mean) {
         lanes[2] += select(in, audit_lanes(&c.nz[i]), FloatV(0));
     }
     const Vec3f normal{own.nx[k], own.ny[k], own.nz[k]};
-    const Vec3f mean = Vec3f{stdx::reduce(lanes[0]), stdx::reduce(lanes[1]), stdx::reduce(lanes[2])} - normal;
+    const Vec3f mean =
+        Vec3f{stdx::reduce(lanes[0]), stdx::reduce(lanes[1]), stdx::reduce(lanes[2])} - normal;
     return do_agree(dot(mean, normal), sq_length(normal), sq_length(mean));
 }
 

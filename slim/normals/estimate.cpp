@@ -51,7 +51,8 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         // Fewer distinct places than k: the rest of the row is the point itself.
         const std::size_t n = std::min(graph.k, neighbors.size());
         for (std::size_t i = 0; i < graph.k; ++i)
-            row[static_cast<std::ptrdiff_t>(i)] = i < n ? neighbors[i * neighbors.size() / n] : searched[r];
+            row[static_cast<std::ptrdiff_t>(i)] =
+                i < n ? neighbors[i * neighbors.size() / n] : searched[r];
     });
     degenerate = lines;
     copy_to_repeats(search, graph, points);

@@ -10,7 +10,8 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kNeighbors = 16;
-// Variances of neighbours of a plane: across it over along it, and along its two directions (scan lines are none).
+// Variances of neighbours of a plane: across it over along it, and along its two directions (scan
+// lines are none).
 constexpr double kFlat = 1.0 / 16, kWide = 1.0 / 16;
 constexpr double kOff = 0.7071;            // cosine
 constexpr std::size_t kFewestFlat = 50;
@@ -25,10 +26,12 @@ double most_area_of(const PointBlock& points, const NearestSearch& search,
                     const std::vector<std::uint32_t>& wanted) {
     if (wanted.empty()) return 0;
     std::vector<double> area(wanted.size());
-    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-        for (const std::uint32_t k : neighbors)
-            area[w] = std::max(area[w], sq_length(points.position[k] - points.position[wanted[w]]));
-    });
+    search.for_each(
+        wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+            for (const std::uint32_t k : neighbors)
+                area[w] =
+                    std::max(area[w], sq_length(points.position[k] - points.position[wanted[w]]));
+        });
     const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
     std::nth_element(area.begin(), middle, area.end());
     return kMostArea * *middle;
@@ -41,14 +44,16 @@ NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
     const Vec3d p = points.position[i], normal = to_double(points.normal[i]);
     if (!(sq_length(normal) > 0)) return one;
     one.n = 1;
-    for (const std::uint32_t k : neighbors) one.area = std::max(one.area, sq_length(points.position[k] - p));
+    for (const std::uint32_t k : neighbors)
+        one.area = std::max(one.area, sq_length(points.position[k] - p));
     one.area = std::min(one.area, most_area);
     one.sq_size = one.area * sq_length(p);
     one.flux = one.area * dot(p, normal);
     one.moment = one.area * p;
     one.area_vector = one.area * normal;
     const Spread spread = spread_of(points.position, neighbors);
-    if (neighbors.size() < kNeighbors || !(spread.middle > kWide * spread.largest) || spread.smallest > kFlat * spread.middle)
+    if (neighbors.size() < kNeighbors || !(spread.middle > kWide * spread.largest) ||
+        spread.smallest > kFlat * spread.middle)
         return one;
     one.n_flat = 1;
     one.n_off = std::abs(dot(normal, spread.normal)) < kOff ? 1 : 0;
@@ -81,7 +86,8 @@ bool NormalEvidence::is_inward() const {
     if (!(area > 0)) return false;
     const Vec3d center = moment / area;
     const double size = std::sqrt(std::max(0.0, sq_size / area - sq_length(center)));
-    const double inside = (dot(center, area_vector) - flux) / area;  // three times the volume over the area
+    const double inside =
+        (dot(center, area_vector) - flux) / area;    // three times the volume over the area
     const double hole = length(area_vector) / area;  // of a hemisphere 0.5
     return inside > kClearFlux * size && hole < kSmallHole;
 }
@@ -93,9 +99,10 @@ NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
     const double most_area = most_area_of(points, search, wanted);
     std::vector<NormalEvidence> each(wanted.size());
-    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-        each[w] = evidence_of_one(points, wanted[w], neighbors, most_area);
-    });
+    search.for_each(wanted, kNeighbors,
+                    [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+                        each[w] = evidence_of_one(points, wanted[w], neighbors, most_area);
+                    });
     NormalEvidence sum;
     for (const NormalEvidence& one : each) sum += one;
     return sum;

@@ -10,8 +10,8 @@
 
 namespace slim {
 
-/// What a sample of points says of their normals as a whole. Sums, so that those of slices add up; they are weighted by
-/// the area that a point stands for, which is as its neighbours are far.
+/// What a sample of points says of their normals as a whole. Sums, so that those of slices add up;
+/// they are weighted by the area that a point stands for, which is as its neighbours are far.
 struct NormalEvidence {
     std::size_t n = 0;       ///< points looked at that have a normal
     std::size_t n_flat = 0;  ///< of these, whose neighbours lie in a plane
@@ -26,11 +26,13 @@ struct NormalEvidence {
     /// As all normals turned round have it.
     void flip() { flux = -flux, area_vector = -area_vector; }
 
-    /// Whether the normals cannot be those of the surface that the points make: constant ones on an object, others' ones. Of right
-    /// ones of real scans up to 0.1 % are off, of upright ones on a city 0.8 % (notes/0004).
+    /// Whether the normals cannot be those of the surface that the points make: constant ones on an
+    /// object, others' ones. Of right ones of real scans up to 0.1 % are off, of upright ones on a
+    /// city 0.8 % (notes/0004).
     bool is_off_surface() const;
-    /// Whether the surface is closed but for small holes and the normals point into it. Terrain, walls and single views enclose
-    /// nothing, of them nothing is known; a room scanned from inside rightly has such normals.
+    /// Whether the surface is closed but for small holes and the normals point into it. Terrain,
+    /// walls and single views enclose nothing, of them nothing is known; a room scanned from inside
+    /// rightly has such normals.
     bool is_inward() const;
 };
 

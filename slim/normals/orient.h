@@ -30,16 +30,15 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// whether their signs agree (sign_groups), groups of points are joined by the sum of votes, the
 /// surest first (sign_merge). Points whose sign is known vote as one and pass their signs on; a
 /// component without them is turned so that its flux about its centroid is outwards; where the flux
-/// says nothing (a terrain, a wall), upwards (+z); where moreover four of five normals are less than
-/// 60 degrees steep (airborne scans), each of those by itself. `center`, if given, stands for the
-/// centroids: that of the whole object where the points are a slice of it.
-/// counted: the report is of those points; empty: of all.
-/// seen_from_above: these rules, which found the known signs in a slice before, saw an airborne
-/// scan there: it is one here too, where slopes might look like an outside.
-/// hints: normals that are wrong here and there; where they agree on a component's side by more
-/// than chance, it is theirs. Own code, not CGAL's mst_orient_normals, whose spanning
-/// tree a single pair at a crease can mislead (notes/0002); deterministic, no search anew.
-/// Cost: 0.7 to 1.2 us a point on two threads, 3 in thick noise; 40 to 150 bytes a point.
+/// says nothing (a terrain, a wall), upwards (+z); where moreover four of five normals are less
+/// than 60 degrees steep (airborne scans), each of those by itself. `center`, if given, stands for
+/// the centroids: that of the whole object where the points are a slice of it. counted: the report
+/// is of those points; empty: of all. seen_from_above: these rules, which found the known signs in
+/// a slice before, saw an airborne scan there: it is one here too, where slopes might look like an
+/// outside. hints: normals that are wrong here and there; where they agree on a component's side by
+/// more than chance, it is theirs. Own code, not CGAL's mst_orient_normals, whose spanning tree a
+/// single pair at a crease can mislead (notes/0002); deterministic, no search anew. Cost: 0.7
+/// to 1.2 us a point on two threads, 3 in thick noise; 40 to 150 bytes a point.
 OrientReport orient_by_neighbors(PointBlock& points, NeighborGraph graph,
                                  std::vector<bool>& known,
                                  const std::optional<Vec3d>& center = std::nullopt,

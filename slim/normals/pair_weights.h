@@ -9,8 +9,9 @@
 
 namespace slim {
 
-/// Weights of pairs of different numbers, at most `most` at a time: open addresses in one array, as looking them up is what
-/// the joining of groups takes its time for (notes/0002). Weights are finite. 32 to 64 bytes a pair.
+/// Weights of pairs of different numbers, at most `most` at a time: open addresses in one array, as
+/// looking them up is what the joining of groups takes its time for (notes/0002). Weights are
+/// finite. 32 to 64 bytes a pair.
 class PairWeights {
 public:
     static constexpr std::size_t kNone = ~std::size_t{0};
@@ -56,7 +57,8 @@ public:
     void for_each(const Visit& visit) const {
         for (const Slot& s : slots_)
             if (s.key != kEmpty)
-                visit(static_cast<std::uint32_t>(s.key >> 32), static_cast<std::uint32_t>(s.key), s.weight);
+                visit(static_cast<std::uint32_t>(s.key >> 32), static_cast<std::uint32_t>(s.key),
+                      s.weight);
     }
 
 private:

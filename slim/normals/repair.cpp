@@ -17,7 +17,8 @@ namespace {
 constexpr double kMajority = 0.5;   // |mean normal| of neighbours that agree among themselves
 constexpr double kContrary = -0.3;  // cosine to the majority below which a normal is wrong
 constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
-constexpr float kNear = 0.03f;      // square of the share of the radius within which neighbours count alike
+// square of the share of the radius within which neighbours count alike
+constexpr float kNear = 0.03f;
 constexpr double kDoubt = -0.1;      // votes for a normal above which a majority does not turn it
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 
@@ -48,7 +49,11 @@ class Auditor {
 public:
     Auditor(const PointBlock& points, const Neighborhoods& all, double most_radius,
             const std::vector<bool>& counted, const std::vector<bool>& judged)
-        : points_(points), all_(all), most_radius_(most_radius), counted_(counted), judged_(judged) {}
+        : points_(points),
+          all_(all),
+          most_radius_(most_radius),
+          counted_(counted),
+          judged_(judged) {}
 
     /// Points [begin, end), whole buckets but for the last. Those that lie far from each other on
     /// either side of a jump of the curve are taken in parts.
@@ -62,7 +67,8 @@ public:
         }
         bool is_gathered = false;
         for (std::size_t first = begin; first < end; first += kBucket) {
-            if (is_plain(first / kBucket) || !is_any_judged(first, std::min(first + kBucket, end))) continue;
+            if (is_plain(first / kBucket) || !is_any_judged(first, std::min(first + kBucket, end)))
+                continue;
             if (!std::exchange(is_gathered, true)) around_.gather(all_, box, most_radius_);
             audit_part(first, std::min(first + kBucket, end));
         }
@@ -73,12 +79,15 @@ public:
 
 private:
     static constexpr double kCompact = 8;
-    static constexpr std::size_t kFewOfBucket = 4;  // points of one that straddles a jump, for which sixteen lanes are too many
+    // points of one that straddles a jump, for which sixteen lanes are too many
+    static constexpr std::size_t kFewOfBucket = 4;
 
-    /// Whether a bucket needs no closer look: compact, of one mind, and none of those whose pairs are compared.
+    /// Whether a bucket needs no closer look: compact, of one mind, and none of those whose pairs
+    /// are compared.
     bool is_plain(std::size_t bucket) const {
         return bucket % kSampledBuckets != 0 && (bucket + 1) * kBucket <= points_.size() &&
-               all_.tree.bucket(bucket).diagonal() <= 2 * most_radius_ && is_of_one_mind(all_.buckets[bucket]);
+               all_.tree.bucket(bucket).diagonal() <= 2 * most_radius_ &&
+               is_of_one_mind(all_.buckets[bucket]);
     }
     bool is_any_judged(std::size_t begin, std::size_t end) const {
         if (judged_.empty()) return true;
@@ -110,14 +119,17 @@ private:
             candidates_.add(all_.buckets[b], to_float(all_.tree.bucket(b).lo - box.lo),
                             to_float(box.extent()), sq_radius);
         });
-        if (end - begin <= kFewOfBucket && bucket % kSampledBuckets != 0 && do_all_agree(own, end - begin, sq_radius)) return;
+        if (end - begin <= kFewOfBucket && bucket % kSampledBuckets != 0 &&
+            do_all_agree(own, end - begin, sq_radius))
+            return;
         Sixteen found(own);
         found.sum_up(candidates_, sq_radius);
         if (bucket % kSampledBuckets == 0) found.compare_signs(candidates_, sq_radius, counts);
         const std::uint64_t agreeing = found.agreeing();
         for (std::size_t k = 0; k < end - begin; ++k)
             if ((agreeing >> k & 1) == 0)
-                judge(begin + k, found.majority(k), [&] { return votes_for(own, k, sq_radius) > kDoubt; });
+                judge(begin + k, found.majority(k),
+                      [&] { return votes_for(own, k, sq_radius) > kDoubt; });
     }
 
     bool do_all_agree(const LocalBucket& own, std::size_t n, float sq_radius) {
@@ -127,8 +139,9 @@ private:
         return true;
     }
 
-    /// What the neighbours of the k-th say of its sign, -1 to 1: the votes of notes/0002, near ones first. The other wall of a
-    /// crease, or side of a thin sheet, which may be the majority, says little: it lies across (notes/0003).
+    /// What the neighbours of the k-th say of its sign, -1 to 1: the votes of notes/0002, near ones
+    /// first. The other wall of a crease, or side of a thin sheet, which may be the majority, says
+    /// little: it lies across (notes/0003).
     double votes_for(const LocalBucket& own, std::size_t k, float sq_radius) const {
         const Vec3f p{own.x[k], own.y[k], own.z[k]}, n{own.nx[k], own.ny[k], own.nz[k]};
         float sum = 0, size = 0;
@@ -158,7 +171,8 @@ private:
         if (!(agreement > 0)) return;
         const double cosine = dot(normalized(to_double(own)), mean) / agreement;
         const bool counts_too = counted_.empty() || counted_[i];
-        counts.noisy += counts_too && agreement > kClear && cosine < kNoisyNormal && cosine > kContrary;
+        counts.noisy +=
+            counts_too && agreement > kClear && cosine < kNoisyNormal && cosine > kContrary;
         if (agreement < kMajority || cosine > kContrary || is_right()) return;
         counts.contrary += counts_too;
         mended.push_back({i, to_float(mean / agreement)});
@@ -186,7 +200,8 @@ void add(const NormalAudit& one, NormalAudit& sum) {
 }  // namespace
 
 NormalAudit repair_contrary_normals(PointBlock& points, const BoxTree& boxes,
-                                    const std::vector<bool>& counted, const std::vector<bool>& judged) {
+                                    const std::vector<bool>& counted,
+                                    const std::vector<bool>& judged) {
     SLIM_CHECK(boxes.size(), ==, points.size());
     const Neighborhoods all(points, boxes);
     const double most_radius = usual_diagonal(all.tree);

@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kNeighbors = 16;
 constexpr double kClear = 0.8;       // |sum of votes| over their sizes
 constexpr double kFewestVotes = 20;  // sizes of votes of two scans that say anything
-constexpr double kBehind = 0.1;      // mean sine from where on opposed neighbours lie behind: a thin sheet, no curved surface
+// mean sine from where on opposed neighbours lie behind: a thin sheet, no curved surface
+constexpr double kBehind = 0.1;
 
 /// What neighbours of two scans say.
 struct PairOfScans {
@@ -28,20 +29,22 @@ struct PairOfScans {
 
 using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, PairOfScans>;
 
-Pairs pairs_of_scans(const PointBlock& points, const NearestSearch& search, std::vector<std::uint32_t> wanted) {
+Pairs pairs_of_scans(const PointBlock& points, const NearestSearch& search,
+                     std::vector<std::uint32_t> wanted) {
     std::sort(wanted.begin(), wanted.end());
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
     std::vector<std::vector<std::uint32_t>> around(wanted.size());
-    search.for_each(wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-        for (const std::uint32_t k : neighbors)
-            if (points.scan[k] != points.scan[wanted[w]]) around[w].push_back(k);
-    });
+    search.for_each(wanted, kNeighbors,
+                    [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+                        for (const std::uint32_t k : neighbors)
+                            if (points.scan[k] != points.scan[wanted[w]]) around[w].push_back(k);
+                    });
     Pairs pairs;
     for (std::size_t w = 0; w < wanted.size(); ++w)
         for (const std::uint32_t k : around[w]) {
             const std::uint32_t i = wanted[w];
-            const Vec3d d = points.position[k] - points.position[i], n = to_double(points.normal[i]),
-                        m = to_double(points.normal[k]);
+            const Vec3d d = points.position[k] - points.position[i],
+                        n = to_double(points.normal[i]), m = to_double(points.normal[k]);
             const double sq = sq_length(d), height = dot(n, d);
             if (!(sq > 0)) continue;
             const double vote = dot(m, n) - dot(m, d) * height / sq;
@@ -65,7 +68,8 @@ std::vector<bool> contrary_scans(const PointBlock& points, const NearestSearch& 
     if (n < 2) return {};
     std::vector<SignVote> votes;
     bool any_opposed = false;
-    for (const auto& [scans, pair] : pairs_of_scans(points, search, {samples.begin(), samples.end()})) {
+    for (const auto& [scans, pair] :
+         pairs_of_scans(points, search, {samples.begin(), samples.end()})) {
         if (!pair.is_clear()) continue;
         votes.push_back({scans.first, scans.second, pair.votes});
         any_opposed |= pair.votes < 0;

@@ -17,7 +17,8 @@ constexpr std::size_t kRows = 64;
 constexpr std::size_t kGrain = 1024;  // rows a task
 // pairs are joined by rising 1 - |vote|; 0.1 is within 26 degrees on a plane
 constexpr std::array<float, 8> kClasses = {1e-3f, 3e-3f, 0.01f, 0.03f, 0.1f, 0.2f, 0.4f, 0.7f};
-constexpr std::size_t kSureClasses = 5;  // more only where, in thick noise, groups are fewer than kPoints large
+// more only where, in thick noise, groups are fewer than kPoints large
+constexpr std::size_t kSureClasses = 5;
 constexpr std::size_t kPoints = 5;
 
 constexpr float kSmall = 1e-30f;  // square of a length whose products floats hold
@@ -33,7 +34,8 @@ float sign_vote(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
     Vec3f line = to_float(apart);
     float square = sq_length(line);
     if (!(square > kSmall && square < 1 / kSmall)) {  // squares leave the floats
-        line = normalized(to_float(apart / std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z), kLeast})));
+        line = normalized(to_float(
+            apart / std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z), kLeast})));
         square = 1;
     }
     return dot(m, n) - dot(m, line) * dot(n, line) / square;
@@ -45,8 +47,9 @@ struct Pair {
 };
 
 /// The pairs of neighbours in rows [begin, end) that may be in one group, rows relative to begin.
-void list_pairs(const PointBlock& points, const NeighborGraph& graph, const std::vector<bool>& known,
-                std::size_t begin, std::size_t end, float most, std::vector<Pair>& pairs) {
+void list_pairs(const PointBlock& points, const NeighborGraph& graph,
+                const std::vector<bool>& known, std::size_t begin, std::size_t end, float most,
+                std::vector<Pair>& pairs) {
     pairs.clear();
     const std::span rows(graph.points.data() + begin, end - begin);
     const bool is_whole = rows.back() - rows.front() + 1 == rows.size();  // no point is left out
@@ -65,7 +68,8 @@ void list_pairs(const PointBlock& points, const NeighborGraph& graph, const std:
     }
 }
 
-void join_pairs(const std::vector<Pair>& pairs, std::span<const float> classes, SignedForest& forest) {
+void join_pairs(const std::vector<Pair>& pairs, std::span<const float> classes,
+                SignedForest& forest) {
     float least = -1;  // rounding may leave a vote above 1
     for (const float most : classes) {
         for (const Pair& p : pairs) {

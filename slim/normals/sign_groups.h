@@ -20,12 +20,13 @@ struct SignGroups {
 
 /// Groups of neighbours near each other on the curve whose normals lie nearly along one line; those
 /// with known signs are all in one. known: by point; every point of unknown sign is in the graph.
-/// Parallel; 5 bytes a point. In thick noise less alike neighbours are joined, so that groups stay far fewer than points.
+/// Parallel; 5 bytes a point. In thick noise less alike neighbours are joined, so that groups stay
+/// far fewer than points.
 SignGroups group_by_sign(const PointBlock& points, const NeighborGraph& graph,
                          const std::vector<bool>& known);
 
-/// What neighbours in different groups say of the groups' signs: the sum of their votes' squares, with
-/// the votes' signs. One vote for two groups, in order. Parallel.
+/// What neighbours in different groups say of the groups' signs: the sum of their votes' squares,
+/// with the votes' signs. One vote for two groups, in order. Parallel.
 std::vector<SignVote> votes_between(const PointBlock& points, const NeighborGraph& graph,
                                     const SignGroups& groups);
 

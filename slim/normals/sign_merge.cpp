@@ -13,7 +13,8 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kMany = std::size_t{1} << 16;
-// least weights of pairs in the queue, one after the other: a queue of all pairs is too large for a cache
+// least weights of pairs in the queue, one after the other: a queue of all pairs is too large for a
+// cache
 constexpr double kQueued[] = {64, 16, 4, 1, 0.25, 0};
 
 /// The votes between groups that still stand for themselves.

@@ -21,8 +21,8 @@ struct SignVote {
 void add_up(std::vector<SignVote>& votes);
 
 /// The signs of n groups by their votes: the pair that is surest of all is joined, what both
-/// say of others is added up, and so on (greedy additive edge contraction, Keuper et al. 2015). So a
-/// single wrong vote at a crease is outvoted where there are more, unlike in a spanning tree.
+/// say of others is added up, and so on (greedy additive edge contraction, Keuper et al. 2015). So
+/// a single wrong vote at a crease is outvoted where there are more, unlike in a spanning tree.
 /// votes: one of two groups (add_up). Deterministic.
 /// Cost: 0.5 us a vote, one thread; 90 bytes a vote.
 SignedForest merge_by_votes(std::uint32_t n, std::vector<SignVote> votes);

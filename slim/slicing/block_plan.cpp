@@ -131,7 +131,8 @@ bool is_near(const Bbox& region, const Vec3d& p, double distance) {
 bool comes_near(const Bbox& region, const Bbox& box, double distance) {
     bool near = true;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        near &= box.hi[axis] >= region.lo[axis] - distance && box.lo[axis] <= region.hi[axis] + distance;
+        near &= box.hi[axis] >= region.lo[axis] - distance &&
+                box.lo[axis] <= region.hi[axis] + distance;
     return near;
 }
 

@@ -12,8 +12,9 @@ namespace slim {
 
 /// What the program takes whatever the cloud: code, libraries, buffers, threads.
 inline constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
-/// What a stage needs at most for one point that it holds: the fit 190 bytes (measured), estimated normals 165, 200 of
-/// happy_stand_raw and 210 in noise of 1 % (within the tenth that --memory may be passed by).
+/// What a stage needs at most for one point that it holds: the fit 190 bytes (measured), estimated
+/// normals 165, 200 of happy_stand_raw and 210 in noise of 1 % (within the tenth that --memory may
+/// be passed by).
 inline constexpr std::uint64_t kBytesPerPoint = 192;
 /// A block keeps a file open while points are dealt out.
 inline constexpr std::uint64_t kMostBlocks = 500;

@@ -38,7 +38,8 @@ bool by_place(const Cell& a, const Cell& b) { return a.at < b.at; }
 
 }  // namespace
 
-CellCounts::CellCounts(const Bbox& about) : width_(first_width(about)), per_width_(1 / width_), slots_(kSlots) {
+CellCounts::CellCounts(const Bbox& about)
+    : width_(first_width(about)), per_width_(1 / width_), slots_(kSlots) {
     const Vec3d lo = about.lo;
     base_ = {bin_of(lo.x), bin_of(lo.y), bin_of(lo.z)};
 }

@@ -16,7 +16,9 @@ void FarStrays::keep(const Vec3d& p) {
     for (std::size_t s = 0; s < sides_.size(); ++s) {
         std::vector<Vec3d>& points = sides_[s];
         if (!(outwards(s, p) > innermost_[s])) continue;
-        const auto more = [s](const Vec3d& a, const Vec3d& b) { return outwards(s, a) > outwards(s, b); };
+        const auto more = [s](const Vec3d& a, const Vec3d& b) {
+            return outwards(s, a) > outwards(s, b);
+        };
         if (points.size() == kKept) {
             std::pop_heap(points.begin(), points.end(), more);
             points.pop_back();
@@ -37,7 +39,8 @@ double FarStrays::limit(std::size_t side, std::size_t skipped) const {
 
 FarStrays::Found FarStrays::find(std::uint64_t n_points) const {
     Found found;
-    const auto most = std::min(kMostOfSide, static_cast<std::size_t>(kShare * static_cast<double>(n_points)));
+    const auto most =
+        std::min(kMostOfSide, static_cast<std::size_t>(kShare * static_cast<double>(n_points)));
     if (most == 0) return found;
     Bbox whole, inner;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -53,7 +56,8 @@ FarStrays::Found FarStrays::find(std::uint64_t n_points) const {
     for (const std::vector<Vec3d>& side : sides_)
         for (const Vec3d& p : side)
             if (near.sq_distance(p) == 0) found.box.extend(p);
-            else if (std::find(strays.begin(), strays.end(), p) == strays.end()) strays.push_back(p);
+            else if (std::find(strays.begin(), strays.end(), p) == strays.end())
+                strays.push_back(p);
     if (strays.empty() || !(whole.diagonal() > kLarger * found.box.diagonal())) return {};
     found.n = strays.size();
     found.example = strays.front();

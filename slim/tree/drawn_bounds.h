@@ -19,9 +19,8 @@ namespace slim {
 Bbox drawn_bounds(const SurfelTree& tree, bool loose,
                   std::vector<std::uint32_t>* visited = nullptr);
 
-/// Puts both boxes into the header, without and with loose leaves: the same to the last bit; and the hulls of both
-/// (drawn_hull.h).
-/// cost O(nodes), reads every record
+/// Puts both boxes into the header, without and with loose leaves: the same to the last bit; and
+/// the hulls of both (drawn_hull.h). cost O(nodes), reads every record
 void set_drawn_bounds(SurfelTreeData& data);
 
 }  // namespace slim

@@ -39,7 +39,8 @@ struct Farthest {
     Farthest() { reach.fill(-INFINITY); }
     void add(const Directions& d, const Vec3d& p) {
         for (std::size_t k = 0; k < kDirections; ++k)
-            if (const double r = d.x[k] * p.x + d.y[k] * p.y + d.z[k] * p.z; r > reach[k]) reach[k] = r, place[k] = p;
+            if (const double r = d.x[k] * p.x + d.y[k] * p.y + d.z[k] * p.z; r > reach[k])
+                reach[k] = r, place[k] = p;
     }
     void add(const Farthest& other) {
         for (std::size_t k = 0; k < kDirections; ++k)
@@ -48,15 +49,18 @@ struct Farthest {
     /// Whether a ball may reach beyond what is found.
     bool may_grow(const Directions& d, const Vec3d& c, double radius) const {
         int n = 0;
-        for (std::size_t k = 0; k < kDirections; ++k) n += d.x[k] * c.x + d.y[k] * c.y + d.z[k] * c.z + radius > reach[k];
+        for (std::size_t k = 0; k < kDirections; ++k)
+            n += d.x[k] * c.x + d.y[k] * c.y + d.z[k] * c.z + radius > reach[k];
         return n > 0;
     }
 };
 
-/// The place of sheet i over (u, v), drawn towards the middle until it is in the core; relative to the centre and over
-/// rho.
+/// The place of sheet i over (u, v), drawn towards the middle until it is in the core; relative to
+/// the centre and over rho.
 Vec3d place_in_core(const Surfel& s, std::size_t i, double& u, double& v) {
-    const auto at = [&] { return s.sheet_frame(i).world_from_local({u, v, s.sheet_polynomial(i).value(u, v)}); };
+    const auto at = [&] {
+        return s.sheet_frame(i).world_from_local({u, v, s.sheet_polynomial(i).value(u, v)});
+    };
     Vec3d x = at();
     constexpr int kMostPulls = 3;
     const double trim = hit_trim(s);
@@ -89,7 +93,8 @@ void for_places(const Surfel& s, const Visit& visit) {
 
 Vec3d in_box(const Vec3d& p, const Bbox& box) {
     Vec3d out;
-    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = std::clamp(p[axis], box.lo[axis], box.hi[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        out[axis] = std::clamp(p[axis], box.lo[axis], box.hi[axis]);
     return out;
 }
 
@@ -101,8 +106,10 @@ Farthest search(const SurfelTree& tree, bool loose, const Bbox& box, const Direc
         for (std::size_t i = begin; i < end; ++i) {
             const TreeNode& node = tree.node(i);
             if (!node.is_leaf() || node.is_loose() != loose) continue;
-            if (!farthest.may_grow(directions, tree.center(i), kHitTrim * tree.support_radius(i))) continue;
-            for_places(tree.surfel(i), [&](const Vec3d& p) { farthest.add(directions, in_box(p, box)); });
+            if (!farthest.may_grow(directions, tree.center(i), kHitTrim * tree.support_radius(i)))
+                continue;
+            for_places(tree.surfel(i),
+                       [&](const Vec3d& p) { farthest.add(directions, in_box(p, box)); });
         }
     });
     Farthest all;
@@ -113,7 +120,8 @@ Farthest search(const SurfelTree& tree, bool loose, const Bbox& box, const Direc
 /// Along an axis of the box the place moves onto its face.
 Vec3d on_face(Vec3d p, const Vec3d& direction, const Bbox& box) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-        if (std::abs(direction[axis]) == 1) p[axis] = direction[axis] > 0 ? box.hi[axis] : box.lo[axis];
+        if (std::abs(direction[axis]) == 1)
+            p[axis] = direction[axis] > 0 ? box.hi[axis] : box.lo[axis];
     return p;
 }
 
@@ -130,7 +138,8 @@ std::vector<Vec3d> drawn_hull(const SurfelTree& tree, bool loose, const Bbox& bo
             hull.push_back(loose ? farthest.place[k] : on_face(farthest.place[k], direction, box));
         }
     const auto key = [](const Vec3d& p) { return std::tie(p.x, p.y, p.z); };
-    std::sort(hull.begin(), hull.end(), [&](const Vec3d& a, const Vec3d& b) { return key(a) < key(b); });
+    std::sort(hull.begin(), hull.end(),
+              [&](const Vec3d& a, const Vec3d& b) { return key(a) < key(b); });
     hull.erase(std::unique(hull.begin(), hull.end()), hull.end());
     return hull;
 }

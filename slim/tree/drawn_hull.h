@@ -7,10 +7,10 @@
 
 namespace slim {
 
-/// Places on what pictures show of a model's leaves (of loose ones: of those alone), whose convex hull is about that
-/// of all of it: in each of 386 directions the farthest of places on the leaves' cores, without what
-/// is beyond `box`; along its axes moved onto its faces (not of loose ones). A place is in the list once. Of a
-/// ball the hull lacks at most 1.6 % of the radius.
+/// Places on what pictures show of a model's leaves (of loose ones: of those alone), whose convex
+/// hull is about that of all of it: in each of 386 directions the farthest of places on the leaves'
+/// cores, without what is beyond `box`; along its axes moved onto its faces (not of loose ones). A
+/// place is in the list once. Of a ball the hull lacks at most 1.6 % of the radius.
 ///
 /// cost  O(386 leaves) products, in parallel; the same for any number of threads
 std::vector<Vec3d> drawn_hull(const SurfelTree& tree, bool loose, const Bbox& box);

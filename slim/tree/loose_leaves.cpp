@@ -145,7 +145,8 @@ private:
         });
     }
 
-    /// Few points in leaves hardly larger than the noise, which strays beside a rim make as dense as a surface.
+    /// Few points in leaves hardly larger than the noise, which strays beside a rim make as dense
+    /// as a surface.
     template <class Where>
     void take_noise(LooseCounts& counts, Where&& where) {
         const double radius = kNoiseRadii * std::sqrt(tree_.header().noise_variance);

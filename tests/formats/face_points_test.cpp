@@ -16,15 +16,18 @@ namespace {
 /// A unit cube of 12 triangles, wound outwards or inwards.
 std::string cube(bool outwards = true) {
     std::string text =
-        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\n"
         "element face 12\nproperty list uchar int vertex_indices\nend_header\n";
     for (int i = 0; i < 8; ++i)
-        text += std::to_string(i >> 2 & 1) + ' ' + std::to_string(i >> 1 & 1) + ' ' + std::to_string(i & 1) + '\n';
+        text += std::to_string(i >> 2 & 1) + ' ' + std::to_string(i >> 1 & 1) + ' ' +
+                std::to_string(i & 1) + '\n';
     const int faces[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
                               {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
     for (const auto& f : faces) {
         const int b = outwards ? f[1] : f[2], c = outwards ? f[2] : f[1];
-        text += "3 " + std::to_string(f[0]) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
+        text +=
+            "3 " + std::to_string(f[0]) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
     }
     return text;
 }
@@ -42,11 +45,13 @@ TEST(FacePoints, CoverTheSidesOfACube) {
     const std::string path = folder.write("c.ply", cube());
     const PointChunk vertices = read_all(path), all = with_face_points(path);
     EXPECT_EQ(vertices.size(), 8u);  // unless asked for
-    EXPECT_TRUE(std::equal(vertices.position.begin(), vertices.position.end(), all.position.begin()));
+    EXPECT_TRUE(
+        std::equal(vertices.position.begin(), vertices.position.end(), all.position.begin()));
     EXPECT_TRUE(std::equal(vertices.normal.begin(), vertices.normal.end(), all.normal.begin()));
     // One for each square of a sixtieth of the diagonal, and none farther off than two of them.
     const double spacing = std::sqrt(3.0) / 60;
-    EXPECT_NEAR(static_cast<double>(all.size()), 6 / (spacing * spacing), 0.02 * static_cast<double>(all.size()));
+    EXPECT_NEAR(static_cast<double>(all.size()), 6 / (spacing * spacing),
+                0.02 * static_cast<double>(all.size()));
     for (std::size_t i = 8; i < all.size(); ++i) {
         const Vec3d d = all.position[i] - Vec3d{0.5, 0.5, 0.5}, n = to_double(all.normal[i]);
         ASSERT_NEAR(dot(d, n), 0.5, 1e-12);
@@ -55,7 +60,8 @@ TEST(FacePoints, CoverTheSidesOfACube) {
     for (double x = 0.01; x < 1; x += 0.07)
         for (double y = 0.01; y < 1; y += 0.07) {
             double nearest = 1;
-            for (const Vec3d& p : all.position) nearest = std::min(nearest, length(p - Vec3d{x, y, 0}));
+            for (const Vec3d& p : all.position)
+                nearest = std::min(nearest, length(p - Vec3d{x, y, 0}));
             ASSERT_LT(nearest, 2 * spacing) << x << ' ' << y;
         }
     const PointChunk turned = with_face_points(folder.write("i.ply", cube(false)));
@@ -67,7 +73,9 @@ TEST(FacePoints, CoverTheSidesOfACube) {
 std::vector<FacePoints::Point> of_fan(int n, double radius) {
     FacePoints faces;
     std::vector<FacePoints::Point> out;
-    const auto at = [&](int i) { return radius * Vec3d{std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0}; };
+    const auto at = [&](int i) {
+        return radius * Vec3d{std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0};
+    };
     const std::vector<std::size_t> vertices{0, 1, 2};
     for (const bool samples : {false, true}) {
         for (int i = 0; i < n; ++i) {
@@ -84,7 +92,8 @@ TEST(FacePoints, LeaveNoHoleInAFanOfSlivers) {
     const std::vector<FacePoints::Point> points = of_fan(96, 1);
     // As many within half of the radius as its share of the area, and some near the middle.
     const auto within = [&](double r) {
-        return static_cast<double>(std::count_if(points.begin(), points.end(), [&](auto& p) { return length(p.position) < r; }));
+        return static_cast<double>(std::count_if(points.begin(), points.end(),
+                                                 [&](auto& p) { return length(p.position) < r; }));
     };
     EXPECT_NEAR(within(0.5) / within(2), 0.25, 0.03);
     EXPECT_GT(within(0.1), 0);
@@ -101,14 +110,21 @@ TEST(FacePoints, NoneWhereFacesAreAlikeOrNoFaces) {
     EXPECT_TRUE(out.empty());
     const double nan = std::nan("");
     const std::vector<std::size_t> five{0, 1, 2, 3, 4};
-    for (const std::vector<Vec3d>& bad : std::vector<std::vector<Vec3d>>{
-             {{0, 0, 0}, {50, 0, 0}, {100, 0, 0}}, {{0, 0, 0}, {50, 0, 0}, {nan, 50, 0}}, {{0, 0, 0}, {50, 0, 0}},
-             {{0, 0, 0}, {50, 40, 0}, {60, 0, 0}, {50, 50, 0}, {0, 50, 0}}}) {  // the last: a dent that its fan leaves
+    for (const std::vector<Vec3d>& bad :
+         std::vector<std::vector<Vec3d>>{{{0, 0, 0}, {50, 0, 0}, {100, 0, 0}},
+                                         {{0, 0, 0}, {50, 0, 0}, {nan, 50, 0}},
+                                         {{0, 0, 0}, {50, 0, 0}},
+                                         {{0, 0, 0},
+                                          {50, 40, 0},
+                                          {60, 0, 0},
+                                          {50, 50, 0},
+                                          {0, 50, 0}}}) {  // the last: a dent that its fan leaves
         faces.measure(bad);
         faces.sample(bad, std::span(five).first(bad.size()), out);
         EXPECT_TRUE(out.empty()) << bad.size();
     }
-    faces.sample(std::vector<Vec3d>{{0, 0, 0}, {50, 0, 0}, {50, 50, 0}, {0, 50, 0}}, std::span(five).first(4), out);
+    faces.sample(std::vector<Vec3d>{{0, 0, 0}, {50, 0, 0}, {50, 50, 0}, {0, 50, 0}},
+                 std::span(five).first(4), out);
     EXPECT_NEAR(static_cast<double>(out.size()), 2500, 100);
 }
 

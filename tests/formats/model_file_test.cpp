@@ -59,7 +59,8 @@ TEST(ModelFile, SecondRimsRoundTripAndMakeItVersion4) {
     EXPECT_EQ(ModelFile::open(folder.file("m")).tree().surfel(2).rims, rims);
     data.nodes[2].set_rims({0, rims.second});
     write_model(folder.file("m"), data, "{}");
-    EXPECT_NE(error_of([&] { ModelFile::open(folder.file("m")); }).find("without a first"), std::string::npos);
+    EXPECT_NE(error_of([&] { ModelFile::open(folder.file("m")); }).find("without a first"),
+              std::string::npos);
 }
 
 /// A root with planes below it in a file of cubics.

@@ -37,7 +37,8 @@ void append_between(const std::string& path, double lo, double hi, PointBlock& o
     part.append_to(out);
 }
 
-void append_ids(const std::string& path, const std::function<bool(std::uint64_t)>& is_wanted, PointBlock& out) {
+void append_ids(const std::string& path, const std::function<bool(std::uint64_t)>& is_wanted,
+                PointBlock& out) {
     SliceSelection part;
     part.add(path, is_wanted);
     part.append_to(out);
@@ -160,14 +161,20 @@ TEST(SliceFile, IsReadInPartAndSeesDamageThere) {
     PointBlock elsewhere;
     append_between(damaged, 0, 10, elsewhere);  // whose pieces are whole
     EXPECT_EQ(elsewhere.size(), 11000u);
-    EXPECT_NE(error_of([&] { append_between(damaged, 71, 72, part); }).find("piece 17 of the points"), std::string::npos);
+    EXPECT_NE(
+        error_of([&] { append_between(damaged, 71, 72, part); }).find("piece 17 of the points"),
+        std::string::npos);
     EXPECT_NE(error_of([&] { append_ids(damaged, [](std::uint64_t) { return false; }, part); })
                   .find("does not match its checksum"),
               std::string::npos);
     const std::string error = error_of([&] { read_slice(damaged); });
     EXPECT_TRUE(error.ends_with("does not match its checksum")) << error;
-    EXPECT_TRUE(error_of([&] { read_slice(folder.write("points.slice", bytes)); }).ends_with("run `slim slice` again"));
-    EXPECT_TRUE(error_of([&] { read_slice(folder.write("oriented.slice", bytes)); }).ends_with("run `slim normals` again"));
+    EXPECT_TRUE(error_of([&] {
+                    read_slice(folder.write("points.slice", bytes));
+                }).ends_with("run `slim slice` again"));
+    EXPECT_TRUE(error_of([&] {
+                    read_slice(folder.write("oriented.slice", bytes));
+                }).ends_with("run `slim normals` again"));
 }
 
 TEST(SliceFile, KnowsItselfByItsTableAndDamageByItsBytes) {
@@ -194,7 +201,8 @@ TEST(SliceFile, JoinsSlicesInOneSelection) {
     write_slice(folder.file("bare"), some_points(false, true));
     const auto from = [&](const std::vector<std::string>& names) {
         SliceSelection chosen;
-        for (const std::string& name : names) chosen.add(folder.file(name), [](std::uint64_t id) { return id >= 30; });
+        for (const std::string& name : names)
+            chosen.add(folder.file(name), [](std::uint64_t id) { return id >= 30; });
         PointBlock out;
         chosen.append_to(out);
         return out;
@@ -204,29 +212,38 @@ TEST(SliceFile, JoinsSlicesInOneSelection) {
     EXPECT_EQ(both.scan, (std::vector<std::uint16_t>{3, 4, 3, 4}));
     EXPECT_EQ(both.origin, block.origin);
     const auto expect_said = [&](const std::string& error, const std::vector<std::string>& words) {
-        for (const std::string& word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " in " << error;
+        for (const std::string& word : words)
+            EXPECT_NE(error.find(word), std::string::npos) << word << " in " << error;
     };
-    expect_said(error_of([&] { from({"a", "bare"}); }),
-                {folder.file("bare") + ": byte ", "other columns", "expected normals and scans, as in " + folder.file("a"),
-                 "found no normals and scans"});
+    expect_said(
+        error_of([&] {
+            from({"a", "bare"});
+        }),
+        {folder.file("bare") + ": byte ", "other columns",
+         "expected normals and scans, as in " + folder.file("a"), "found no normals and scans"});
     PointBlock moved = block;
     moved.origin.x += 0.25;
     write_slice(folder.file("moved"), moved);
-    expect_said(error_of([&] { from({"a", "moved"}); }),
-                {folder.file("moved") + ": byte ", "another origin", "expected (400000, 0.5, -3), as in " + folder.file("a"),
-                 "found (400000.25, 0.5, -3)"});
+    expect_said(
+        error_of([&] {
+            from({"a", "moved"});
+        }),
+        {folder.file("moved") + ": byte ", "another origin",
+         "expected (400000, 0.5, -3), as in " + folder.file("a"), "found (400000.25, 0.5, -3)"});
     PointBlock here = block;
     here.origin = {};
     SliceSelection chosen;
     chosen.add(folder.file("a"), [](std::uint64_t) { return true; });
-    expect_said(error_of([&] { chosen.append_to(here); }), {"another origin", "as of the points that it is added to"});
+    expect_said(error_of([&] { chosen.append_to(here); }),
+                {"another origin", "as of the points that it is added to"});
 }
 
 TEST(SliceFile, RefusesTheVersionBeforeByName) {
     const TempFolder folder;
     ChunkWriter old(folder.file("s"), {"SLIMSLCE", "SLIM slice", 1});
     old.commit();
-    EXPECT_NE(error_of([&] { read_slice(folder.file("s")); }).find("version 1, of an earlier slim"), std::string::npos);
+    EXPECT_NE(error_of([&] { read_slice(folder.file("s")); }).find("version 1, of an earlier slim"),
+              std::string::npos);
 }
 
 TEST(SliceFile, RefusesALaterVersionByName) {
@@ -234,13 +251,15 @@ TEST(SliceFile, RefusesALaterVersionByName) {
     ChunkWriter later(folder.file("s"), {"SLIMSLCE", "SLIM slice", kSliceKind.version + 1});
     later.commit();
     const std::string error = error_of([&] { read_slice(folder.file("s")); });
-    EXPECT_NE(error.find("version " + std::to_string(kSliceKind.version + 1)), std::string::npos) << error;
+    EXPECT_NE(error.find("version " + std::to_string(kSliceKind.version + 1)), std::string::npos)
+        << error;
 }
 
 TEST(SliceFile, SeesEveryDamage) {
     const TempFolder folder;
     write_slice(folder.file("s"), some_points(true, true));
-    expect_every_damage_is_seen(folder, read_bytes(folder.file("s")), [](const std::string& path) { read_slice(path); });
+    expect_every_damage_is_seen(folder, read_bytes(folder.file("s")),
+                                [](const std::string& path) { read_slice(path); });
 }
 
 TEST(SliceFile, NamesTheFaultOfAPieceWhoseChecksumsAreRight) {
@@ -263,20 +282,24 @@ TEST(SliceFile, NamesTheFaultOfAPieceWhoseChecksumsAreRight) {
         writer.commit();
         return error_of([&] { read_slice(path); });
     };
-    const auto expect_said = [&](const std::function<void(SlicePiece&)>& change, std::size_t field, const char* words) {
+    const auto expect_said = [&](const std::function<void(SlicePiece&)>& change, std::size_t field,
+                                 const char* words) {
         const std::string error = error_with(change);
         const ChunkFile slice = ChunkFile::open(path, kSliceKind);
-        const std::string place = path + ": byte " + std::to_string(slice.offset("pieces") + 80 + field) + ": ";
+        const std::string place =
+            path + ": byte " + std::to_string(slice.offset("pieces") + 80 + field) + ": ";
         EXPECT_EQ(error.find(place), 0u) << error << "\nexpected " << place;
         EXPECT_NE(error.find(words), std::string::npos) << error;
     };
     EXPECT_EQ(error_with([](SlicePiece&) {}), "");
     expect_said([](SlicePiece& p) { p.first_byte += 8; }, 48, "expected the first byte 144, where");
-    expect_said([](SlicePiece& p) { p.coordinate_bytes = 6; }, 76, "coordinates of 4 or 8 bytes, found 6");
+    expect_said([](SlicePiece& p) { p.coordinate_bytes = 6; }, 76,
+                "coordinates of 4 or 8 bytes, found 6");
     expect_said([](SlicePiece& p) { p.id_bytes = 0; }, 78, "ids of 4 or 8 bytes, found 0");
     expect_said([](SlicePiece& p) { p.n_points = 0; }, 72, "at least one point, found 0");
     expect_said([](SlicePiece& p) { p.n_points = 4000000000u; }, 72, "at most 144 bytes");
-    EXPECT_NE(error_with([](SlicePiece& p) { p.n_points = 2; }).find("chunk points: expected "), std::string::npos);
+    EXPECT_NE(error_with([](SlicePiece& p) { p.n_points = 2; }).find("chunk points: expected "),
+              std::string::npos);
 }
 
 }  // namespace

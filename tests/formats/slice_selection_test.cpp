@@ -25,7 +25,8 @@ PointBlock helix(bool scans) {
     for (std::size_t i = 0; i < kPoints; ++i) {
         const double t = static_cast<double>(i) / 1000;
         block.position.push_back({std::cos(t), std::sin(t), t});
-        block.normal.push_back({static_cast<float>(std::cos(t)), static_cast<float>(std::sin(t)), 0});
+        block.normal.push_back(
+            {static_cast<float>(std::cos(t)), static_cast<float>(std::sin(t)), 0});
         block.id.push_back(1000 + 3 * i);
         if (scans) block.scan.push_back(static_cast<std::uint16_t>(i / 7000));
     }

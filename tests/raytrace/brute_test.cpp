@@ -47,7 +47,8 @@ TEST_P(BruteTest, AgreesWithTheFastRendererOnSharpSurfels) {
 }
 
 TEST_P(BruteTest, SharpSurfelsAreSeenInTheirCoresOnly) {
-    const auto model = test::flat_tree({test::edge_surfel({0, 0, 0}, {1, 0, 1}, {-1, 0, 1}, 1)}, GetParam());
+    const auto model =
+        test::flat_tree({test::edge_surfel({0, 0, 0}, {1, 0, 1}, {-1, 0, 1}, 1)}, GetParam());
     const RenderRequest request = request_for(model, "front", true, 250);
     GBuffer plain, fast;
     render_brute(model.view(), request, plain);
@@ -56,7 +57,9 @@ TEST_P(BruteTest, SharpSurfelsAreSeenInTheirCoresOnly) {
         double farthest = 0;
         for (std::size_t i = 0; i < seen->n_pixels(); ++i)
             if (seen->hit[i])
-                farthest = std::max(farthest, length(Vec3d{seen->position[0][i], seen->position[1][i], seen->position[2][i]}));
+                farthest =
+                    std::max(farthest, length(Vec3d{seen->position[0][i], seen->position[1][i],
+                                                    seen->position[2][i]}));
         EXPECT_LE(farthest, kSharpHitTrim + 1e-5);
         EXPECT_GT(farthest, kSharpHitTrim - 0.02);
     }

@@ -48,20 +48,23 @@ TEST(Camera, NamedViewsFrameTheBox) {
                         pixel_view(named_camera(name, unit_box(), aspect, framing), width, height);
                     double border = 1e9;
                     for (int corner = 0; corner < 8; ++corner) {
-                        const Vec3d p{corner & 1 ? 1. : -1., corner & 2 ? 2. : -2., corner & 4 ? .5 : -.5};
+                        const Vec3d p{corner & 1 ? 1. : -1., corner & 2 ? 2. : -2.,
+                                      corner & 4 ? .5 : -.5};
                         const Vec3d c = v.camera_from_local(p);
                         const double scale = orthographic ? v.px_per_unit : v.focal_px / c.z;
                         EXPECT_GT(c.z, v.near_plane);
                         const double x = v.center_x + scale * c.x, y = v.center_y + scale * c.y;
                         border = std::min({border, x, width - x, y, height - y});
                     }
-                    // Some corner touches the margin: 4 % of the half width or height, or it is missed.
+                    // Some corner touches the margin: 4 % of the half width or height, or it is
+                    // missed.
                     EXPECT_GT(border, 0.019 * std::min(width, height)) << name;
                     EXPECT_LT(border, 0.021 * std::max(width, height)) << name;
                 }
 }
 
-/// The largest and the least pixel coordinate of the unit box's corners, across or down the picture.
+/// The largest and the least pixel coordinate of the unit box's corners, across or down the
+/// picture.
 struct Span {
     double least = 1e9, most = -1e9;
 };
@@ -147,7 +150,8 @@ TEST(Camera, FrontLooksAlongMinusZOrInATerrainAlongY) {
 }
 
 TEST(Camera, EveryAxisMayBeUpAndViewsAreNeverMirrored) {
-    for (const UpAxis up : {UpAxis::y, UpAxis::z, UpAxis::x, UpAxis::minus_y, UpAxis::minus_z, UpAxis::minus_x}) {
+    for (const UpAxis up :
+         {UpAxis::y, UpAxis::z, UpAxis::x, UpAxis::minus_y, UpAxis::minus_z, UpAxis::minus_x}) {
         const Vec3d axis = up_vector(up);
         EXPECT_EQ(length(axis), 1);
         const auto towards = [&](const char* name) {

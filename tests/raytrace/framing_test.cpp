@@ -14,7 +14,8 @@ namespace slim {
 namespace {
 
 /// As lopsided as a scan: nothing of it is in half of its box.
-constexpr std::array<Vec3d, 5> kPlaces{{{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {0, 0, 2}, {0.5, 2.5, 0.25}}};
+constexpr std::array<Vec3d, 5> kPlaces{
+    {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {0, 0, 2}, {0.5, 2.5, 0.25}}};
 
 Bbox box_of_places() {
     Bbox box;
@@ -33,7 +34,8 @@ Margins margins(const Camera& camera, int width, int height) {
     for (const Vec3d& p : kPlaces) {
         const Vec3d c = v.camera_from_local(p);
         const double scale = v.orthographic ? v.px_per_unit : v.focal_px / c.z;
-        const double x = (v.center_x + scale * c.x) / width, y = (v.center_y + scale * c.y) / height;
+        const double x = (v.center_x + scale * c.x) / width,
+                     y = (v.center_y + scale * c.y) / height;
         m.left = std::min(m.left, x), m.right = std::min(m.right, 1 - x);
         m.top = std::min(m.top, y), m.bottom = std::min(m.bottom, 1 - y);
     }
@@ -74,7 +76,8 @@ TEST(Framing, BesideARoomThatStaysFreePlacesStandAsNearTheMiddleAsTheyCan) {
             Camera near = f.camera;
             near.eye += f.to_middle * (1 - 1 / kZoom), near.target += f.to_middle * (1 - 1 / kZoom);
             near.width /= kZoom;
-            near.fov_y_deg = 2 * std::atan(std::tan(radians(near.fov_y_deg) / 2) / kZoom) * 180 / std::numbers::pi;
+            near.fov_y_deg = 2 * std::atan(std::tan(radians(near.fov_y_deg) / 2) / kZoom) * 180 /
+                             std::numbers::pi;
             const Margins zoomed = margins(near, width, 100);
             EXPECT_NEAR(zoomed.left - zoomed.right, m.left - m.right, 1e-6);
             EXPECT_NEAR(zoomed.top - zoomed.bottom, m.top - m.bottom, 1e-6);
@@ -89,7 +92,8 @@ TEST(Framing, AllOfATurnStaysInThePicture) {
     const Camera whole = named_camera("iso", {box, kPlaces}, 1, framing);
     double least = 1;
     for (int k = 0; k < kTurns; ++k) {
-        const Margins m = margins(turned(whole, box.center(), {0, 1, 0}, 360.0 * k / kTurns), 100, 100);
+        const Margins m =
+            margins(turned(whole, box.center(), {0, 1, 0}, 360.0 * k / kTurns), 100, 100);
         least = std::min({least, m.left, m.right, m.top, m.bottom});
     }
     EXPECT_NEAR(least, 0.02, 1e-9);

@@ -14,7 +14,8 @@ class BuildMeshes : public FitStages {};
 
 TEST_F(BuildMeshes, LargeFacesOfAMeshGetPointsOfTheirOwn) {
     std::string text =
-        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\n"
         "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
     for (int i = 0; i < 8; ++i) text += fmt::format("{} {} {}\n", i >> 2 & 1, i >> 1 & 1, i & 1);
     text += "4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3\n";

@@ -15,7 +15,9 @@ namespace {
 /// Normals that a cloud brings and that are wrong as a whole.
 class GivenNormals : public FitStages {
 protected:
-    PointBlock oriented(std::size_t slice = 0) { return read_slice(oriented_points_path(file("work"), slice).string()); }
+    PointBlock oriented(std::size_t slice = 0) {
+        return read_slice(oriented_points_path(file("work"), slice).string());
+    }
     static std::size_t inwards(const PointBlock& block) {
         std::size_t n = 0;
         for (std::size_t i = 0; i < block.size(); ++i)
@@ -37,7 +39,8 @@ TEST_F(GivenNormals, EstimatesNormalsThatAreThoseOfNoSurface) {
     EXPECT_EQ(normals()["estimated"], 10000);
     EXPECT_EQ(inwards(oriented()), 0u);
     ASSERT_EQ(listener_.warnings.size(), 1u);
-    EXPECT_NE(listener_.warnings[0].find("off the surface"), std::string::npos) << listener_.warnings[0];
+    EXPECT_NE(listener_.warnings[0].find("off the surface"), std::string::npos)
+        << listener_.warnings[0];
     // A plane's are constant, too, and right.
     listener_.warnings.clear();
     slice(write(sampled("plane", 10000), "d.ply"), 1);
@@ -106,7 +109,9 @@ TEST_F(GivenNormals, AScanOfTheOtherSideOfAThinSheetStays) {
 TEST_F(GivenNormals, FlipTurnsAllRound) {
     NormalsConfig config;
     config.normals = "flip";
-    for (const bool own : {true, false})  // given ones, and estimated ones, whose signs carry over from slice to slice
+    for (const bool own :
+         {true,
+          false})  // given ones, and estimated ones, whose signs carry over from slice to slice
         for (const int slices : {1, 3}) {
             SCOPED_TRACE(fmt::format("{} {}", own, slices));
             slice(write(sampled("sphere", 20000), own ? "c.ply" : "d.ply", own), slices);

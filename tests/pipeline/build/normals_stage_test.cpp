@@ -158,7 +158,8 @@ TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
 }
 
 TEST_F(NormalsStage, TakesMoreNeighboursWhereNoiseIsThick) {
-    for (const auto& [noise, least, most] : {std::tuple{0.0, 16, 16}, {0.001, 16, 16}, {0.02, 40, 64}}) {
+    for (const auto& [noise, least, most] :
+         {std::tuple{0.0, 16, 16}, {0.001, 16, 16}, {0.02, 40, 64}}) {
         SCOPED_TRACE(noise);
         slice(write(sampled("sphere", 50000, 1, noise), fmt::format("c{}.ply", noise), false), 1);
         const int n = normals()["neighbors"];
@@ -191,8 +192,8 @@ TEST_F(NormalsStage, AMissingNormalChangesNoOther) {
     EXPECT_LE(n_other, 16u);  // whose majority it was part of
 }
 
-// Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along the
-// surface it gives them the wrong sign.
+// Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along
+// the surface it gives them the wrong sign.
 TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
     const Cloud cloud = sampled("sphere", 20000, 1, 5e-3);
     const std::string path = write(cloud, "c.ply", false);
@@ -280,13 +281,17 @@ TEST(SlicesToDo, TasksTogetherDoAllOnce) {
     }
     EXPECT_EQ(all, (Numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
     const Variable task("SLURM_ARRAY_TASK_ID", "4");
-    EXPECT_EQ(refusal(11, -1, 3), "task 4: at 3 slices a task the slices 0 to 10 of the plan are those of tasks 0 to 3");
+    EXPECT_EQ(
+        refusal(11, -1, 3),
+        "task 4: at 3 slices a task the slices 0 to 10 of the plan are those of tasks 0 to 3");
 }
 
 TEST(SlicesToDo, AnIndexThatIsNoneIsRefusedByItsVariable) {
     for (const char* index : {"0abc", "abc", "-1", "1.5", " 1", "99999999999999999999"}) {
         const Variable task("PBS_ARRAY_INDEX", index);
-        EXPECT_NE(refusal(3, -1, 1).find(std::string("PBS_ARRAY_INDEX=") + index + ":"), std::string::npos) << index;
+        EXPECT_NE(refusal(3, -1, 1).find(std::string("PBS_ARRAY_INDEX=") + index + ":"),
+                  std::string::npos)
+            << index;
     }
     const Variable first("SGE_TASK_ID", "0");
     EXPECT_NE(refusal(3, -1, 1).find("SGE_TASK_ID=0"), std::string::npos);
@@ -311,14 +316,15 @@ TEST_F(NormalsStage, SensorsThatAreNoneAreRefusedByScanAndFile) {
             return error.what();
         }
     };
-    for (const auto& [entry, told] : {std::pair{R"({"id": 0, "direction": [0, 0, 0]})", "scan 0: direction [0,0,0]"},
-                                      std::pair{R"({"id": 4294967296, "position": [0, 0, 9]})", "scan 4294967296:"},
-                                      std::pair{R"({"id": 65536, "position": [0, 0, 9]})", "scan 65536:"},
-                                      std::pair{R"({"id": -1, "position": [0, 0, 9]})", "scan -1:"},
-                                      std::pair{R"({"id": 0.5, "position": [0, 0, 9]})", "scan 0.5:"},
-                                      std::pair{R"({"id": 0, "position": [0, 9]})", "scan 0: position [0,9]"},
-                                      std::pair{R"({"id": 0, "position": [0, null, 9]})", "c.scans.json"},
-                                      std::pair{R"({"id": 0, "position": [0, 1e999, 9]})", "c.scans.json"}}) {
+    for (const auto& [entry, told] :
+         {std::pair{R"({"id": 0, "direction": [0, 0, 0]})", "scan 0: direction [0,0,0]"},
+          std::pair{R"({"id": 4294967296, "position": [0, 0, 9]})", "scan 4294967296:"},
+          std::pair{R"({"id": 65536, "position": [0, 0, 9]})", "scan 65536:"},
+          std::pair{R"({"id": -1, "position": [0, 0, 9]})", "scan -1:"},
+          std::pair{R"({"id": 0.5, "position": [0, 0, 9]})", "scan 0.5:"},
+          std::pair{R"({"id": 0, "position": [0, 9]})", "scan 0: position [0,9]"},
+          std::pair{R"({"id": 0, "position": [0, null, 9]})", "c.scans.json"},
+          std::pair{R"({"id": 0, "position": [0, 1e999, 9]})", "c.scans.json"}}) {
         const std::string message = refused(entry);
         EXPECT_NE(message.find(told), std::string::npos) << entry << ": " << message;
         EXPECT_NE(message.find("c.scans.json"), std::string::npos) << message;

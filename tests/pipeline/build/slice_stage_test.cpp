@@ -49,7 +49,8 @@ TEST(Spread, TellsALineFromASpeckBesideStrays) {
         SCOPED_TRACE(n);
         Spread line, speck, flat, bent;
         for (std::size_t i = 0; i < n; ++i) {
-            const double t = unit_interval(keyed_hash(1, i, 0)), u = unit_interval(keyed_hash(1, i, 1));
+            const double t = unit_interval(keyed_hash(1, i, 0)),
+                         u = unit_interval(keyed_hash(1, i, 1));
             line.add({t, 2 * t, 5 - t});
             speck.add({t, u, t * u});
             flat.add({t, u, 0});
@@ -179,7 +180,8 @@ TEST(SliceStage, PointsReadOnceAndTwiceAreTheSame) {
     // Pieces of a file are as its points came.
     const PointBlock a = read_slice(slice_points_path(folder.file("once"), 0).string());
     const PointBlock b = read_slice(slice_points_path(folder.file("twice"), 0).string());
-    EXPECT_TRUE(a.position == b.position && a.id == b.id && a.normal == b.normal && a.scan == b.scan);
+    EXPECT_TRUE(a.position == b.position && a.id == b.id && a.normal == b.normal &&
+                a.scan == b.scan);
     EXPECT_EQ(a.origin, b.origin);
     EXPECT_TRUE(read_bytes(plan_path(folder.file("once")).string()) ==
                 read_bytes(plan_path(folder.file("twice")).string()));

@@ -88,7 +88,8 @@ TEST_F(RenderTrace, ACropOfFilteredOpennessIsThatPartOfTheWhole) {
     const PngImage part = draw(c);
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x)
-            ASSERT_TRUE(std::equal(test::pixel(part, x, y), test::pixel(part, x, y) + 4, test::pixel(whole, x + kX, y + kY)))
+            ASSERT_TRUE(std::equal(test::pixel(part, x, y), test::pixel(part, x, y) + 4,
+                                   test::pixel(whole, x + kX, y + kY)))
                 << x << ' ' << y;
 }
 

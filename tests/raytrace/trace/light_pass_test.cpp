@@ -11,7 +11,8 @@
 namespace slim {
 namespace {
 
-using test::camera_at, test::for_ground, test::good_model, test::good_sphere, test::kSize, test::meets_sphere;
+using test::camera_at, test::for_ground, test::good_model, test::good_sphere, test::kSize,
+    test::meets_sphere;
 using test::sphere_on_ground, test::Stage, test::sun, test::without_shadows;
 
 TEST(LightPass, TheShadowOfASphereOnTheGroundIsWhereGeometrySays) {

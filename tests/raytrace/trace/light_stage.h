@@ -40,7 +40,8 @@ struct Stage {
     mutable TraceCounts counts;
 
     /// `more` models stand beside it; their trees must outlive the stage.
-    explicit Stage(SurfelTreeData model, const Camera& from, int size = kSize, std::vector<ScenePart> more = {})
+    explicit Stage(SurfelTreeData model, const Camera& from, int size = kSize,
+                   std::vector<ScenePart> more = {})
         : data(std::move(model)),
           tree(data.view()),
           scene(parts(tree, std::move(more)), false),
@@ -116,7 +117,8 @@ inline Stage sphere_on_ground() {
 }
 
 /// Calls check(pixel, point) for pixels that see the ground.
-inline void for_ground(const Stage& stage, const std::function<void(std::size_t, const Vec3d&)>& check) {
+inline void for_ground(const Stage& stage,
+                       const std::function<void(std::size_t, const Vec3d&)>& check) {
     for (std::size_t i = 0; i < stage.buffer.n_pixels(); ++i) {
         if (stage.buffer.hit[i]) continue;
         const Vec3d d = stage.direction(i), o = stage.eye(i);

@@ -18,7 +18,8 @@ SurfelTreeData flat_mirror() {
     std::vector<Surfel> leaves;
     for (int i = -20; i <= 20; ++i)
         for (int k = -20; k <= 20; ++k)
-            leaves.push_back({{0.3 * i, 0.3 * k, 0}, 0.6, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+            leaves.push_back(
+                {{0.3 * i, 0.3 * k, 0}, 0.6, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
     return good_model(std::move(leaves));
 }
 
@@ -35,7 +36,8 @@ SurfelTreeData two_balls() {
 /// The eye before the mirror, or where its image is.
 Camera eye_at(bool behind) {
     const Vec3d eye{-0.5, 3.5, 2};
-    return camera_at(behind ? Vec3d{eye.x, eye.y, 2 * kMirror - eye.z} : eye, {0.5, 1.5, kMirror}, 30);
+    return camera_at(behind ? Vec3d{eye.x, eye.y, 2 * kMirror - eye.z} : eye, {0.5, 1.5, kMirror},
+                     30);
 }
 
 struct Scene {
@@ -55,19 +57,24 @@ struct Scene {
 
 Picture picture_of(const Stage& stage) {
     std::vector<float> open;
-    if (stage.look.openness) open = stage.openness(stage.look.openness->distance, stage.look.openness->samples);
+    if (stage.look.openness)
+        open = stage.openness(stage.look.openness->distance, stage.look.openness->samples);
     return light_rows(stage.surface(), stage.look, {open}, {0, stage.buffer.height}, stage.counts);
 }
 
-/// Green of the pixels that show the balls, directly and in the mirror, where left and right change sides.
+/// Green of the pixels that show the balls, directly and in the mirror, where left and right change
+/// sides.
 struct Pairs {
     std::vector<double> direct, mirrored;
 
     Pairs(const Scene& s, const Picture& direct_picture, const Picture& mirror_picture) {
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x) {
-                const std::size_t i = s.direct.buffer.index(x, y), k = s.direct.buffer.index(kSize - 1 - x, y);
-                if (!s.direct.buffer.hit[i] || !s.in_mirror.buffer.hit[k] || s.in_mirror.traced.model[k] != 1) continue;
+                const std::size_t i = s.direct.buffer.index(x, y),
+                                  k = s.direct.buffer.index(kSize - 1 - x, y);
+                if (!s.direct.buffer.hit[i] || !s.in_mirror.buffer.hit[k] ||
+                    s.in_mirror.traced.model[k] != 1)
+                    continue;
                 direct.push_back(static_cast<double>(direct_picture.rgba[4 * i + 1]));
                 mirrored.push_back(static_cast<double>(mirror_picture.rgba[4 * k + 1]));
             }

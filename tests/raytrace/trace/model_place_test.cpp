@@ -57,7 +57,8 @@ TEST(ModelPlace, TheFrameIsAPowerOfTwoAroundTheModel) {
 TEST(ModelPlace, PacketsBeginAtTheModelsSphere) {
     const ModelPlace place = ModelPlace::of(cube(kScene.middle + Vec3d{250, 0, 0}, 1e-3), kScene);
     RayPacket rays;
-    rays.origin = LanesOfVec(Vec3f{-2, 0, 0}), rays.direction = LanesOfVec(Vec3f{1, 0, 0}), rays.far = kFar;
+    rays.origin = LanesOfVec(Vec3f{-2, 0, 0}), rays.direction = LanesOfVec(Vec3f{1, 0, 0}),
+    rays.far = kFar;
     rays.origin.y[0] = 0.01f;  // by the sphere
     const PlacedRays placed(place, rays);
     EXPECT_LT(static_cast<float>(placed.rays.far[0]), 0.0f);

@@ -17,7 +17,8 @@ namespace {
 
 using test::camera_at, test::good_sphere, test::Stage;
 
-/// A picture of two level floors, that on the right `step` lower, seen from above: a pixel is 1 wide.
+/// A picture of two level floors, that on the right `step` lower, seen from above: a pixel is 1
+/// wide.
 struct Floors {
     int width, height;
     Camera camera = camera_at({0, 0, 100}, {0, 0, 0});
@@ -26,14 +27,16 @@ struct Floors {
     std::array<std::vector<float>, 3> normals;
     std::vector<float> open;
 
-    Floors(int w, int h, float step, const auto& value) : width(w), height(h), view(pixel_view(camera, w, h)) {
+    Floors(int w, int h, float step, const auto& value)
+        : width(w), height(h), view(pixel_view(camera, w, h)) {
         buffer.reset(w, h, kPositionChannel | kNormalChannel);
         open.resize(buffer.n_pixels());
         for (int y = 0; y < h; ++y)
             for (int x = 0; x < w; ++x) {
                 const std::size_t i = buffer.index(x, y);
                 buffer.hit[i] = 1;
-                buffer.position[0][i] = static_cast<float>(x), buffer.position[1][i] = static_cast<float>(-y);
+                buffer.position[0][i] = static_cast<float>(x),
+                buffer.position[1][i] = static_cast<float>(-y);
                 buffer.position[2][i] = x < w / 2 ? 0 : -step;
                 buffer.normal[2][i] = 1;
                 open[i] = value(x, y);
@@ -47,7 +50,13 @@ struct Floors {
 
 /// Between -1 and 1.
 float noise(int x, int y) {
-    return 2 * static_cast<float>(keyed_hash(1, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x), 2) >> 40) * 0x1p-24f - 1;
+    return 2 *
+               static_cast<float>(
+                   keyed_hash(1, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x),
+                              2) >>
+                   40) *
+               0x1p-24f -
+           1;
 }
 
 double rms_from(const std::vector<float>& values, float mean) {
@@ -95,11 +104,14 @@ TEST(OpennessFilter, APartIsThatOfTheWholeInsideItsMargin) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x)
             for (const std::size_t a : {0u, 1u, 2u})
-                cut.position[a][cut.index(x, y)] = whole.buffer.position[a][whole.buffer.index(x + kLeft, y + kTop)];
-    const auto out = filtered_openness({part.view, {0, 0, kWidth, kHeight}, cut, part.normals}, part.open, 36);
+                cut.position[a][cut.index(x, y)] =
+                    whole.buffer.position[a][whole.buffer.index(x + kLeft, y + kTop)];
+    const auto out =
+        filtered_openness({part.view, {0, 0, kWidth, kHeight}, cut, part.normals}, part.open, 36);
     for (int y = kOpennessReach; y < kHeight - kOpennessReach; ++y)
         for (int x = kOpennessReach; x < kWidth - kOpennessReach; ++x)
-            ASSERT_EQ(out[cut.index(x, y)], all[whole.buffer.index(x + kLeft, y + kTop)]) << x << ' ' << y;
+            ASSERT_EQ(out[cut.index(x, y)], all[whole.buffer.index(x + kLeft, y + kTop)])
+                << x << ' ' << y;
 }
 
 TEST(OpennessFilter, ThreadsDoNotMatter) {
@@ -136,12 +148,15 @@ TEST(SampleGrid, FourByFourPixelsTogetherFillASixteenTimesFinerGrid) {
         for (int y = from; y < from + 4; ++y)
             for (int x = from; x < from + 4; ++x) {
                 PixelBlock block;
-                block.x = x / kPacketWidth * kPacketWidth, block.y = y / kPacketHeight * kPacketHeight;
-                const auto lane = static_cast<std::size_t>((y - block.y) * kPacketWidth + x - block.x);
+                block.x = x / kPacketWidth * kPacketWidth,
+                block.y = y / kPacketHeight * kPacketHeight;
+                const auto lane =
+                    static_cast<std::size_t>((y - block.y) * kPacketWidth + x - block.x);
                 for (int i = 0; i < grid.n(); ++i) {
                     FloatV s, t;
                     grid.sample(i, LaneKeys(block, 7), s, t);
-                    cells.insert({static_cast<int>(s[lane] * kFine), static_cast<int>(t[lane] * kFine)});
+                    cells.insert(
+                        {static_cast<int>(s[lane] * kFine), static_cast<int>(t[lane] * kFine)});
                 }
             }
         EXPECT_EQ(cells.size(), static_cast<std::size_t>(kFine * kFine));

@@ -82,7 +82,8 @@ TEST(Openness, OpennessBesideASphereIsThatOfManyRays) {
     EXPECT_NEAR(sum / n, 0, 0.01);
 }
 
-/// A square plate 4 wide, its faces at z = 0 and z = -thickness, the upper one with a hole in its middle.
+/// A square plate 4 wide, its faces at z = 0 and z = -thickness, the upper one with a hole in its
+/// middle.
 SurfelTreeData plate_with_hole(double thickness) {
     std::vector<Surfel> leaves;
     for (int i = -10; i <= 10; ++i)
@@ -111,8 +112,8 @@ double openness_behind_hole(const Stage& stage, double distance) {
 TEST(Openness, TheInsideOfAThinThingIsAsOpenAsItsOutside) {
     const Stage stage(plate_with_hole(0.5), camera_at({0, 0, 5}, {0, 0, 0}, 20));
     EXPECT_GT(openness_behind_hole(stage, 10), 0.8);  // 0.41 as below, were it not for that
-    // What is thicker than a tenth of the distance keeps its dark inside: from below the middle of a hole of
-    // radius r at depth d the open share is r^2 / (r^2 + d^2), here 0.41.
+    // What is thicker than a tenth of the distance keeps its dark inside: from below the middle of
+    // a hole of radius r at depth d the open share is r^2 / (r^2 + d^2), here 0.41.
     EXPECT_LT(openness_behind_hole(stage, 4), 0.45);
 }
 
@@ -121,8 +122,10 @@ TEST(Openness, TheBackOfAnOpenSheetIsItsOwn) {
     std::vector<Surfel> leaves;
     for (int i = -10; i <= 10; ++i)
         for (int k = -10; k <= 10; ++k) {
-            leaves.push_back({{0.2 * i, 0.2 * k, 0}, 0.3, frame_from_normal(Vec3d{0, 0, -1}), {}, 2});
-            leaves.push_back({{0.2 * i, 2, 2.2 + 0.2 * k}, 0.3, frame_from_normal(Vec3d{0, -1, 0}), {}, 2});
+            leaves.push_back(
+                {{0.2 * i, 0.2 * k, 0}, 0.3, frame_from_normal(Vec3d{0, 0, -1}), {}, 2});
+            leaves.push_back(
+                {{0.2 * i, 2, 2.2 + 0.2 * k}, 0.3, frame_from_normal(Vec3d{0, -1, 0}), {}, 2});
         }
     const Stage stage(good_model(leaves), camera_at({0, 0, 8}, {0, 0, 0}, 20));
     const auto open = stage.openness(10, 64);

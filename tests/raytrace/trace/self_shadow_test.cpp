@@ -8,7 +8,8 @@
 namespace slim {
 namespace {
 
-using test::camera_at, test::good_model, test::good_sphere, test::Stage, test::sun, test::without_shadows;
+using test::camera_at, test::good_model, test::good_sphere, test::Stage, test::sun,
+    test::without_shadows;
 
 // What a surface of overlapping surfels must not throw on itself, and what it must.
 

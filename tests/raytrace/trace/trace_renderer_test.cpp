@@ -166,11 +166,13 @@ TEST(TraceRenderer, OfSeveralModelsTheNearestIsSeen) {
 }
 
 TEST(TraceRenderer, OfEquallyNearModelsTheFirstIsSeen) {
-    // A sheet, and half of it again: coordinates that floats hold from any origin, so that roots are equal.
+    // A sheet, and half of it again: coordinates that floats hold from any origin, so that roots
+    // are equal.
     std::vector<Surfel> sheet, half;
     for (int i = -8; i <= 8; ++i)
         for (int k = -8; k <= 8; ++k) {
-            sheet.push_back({{0.125 * i, 0.125 * k, 0}, 0.25, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
+            sheet.push_back(
+                {{0.125 * i, 0.125 * k, 0}, 0.25, frame_from_normal(Vec3d{0, 0, 1}), {}, 2});
             if (i > 0) half.push_back(sheet.back());
         }
     const auto whole = test::flat_tree(sheet, 2), again = test::flat_tree(half, 2);
@@ -184,7 +186,8 @@ TEST(TraceRenderer, OfEquallyNearModelsTheFirstIsSeen) {
     EXPECT_EQ(both.surfel_id, alone.surfel_id);
     EXPECT_EQ(both.normal[0], alone.normal[0]);
     EXPECT_EQ(both.depth, alone.depth);
-    EXPECT_EQ(std::count_if(planes.model.begin(), planes.model.end(), [](int m) { return m != 0; }), 0);
+    EXPECT_EQ(std::count_if(planes.model.begin(), planes.model.end(), [](int m) { return m != 0; }),
+              0);
 }
 
 TEST(TraceRenderer, OnlyWhatIsWantedIsThere) {

@@ -12,7 +12,8 @@
 namespace slim {
 namespace {
 
-using test::camera_at, test::request_for, test::rough_model, test::sharp_model, test::Stage, test::sun;
+using test::camera_at, test::request_for, test::rough_model, test::sharp_model, test::Stage,
+    test::sun;
 
 /// In diagonals of the models below, about 3.5.
 Vec3d away(double diagonals) { return normalized(Vec3d{1, 0.3, -0.7}) * (3.5 * diagonals); }
@@ -51,8 +52,10 @@ TEST_P(WideScene, SoDoesTheFarModel) {
     int n = 0, n_wrong = 0;
     for (std::size_t i = 0; i < alone.n_pixels(); ++i) {
         n += alone.hit[i];
-        // Depths of about 9 in floats are 5e-7 off. The eye, too, is that far out, in doubles: at 1e7 diagonals by 7e-9.
-        n_wrong += wide.hit[i] != alone.hit[i] || std::abs(wide.depth[i] - alone.depth[i]) > 1e-5f ||
+        // Depths of about 9 in floats are 5e-7 off. The eye, too, is that far out, in doubles: at
+        // 1e7 diagonals by 7e-9.
+        n_wrong += wide.hit[i] != alone.hit[i] ||
+                   std::abs(wide.depth[i] - alone.depth[i]) > 1e-5f ||
                    std::abs(wide.normal[0][i] - alone.normal[0][i]) > 1e-3f ||
                    std::abs(wide.k1[i] - alone.k1[i]) > 1e-3f * (1 + std::abs(alone.k1[i]));
     }
@@ -73,7 +76,8 @@ TEST_P(WideScene, FromFarOutAModelKeepsItsPixels) {
     for (std::size_t i = 0; i < alone.n_pixels(); ++i) {
         n += alone.hit[i];
         // Places of up to 1.1 are floats, 1e-7 off, after a way of two floats.
-        n_wrong += wide.hit[i] != alone.hit[i] || std::abs(wide.normal[0][i] - alone.normal[0][i]) > 1e-3f ||
+        n_wrong += wide.hit[i] != alone.hit[i] ||
+                   std::abs(wide.normal[0][i] - alone.normal[0][i]) > 1e-3f ||
                    std::abs(wide.position[0][i] - alone.position[0][i]) > 1e-5f;
     }
     EXPECT_GT(n, 5000);
@@ -107,12 +111,14 @@ TEST_P(WideScene, SeveralModelsKeepTheirOrder) {
     EXPECT_LE(n_wrong, (n_first + n_second) / 1000);  // pixels where both are met within 1e-6
 }
 
-/// Pixels whose colour differs by more than 0.02: one of the 16 rays of openness under the sky of 0.5 is 0.03.
+/// Pixels whose colour differs by more than 0.02: one of the 16 rays of openness under the sky of
+/// 0.5 is 0.03.
 int n_unlike(const Picture& a, const Picture& b) {
     int n = 0;
     for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
         float off = 0;
-        for (std::size_t k = i; k < i + 4; ++k) off = std::max(off, std::abs(a.rgba[k] - b.rgba[k]));
+        for (std::size_t k = i; k < i + 4; ++k)
+            off = std::max(off, std::abs(a.rgba[k] - b.rgba[k]));
         n += !(off <= 0.02f);
     }
     return n;
@@ -124,7 +130,8 @@ int n_covered(const Picture& picture) {
     return n;
 }
 
-/// Pixels of `wide` that may be unlike: rays that touch a limb, or the rim of a shadow, are told by rounding.
+/// Pixels of `wide` that may be unlike: rays that touch a limb, or the rim of a shadow, are told by
+/// rounding.
 constexpr int kMostTouching = 15;
 
 void expect_alike(const Picture& alone, const Picture& wide) {
@@ -138,7 +145,8 @@ Picture lit(std::vector<ScenePart> more, float mirror, bool ground = false) {
         s.center.x += 2.2;
         leaves.push_back(s);
     }
-    Stage stage(test::good_model(std::move(leaves)), camera_at({1, 3, 7}, {1, 0, 0}), test::kSize, std::move(more));
+    Stage stage(test::good_model(std::move(leaves)), camera_at({1, 3, 7}, {1, 0, 0}), test::kSize,
+                std::move(more));
     stage.look.rig.lights = {sun({1, 0.4, 0.5})};
     stage.look.rig.sky = stage.look.rig.ground = {0.5f, 0.5f, 0.5f};
     stage.look.materials[0].mirror = mirror;

@@ -203,20 +203,23 @@ TEST(LeafRim, AWallThatRisesIsNoEdge) {
     EXPECT_EQ(rims_of(concave), by_border);
 }
 
-/// A leaf whose covered points fill its disc up to an edge at u = reach, which points below it show.
+/// A leaf whose covered points fill its disc up to an edge at u = reach, which points below it
+/// show.
 CoveringSurfel leaf_before_edge(double reach) {
     CoveringSurfel leaf;
     for (double u = -0.9; u <= reach + 1e-9; u += 0.05)
         for (double v = -0.9; v <= 0.9; v += 0.05)
             if (u * u + v * v < 1)
-                leaf.covered.push_back({0, 1, static_cast<float>(u), static_cast<float>(v), 0, true});
+                leaf.covered.push_back(
+                    {0, 1, static_cast<float>(u), static_cast<float>(v), 0, true});
     leaf.edges.assign(5, {1, 0, static_cast<float>(reach)});
     leaf.edges_are_real = true;
     return leaf;
 }
 
 TEST(LeafRim, ALeafIsMadeSoSmallThatItEndsAtAnEdgeWhereNoRimDoes) {
-    for (const double reach : {0.6, 0.64, 0.68}) {  // beyond the last rim, before what is drawn ends
+    for (const double reach :
+         {0.6, 0.64, 0.68}) {  // beyond the last rim, before what is drawn ends
         SCOPED_TRACE(reach);
         const double share = share_at_edges(leaf_before_edge(reach));
         EXPECT_LT(share, 1);

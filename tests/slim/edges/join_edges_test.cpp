@@ -13,8 +13,8 @@
 namespace slim::test {
 namespace {
 
-/// Short straight edges along y in a plate z <= 1 in the plane x = 0, in rows `apart` apart, with gaps
-/// between them that are different everywhere; axes turned on by `turn`.
+/// Short straight edges along y in a plate z <= 1 in the plane x = 0, in rows `apart` apart, with
+/// gaps between them that are different everywhere; axes turned on by `turn`.
 std::vector<TracedEdge> pieces_in_rows(std::size_t n_rows, std::size_t n_pieces, double apart,
                                        std::size_t turn) {
     const auto turned = [&](const Vec3d& v) {
@@ -29,12 +29,14 @@ std::vector<TracedEdge> pieces_in_rows(std::size_t n_rows, std::size_t n_pieces,
             SharpEdge edge;
             edge.n_leaves = 1;
             for (const double y : {0.0, 0.5, 1 - gap})
-                edge.points.push_back({turned({0, static_cast<double>(k) + y, apart * static_cast<double>(row)}),
-                                       to_float(turned({0, 1, 0})),
-                                       {to_float(turned({1, 0, 0})), to_float(turned({0, 0, 1}))}});
+                edge.points.push_back(
+                    {turned({0, static_cast<double>(k) + y, apart * static_cast<double>(row)}),
+                     to_float(turned({0, 1, 0})),
+                     {to_float(turned({1, 0, 0})), to_float(turned({0, 0, 1}))}});
             if (keyed_hash(row, k, 1) % 2) {  // traced the other way
                 std::reverse(edge.points.begin(), edge.points.end());
-                for (EdgePoint& p : edge.points) p.tangent = -p.tangent, std::swap(p.normal[0], p.normal[1]);
+                for (EdgePoint& p : edge.points)
+                    p.tangent = -p.tangent, std::swap(p.normal[0], p.normal[1]);
             }
             out.push_back({edge, {0.6, 0.6}});
         }

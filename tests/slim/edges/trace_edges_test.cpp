@@ -25,7 +25,8 @@ double length_of(const SharpEdge& edge) {
 
 /// Distance from the nearest edge line of the cube [-1, 1]^3.
 double off_cube_edges(const Vec3d& p) {
-    double d[3] = {std::abs(std::abs(p.x) - 1), std::abs(std::abs(p.y) - 1), std::abs(std::abs(p.z) - 1)};
+    double d[3] = {std::abs(std::abs(p.x) - 1), std::abs(std::abs(p.y) - 1),
+                   std::abs(std::abs(p.z) - 1)};
     std::sort(d, d + 3);
     return std::hypot(d[0], d[1]);
 }
@@ -35,7 +36,8 @@ std::vector<SharpEdge> edges_of(const std::vector<Surfel>& leaves, int degree = 
 }
 
 TEST(EdgeLeaf, FindsWherePlanesMeet) {
-    const Surfel s = corner_surfel({1, 2, 3}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, 0.5);
+    const Surfel s =
+        corner_surfel({1, 2, 3}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, 0.5);
     const auto edge = nearest_on_edge(s, kSheetPairs[0], {0.2, -0.1, -0.4});
     ASSERT_TRUE(edge);
     EXPECT_LT(length(*edge - Vec3d{0, 0, -0.4}), 1e-6);
@@ -49,8 +51,8 @@ TEST(EdgeLeaf, FindsWherePlanesMeet) {
 }
 
 TEST(EdgeLeaf, KnowsTheJoinOfEachPair) {
-    const Surfel s =
-        corner_surfel({}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, 1, Join::max, Join::min);
+    const Surfel s = corner_surfel({}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, 1,
+                                   Join::max, Join::min);
     EXPECT_EQ(join_of_pair(*s.sharp, 0), Join::max);
     EXPECT_EQ(join_of_pair(*s.sharp, 1), Join::max);
     EXPECT_EQ(join_of_pair(*s.sharp, 2), Join::min);
@@ -128,7 +130,8 @@ TEST(TraceEdges, AverageLeavesThatDisagree) {
             const Vec3d along = normalized(edge.points[i + 1].point - edge.points[i].point);
             steepest = std::max(steepest, 1 - dot(along, to_double(edge.points[i].tangent)));
         }
-    EXPECT_LT(std::sqrt(sq / n), 0.9 * kOff * std::sqrt(2.0 / 3.0));  // of single leaves: kOff sqrt(2/3)
+    EXPECT_LT(std::sqrt(sq / n),
+              0.9 * kOff * std::sqrt(2.0 / 3.0));  // of single leaves: kOff sqrt(2/3)
     EXPECT_LT(steepest, 5e-3);                                        // no zigzag: within 6 degrees
 }
 
@@ -150,12 +153,15 @@ TEST(TraceEdges, BesideEachOtherStayApart) {
     for (const double t : {0.0, 0.1, 0.2, 0.3})
         for (const double step : {0.0, 0.2}) {
             leaves.push_back(edge_surfel({t, step, step}, {0, 0, 1}, {0, -1, 0}, 0.15));
-            leaves.push_back(edge_surfel({t, step + 0.2, step}, {0, 0, 1}, {0, -1, 0}, 0.15, Join::min));
+            leaves.push_back(
+                edge_surfel({t, step + 0.2, step}, {0, 0, 1}, {0, -1, 0}, 0.15, Join::min));
         }
     const auto edges = edges_of(leaves);
     ASSERT_EQ(edges.size(), 4u);
-    EXPECT_EQ(std::count_if(edges.begin(), edges.end(), [](const SharpEdge& e) { return e.convex; }), 2);
-    for (const SharpEdge& edge : edges) EXPECT_NEAR(length_of(edge), 0.3 + 2 * 0.15 * kHitTrim, 0.04);
+    EXPECT_EQ(
+        std::count_if(edges.begin(), edges.end(), [](const SharpEdge& e) { return e.convex; }), 2);
+    for (const SharpEdge& edge : edges)
+        EXPECT_NEAR(length_of(edge), 0.3 + 2 * 0.15 * kHitTrim, 0.04);
 }
 
 TEST(TraceEdges, OfLooseLeavesOnlyWhenAsked) {
@@ -192,7 +198,8 @@ std::vector<float> numbers_of(const std::vector<SharpEdge>& edges) {
 }
 
 TEST(TraceEdges, AreTheSameForAnyNumberOfThreads) {
-    const SurfelTreeData model = flat_tree(rough_cubes(6), 2);  // more edges than are followed at once
+    const SurfelTreeData model =
+        flat_tree(rough_cubes(6), 2);  // more edges than are followed at once
     std::vector<float> expected;
     for (const int n : {1, 2, 5}) {
         const ThreadLimit limit(n);
@@ -210,8 +217,11 @@ TEST(TraceEdges, OfManyPartsAreThoseOfEachAlone) {
     double sum = 0;
     for (std::size_t k = 0; k < 5; ++k) {
         std::vector<Surfel> one = rough_cubes(5);
-        std::erase_if(one, [&](const Surfel& s) { return std::abs(s.center.x - 3.0 * static_cast<double>(k)) > 1.5; });
-        for (const SharpEdge& edge : edges_of(one)) ++n, n_leaves += edge.n_leaves, sum += length_of(edge);
+        std::erase_if(one, [&](const Surfel& s) {
+            return std::abs(s.center.x - 3.0 * static_cast<double>(k)) > 1.5;
+        });
+        for (const SharpEdge& edge : edges_of(one))
+            ++n, n_leaves += edge.n_leaves, sum += length_of(edge);
     }
     std::size_t all_leaves = 0;
     double all_sum = 0;
@@ -225,7 +235,8 @@ TEST(TraceEdges, TellTheirProgressAndCanBeStopped) {
     const SurfelTreeData model = flat_tree(rough_cubes(4), 2);
     std::vector<std::size_t> told;
     std::size_t total = 0;
-    trace_sharp_edges(model.view(), false, [&](std::size_t done, std::size_t of) { told.push_back(done), total = of; });
+    trace_sharp_edges(model.view(), false,
+                      [&](std::size_t done, std::size_t of) { told.push_back(done), total = of; });
     ASSERT_GT(told.size(), 40u);
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
     EXPECT_LE(told.back(), total);
@@ -233,7 +244,9 @@ TEST(TraceEdges, TellTheirProgressAndCanBeStopped) {
     struct Stop {};
     for (const std::size_t last : {std::size_t{0}, total / 2 + 1})
         EXPECT_THROW(trace_sharp_edges(model.view(), false,
-                                       [&](std::size_t done, std::size_t) { if (done > last) throw Stop{}; }),
+                                       [&](std::size_t done, std::size_t) {
+                                           if (done > last) throw Stop{};
+                                       }),
                      Stop);
 }
 

@@ -11,9 +11,10 @@
 namespace slim::test {
 namespace {
 
-/// A level face inside a profile and a wall below it: the profile goes straight up to y = 0.1 and then round by an
-/// arc of that radius (0: straight on). Points on a grid, those of the edge with the mean normal of the faces. The
-/// other way round (`convex` false) the same as the bottom of a hollow.
+/// A level face inside a profile and a wall below it: the profile goes straight up to y = 0.1 and
+/// then round by an arc of that radius (0: straight on). Points on a grid, those of the edge with
+/// the mean normal of the faces. The other way round (`convex` false) the same as the bottom of a
+/// hollow.
 PointBlock wall_points(double arc_radius, bool convex) {
     constexpr double kStep = 0.16;
     std::vector<Vec3d> positions;
@@ -22,12 +23,14 @@ PointBlock wall_points(double arc_radius, bool convex) {
     for (int i = -8; i <= 8; ++i) {
         const double s = kStep * i, t = arc_radius > 0 && s > 0.1 ? (s - 0.1) / arc_radius : 0;
         const Vec3d n{std::cos(t), std::sin(t), 0};
-        const Vec3d at = t > 0 ? Vec3d{arc_radius * (n.x - 1), 0.1 + arc_radius * n.y, 0} : Vec3d{0, s, 0};
+        const Vec3d at =
+            t > 0 ? Vec3d{arc_radius * (n.x - 1), 0.1 + arc_radius * n.y, 0} : Vec3d{0, s, 0};
         positions.push_back(at), normals.push_back(to_float(normalized(n + Vec3d{0, 0, 1}) * side));
         for (int k = 1; k <= 7; ++k) {
             positions.push_back(at - Vec3d{0, 0, kStep * k}), normals.push_back(to_float(n * side));
             if (t > 0) continue;
-            positions.push_back(at - n * (kStep * k)), normals.push_back(to_float(Vec3d{0, 0, side}));
+            positions.push_back(at - n * (kStep * k)),
+                normals.push_back(to_float(Vec3d{0, 0, side}));
         }
     }
     return block_of(positions, normals);
@@ -50,7 +53,8 @@ SharpFit straight_edge(bool convex) {
 
 /// Whether two planes through the edge, fitted to the straight part, are borne out by all points.
 bool planes_are_filled(double arc_radius, bool convex, double noise_variance = 0) {
-    return is_filled(straight_edge(convex), ball_of(wall_points(arc_radius, convex)), noise_variance);
+    return is_filled(straight_edge(convex), ball_of(wall_points(arc_radius, convex)),
+                     noise_variance);
 }
 
 TEST(SharpFilled, PlanesOfAStraightEdgeAreBorneOutByPointsThatFaceTheirWay) {
@@ -67,8 +71,9 @@ TEST(SharpFilled, WhereAFaceCurvesAwayPlanesStandOut) {
 }
 
 TEST(SharpFilled, WhatNoiseExplainsDoesNotStandOut) {
-    // The planes are off by 0.28 at the core's end and stand out of those of the points near by 0.15 at most: less than
-    // 0.05 and 2.5 deviations of the larger noise, more than of the smaller.
+    // The planes are off by 0.28 at the core's end and stand out of those of the points near by
+    // 0.15 at most: less than 0.05 and 2.5 deviations of the larger noise, more than of the
+    // smaller.
     EXPECT_TRUE(planes_are_filled(0.5, true, 0.25 * 0.25));
     EXPECT_FALSE(planes_are_filled(0.5, true, 0.03 * 0.03));
 }

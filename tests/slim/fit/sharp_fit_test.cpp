@@ -16,9 +16,10 @@ namespace {
 
 const Vec3d kCenter{3, -2, 0.5};
 
-/// The boundary of a solid given by planes n . x = d through `joined`, a function of their values: points of
-/// each plane inside the unit ball that lie on the joined surface. A tenth stands on the edges
-/// (two values at once zero) and has the mean of its planes' normals, as a mesh's vertices have.
+/// The boundary of a solid given by planes n . x = d through `joined`, a function of their values:
+/// points of each plane inside the unit ball that lie on the joined surface. A tenth stands on the
+/// edges (two values at once zero) and has the mean of its planes' normals, as a mesh's vertices
+/// have.
 struct Corner {
     std::vector<Vec3d> normals;
     std::vector<double> offsets;
@@ -26,7 +27,8 @@ struct Corner {
 
     std::vector<double> values(const Vec3d& x) const {
         std::vector<double> f;
-        for (std::size_t k = 0; k < normals.size(); ++k) f.push_back(dot(normals[k], x) - offsets[k]);
+        for (std::size_t k = 0; k < normals.size(); ++k)
+            f.push_back(dot(normals[k], x) - offsets[k]);
         return f;
     }
     /// Foot point on planes `a` and `b` (the same plane if a == b) of a point in space.
@@ -102,11 +104,14 @@ TEST(SharpFit, RecoversCornersOfAllFourKinds) {
     const std::vector<Vec3d> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const std::vector<double> offsets{0.05, -0.03, 0.02};
     using F = std::vector<double>;
-    const std::vector<std::pair<Join, Join>> joins{
-        {Join::max, Join::max}, {Join::min, Join::min}, {Join::max, Join::min}, {Join::min, Join::max}};
+    const std::vector<std::pair<Join, Join>> joins{{Join::max, Join::max},
+                                                   {Join::min, Join::min},
+                                                   {Join::max, Join::min},
+                                                   {Join::min, Join::max}};
     for (std::size_t odd = 0; odd < 3; ++odd)
         for (const auto& [outer, inner] : joins) {
-            SCOPED_TRACE(testing::Message() << "odd " << odd << " joins " << int(outer) << int(inner));
+            SCOPED_TRACE(testing::Message()
+                         << "odd " << odd << " joins " << int(outer) << int(inner));
             const Corner corner{axes, offsets, [=, o = outer, i = inner](const F& f) {
                 return join(o, f[odd], join(i, f[(odd + 1) % 3], f[(odd + 2) % 3]));
             }};
@@ -181,7 +186,8 @@ TEST(SharpClusters, SpreadOfNormalsIsThatOfAnEdge) {
     const PointBlock block = edge(90, true).sample(4000, 3);
     BallPoints<float> ball;
     gather_ball(tree_of(block), {0, 0, 0}, 1, ball);
-    // A tenth of the points has the mean normal: 1 - (0.9 / sqrt 2 + 0.1) = 0.264 for faces of equal area.
+    // A tenth of the points has the mean normal: 1 - (0.9 / sqrt 2 + 0.1) = 0.264 for faces of
+    // equal area.
     EXPECT_NEAR(normal_spread(ball), 0.264, 0.05);
 }
 
@@ -212,7 +218,8 @@ TEST(SharpFit, ASampleInFloatsFindsTheSameSheets) {
     gather_ball(tree_of(block), {}, 1, exact);
     SharpWork<float> coarse_work;
     SharpWork<double> exact_work;
-    const auto a = fit_sharp(coarse, 2, 2, 0, coarse_work), b = fit_sharp(exact, 2, 2, 0, exact_work);
+    const auto a = fit_sharp(coarse, 2, 2, 0, coarse_work),
+               b = fit_sharp(exact, 2, 2, 0, exact_work);
     ASSERT_TRUE(a && b);
     for (std::size_t k = 0; k < 2; ++k) {
         EXPECT_EQ(a->frame[k].normal, b->frame[k].normal);

@@ -109,7 +109,8 @@ TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
     }
     PointBlock sheet = along_curve(block_of(positions, normals));
     const NormalAudit audit = repair(sheet);
-    // By chance one side is a clear majority of some 16 neighbours now and then, and the nearest ones.
+    // By chance one side is a clear majority of some 16 neighbours now and then, and the nearest
+    // ones.
     EXPECT_LT(audit.contrary, 100u);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < sheet.size(); ++i) kept += sheet.normal[i] == normals[sheet.id[i]];
@@ -119,14 +120,16 @@ TEST(Repair, LeavesCleanNormalsAndAThinSheetAlone) {
 }
 
 TEST(Repair, LeavesANarrowRidgeInACreaseAlone) {
-    // A row of points that faces a wall: the wall's are a majority against each of them, but lie across, not beside.
+    // A row of points that faces a wall: the wall's are a majority against each of them, but lie
+    // across, not beside.
     std::vector<Vec3d> positions;
     std::vector<Vec3f> normals;
     const auto at = [](std::size_t i, std::size_t k) {
         return (static_cast<double>(i) + 0.2 * random_at(3, k)) / 90;
     };
     for (std::size_t i = 0; i < 90 * 90; ++i)
-        positions.push_back({at(i % 90, 2 * i), at(i / 90, 2 * i + 1), 0.02}), normals.push_back({0, 0, -1});
+        positions.push_back({at(i % 90, 2 * i), at(i / 90, 2 * i + 1), 0.02}),
+            normals.push_back({0, 0, -1});
     for (std::size_t i = 0; i < 180; ++i)
         positions.push_back({0.5, 0.5 * at(i, 20000 + i), 0}), normals.push_back({0, 0, 1});
     PointBlock crease = along_curve(block_of(positions, normals));
@@ -135,7 +138,8 @@ TEST(Repair, LeavesANarrowRidgeInACreaseAlone) {
     std::size_t flipped = 0;
     for (std::size_t i = 0; i < crease.size(); i += 97)
         if (crease.normal[i].z < 0) crease.normal[i] = -crease.normal[i], ++flipped;
-    EXPECT_NEAR(static_cast<double>(repair(crease).contrary), static_cast<double>(flipped), 2);  // but at the rims
+    EXPECT_NEAR(static_cast<double>(repair(crease).contrary), static_cast<double>(flipped),
+                2);  // but at the rims
 }
 
 TEST(Repair, SeesMixedSignsWhereNoMajorityIsLeft) {

@@ -47,7 +47,8 @@ SignedCloud cloud_of(const std::vector<Vec3d>& positions, const std::vector<Vec3
 
 SignedCloud plane(std::size_t n) {
     std::vector<Vec3d> positions;
-    for (std::uint64_t i = 0; i < n; ++i) positions.push_back({random_at(1, i), random_at(2, i), 0});
+    for (std::uint64_t i = 0; i < n; ++i)
+        positions.push_back({random_at(1, i), random_at(2, i), 0});
     return cloud_of(positions, std::vector<Vec3f>(n, Vec3f{0, 0, 1}));
 }
 
@@ -153,7 +154,8 @@ TEST(SignGroups, InThickNoiseLessAlikeNeighboursAreJoined) {
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
         for (const std::uint32_t j : cloud.graph.of(i)) {
             n_pairs += i != j;
-            n_sure += i != j && std::abs(dot(cloud.points.normal[i], cloud.points.normal[j])) > 0.9f;
+            n_sure +=
+                i != j && std::abs(dot(cloud.points.normal[i], cloud.points.normal[j])) > 0.9f;
         }
     ASSERT_LT(4 * n_sure, n_pairs);
     const SignGroups groups = group_by_sign(cloud.points, cloud.graph, none_known(cloud));

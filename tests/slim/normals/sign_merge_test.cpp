@@ -13,9 +13,10 @@ namespace slim::test {
 namespace {
 
 TEST(SignMerge, AWrongVoteIsOutvotedWhereASpanningTreeFollowsIt) {
-    // 0 and 1 are surely alike, 2 and 3 too; a single sure vote says that 1 and 2 are opposite, three
-    // weaker ones between the two pairs that they are alike.
-    const std::vector<SignVote> votes{{0, 1, 5}, {2, 3, 5}, {1, 2, -2}, {0, 2, 1}, {0, 3, 1}, {1, 3, 1}};
+    // 0 and 1 are surely alike, 2 and 3 too; a single sure vote says that 1 and 2 are opposite,
+    // three weaker ones between the two pairs that they are alike.
+    const std::vector<SignVote> votes{{0, 1, 5}, {2, 3, 5}, {1, 2, -2},
+                                      {0, 2, 1}, {0, 3, 1}, {1, 3, 1}};
     SignedForest forest = merge_by_votes(5, votes);
     for (std::uint32_t i = 1; i < 4; ++i) {
         EXPECT_EQ(forest.find(i).index, forest.find(0).index);

@@ -14,7 +14,8 @@ namespace {
 FarStrays of_box(std::uint64_t n, const std::vector<Vec3d>& strays) {
     FarStrays all;
     for (std::uint64_t i = 0; i < n; ++i)
-        all.add({unit_interval(keyed_hash(1, i)), unit_interval(keyed_hash(2, i)), unit_interval(keyed_hash(3, i))});
+        all.add({unit_interval(keyed_hash(1, i)), unit_interval(keyed_hash(2, i)),
+                 unit_interval(keyed_hash(3, i))});
     for (const Vec3d& p : strays) all.add(p);
     return all;
 }
