@@ -40,6 +40,20 @@ PointChunk with_face_points(const std::string& path) {
     return all;
 }
 
+TEST(FacePoints, AFoldedFaceGetsNoMoreThanItsTrianglesAsk) {
+    // Both halves of the quadrangle are 0.5 large, their vectors cancel to 1e-12.
+    const std::vector<Vec3d> folded{{0, 0, 0}, {1e-12, 0, -1}, {0, 1, 0}, {-1e-12, 0, -1}};
+    const std::vector<Vec3d> tiny{{2, 0, 0}, {2 + 1e-9, 0, 0}, {2, 1e-9, 0}};
+    const std::vector<std::size_t> vertices{0, 1, 2, 3};
+    FacePoints faces;
+    faces.measure(folded);
+    for (int k = 0; k < 3; ++k) faces.measure(tiny);
+    faces.choose_spacing(2, 13);
+    std::vector<FacePoints::Point> out;
+    faces.sample(folded, vertices, out);
+    EXPECT_LT(out.size(), 60000u);
+}
+
 TEST(FacePoints, CoverTheSidesOfACube) {
     const TempFolder folder;
     const std::string path = folder.write("c.ply", cube());

@@ -214,6 +214,20 @@ TEST(ModelFile, HullsOfWhatIsDrawnRoundTripToAShareOfTheirBox) {
     }
 }
 
+TEST(ModelFile, RefusesAHullOfNothingOrOfTooManyPlaces) {
+    const TempFolder folder;
+    for (const bool many : {false, true}) {
+        SurfelTreeData data = some_model();
+        if (many) data.header.drawn = {{1, 0, 2}, {3, 4, 4}};
+        data.header.hull.assign(many ? 387 : 1, {1, 0, 2});
+        write_model(folder.file("m"), data, "{}");
+        for (const auto& open : {ModelFile::open, ModelFile::open_by_pages}) {
+            const std::string error = error_of([&] { open(folder.file("m")); });
+            EXPECT_NE(error.find("hull: expected at most"), std::string::npos) << error;
+        }
+    }
+}
+
 TEST(ModelFile, RefusesBoxesOfWhatIsDrawnBeyondThePoints) {
     const TempFolder folder;
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
