@@ -3,7 +3,9 @@
 #include "slim/base/hash.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace slim {
 namespace {
@@ -32,12 +34,16 @@ double fan_area(std::span<const Vec3d> corners) {
     return sum;
 }
 
-double longest_edge(std::span<const Vec3d> corners) {
+/// Of the face, edges and ways across from its first corner: what its vertices leave open.
+double extent_of(std::span<const Vec3d> corners) {
     double most = 0;
     for (std::size_t k = 0; k < corners.size(); ++k)
-        most = std::max(most, length(corners[(k + 1) % corners.size()] - corners[k]));
+        most = std::max({most, length(corners[(k + 1) % corners.size()] - corners[k]),
+                         length(corners[k] - corners[0])});
     return most;
 }
+
+using Triangle = std::array<std::size_t, 3>;
 
 /// Whether the fan about the first corner covers the face once.
 bool is_fan(std::span<const Vec3d> corners, const Vec3d& area) {
@@ -45,6 +51,46 @@ bool is_fan(std::span<const Vec3d> corners, const Vec3d& area) {
         if (dot(cross(corners[k] - corners[0], corners[k + 1] - corners[0]), area) < 0)
             return false;
     return true;
+}
+
+/// Whether the triangle (a, b, c), which turns as the face does, holds the place of no other corner.
+bool is_ear(std::span<const Vec3d> corners, std::span<const std::size_t> ring, const Triangle& ear,
+            const Vec3d& area) {
+    const Vec3d &a = corners[ear[0]], &b = corners[ear[1]], &c = corners[ear[2]];
+    if (!(dot(cross(b - a, c - b), area) > 0)) return false;
+    const auto is_left = [&](const Vec3d& from, const Vec3d& to, const Vec3d& p) {
+        return dot(cross(to - from, p - from), area) >= 0;
+    };
+    return std::none_of(ring.begin(), ring.end(), [&](std::size_t k) {
+        const Vec3d& p = corners[k];
+        return p != a && p != b && p != c && is_left(a, b, p) && is_left(b, c, p) &&
+               is_left(c, a, p);
+    });
+}
+
+/// Triangles that cover a face once: a fan, or ears cut off one by one where it is concave
+/// (Meisters 1975). None if its outline crosses itself, or of a concave one of too many corners.
+/// cost  O(n^3) of a concave face
+std::vector<Triangle> triangles_of(std::span<const Vec3d> corners, const Vec3d& area) {
+    constexpr std::size_t kMostConcave = 500;
+    std::vector<Triangle> out;
+    if (is_fan(corners, area)) {
+        for (std::size_t k = 1; k + 1 < corners.size(); ++k) out.push_back({0, k, k + 1});
+        return out;
+    }
+    if (corners.size() > kMostConcave) return out;
+    std::vector<std::size_t> ring(corners.size());
+    std::iota(ring.begin(), ring.end(), std::size_t{0});
+    while (ring.size() > 2) {
+        const std::size_t n = ring.size();
+        std::size_t k = 0;
+        const auto ear = [&] { return Triangle{ring[(k + n - 1) % n], ring[k], ring[(k + 1) % n]}; };
+        while (k < n && !is_ear(corners, ring, ear(), area)) ++k;
+        if (k == n) return {};
+        out.push_back(ear());
+        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+    return out;
 }
 
 }  // namespace
@@ -74,11 +120,11 @@ void FacePoints::sample(std::span<const Vec3d> corners, std::span<const std::siz
     if (corners.size() < 3 || !(spacing_ > 0) || !std::isfinite(spacing_)) return;
     const Vec3d area = area_vector(corners);
     const double size = length(area);
-    if (!(size > 0) || !std::isfinite(size) || !(longest_edge(corners) > kLarge * spacing_) ||
-        !is_fan(corners, area))
+    if (!(size > 0) || !std::isfinite(size) || !(extent_of(corners) > kLarge * spacing_))
         return;
-    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
-        sample_triangle({corners[0], corners[k], corners[k + 1]}, area / size, vertices[0], out);
+    for (const Triangle& t : triangles_of(corners, area))
+        sample_triangle({corners[t[0]], corners[t[1]], corners[t[2]]}, area / size, vertices[0],
+                        out);
 }
 
 /// In rows along the longest edge, evenly, half a row from the edges (notes/0003). Of a sliver,

@@ -23,8 +23,7 @@ public:
     /// diagonal: of the vertices
     void choose_spacing(double diagonal, std::size_t n_vertices);
     /// Then again: adds the points of a face, about one per square of the spacing, to `out`. None
-    /// for faces that are small, without area, not finite, or not star-shaped about their first
-    /// corner.
+    /// for faces that are small, without area, not finite, or whose outline crosses itself.
     void sample(std::span<const Vec3d> corners, std::span<const std::size_t> vertices,
                 std::vector<Point>& out);
 

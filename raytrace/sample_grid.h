@@ -33,14 +33,18 @@ private:
 };
 
 /// Samples of [0, 1]^2, one in each cell of a square grid: stratified, and alike in neighbouring
-/// lanes, so that their rays keep together. Any 4 x 4 pixels have theirs in all sixteenths of a
-/// cell (interleaved sampling, Keller and Heidrich 2001), so that together they are a grid of 16
-/// times the cells.
+/// lanes, so that their rays keep together.
 class SampleGrid {
 public:
+    /// interleaved: any 4 x 4 pixels have theirs in all sixteenths of a cell (Keller and Heidrich
+    /// 2001), so that together they are a grid of 16 times the cells. For what is filtered over
+    /// these pixels; else it shows as a screen of dots.
+    enum class Pixels { independent, interleaved };
+
     /// At least n samples.
-    explicit SampleGrid(int n)
-        : side_(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(n)) - 1e-9))) {}
+    explicit SampleGrid(int n, Pixels pixels = Pixels::independent)
+        : side_(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(n)) - 1e-9))),
+          pixels_(pixels) {}
 
     int n() const { return side_ * side_; }
     void sample(int i, const LaneKeys& keys, FloatV& s, FloatV& t) const {
@@ -50,9 +54,11 @@ public:
         FloatV a, b;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const std::uint64_t hash = mix64(keys.key[lane] + static_cast<std::uint64_t>(i));
+            a[lane] = low_bits(hash), b[lane] = low_bits(hash >> 32);
+            if (pixels_ == Pixels::independent) continue;
             const std::uint32_t part = keys.place[lane] ^ turn;
-            a[lane] = 0.25f * (static_cast<float>(part & 3u) + low_bits(hash));
-            b[lane] = 0.25f * (static_cast<float>(part >> 2) + low_bits(hash >> 32));
+            a[lane] = 0.25f * (static_cast<float>(part & 3u) + a[lane]);
+            b[lane] = 0.25f * (static_cast<float>(part >> 2) + b[lane]);
         }
         s = (column + a) * size, t = (row + b) * size;
     }
@@ -61,6 +67,7 @@ private:
     static float low_bits(std::uint64_t x) { return static_cast<float>(x & 0xffffffu) * 0x1p-24f; }
 
     int side_;
+    Pixels pixels_;
 };
 
 }  // namespace slim

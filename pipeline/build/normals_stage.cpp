@@ -65,7 +65,11 @@ NormalEvidence evidence_from(const nlohmann::json& j) {
 }
 
 /// Which side is in is known of a whole cloud only.
-void warn_of_inward(Reporter& reporter) {
+void warn_of_inward(Reporter& reporter, bool flips) {
+    if (flips)
+        return reporter.warn(
+            "the normals point inwards as --normals flip turns them: leave that out, unless a room "
+            "was scanned from inside");
     reporter.warn(
         "the normals point inwards, as those of a room scanned from inside do: of an object, turn "
         "them with --normals flip (curvatures "
@@ -218,7 +222,7 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     if (plan.slices.size() > 1) return_freed_memory();
     sum["slices"] = todo.size();
     sum["inward"] = todo.size() == plan.slices.size() && evidence.is_inward();
-    if (sum["inward"]) warn_of_inward(context.reporter);
+    if (sum["inward"]) warn_of_inward(context.reporter, config.normals == "flip");
     // Shares of points whose own normal disagrees with its neighbours': turned, or merely noisy.
     const double n = std::max(1.0, sum.value("points", 0.0));
     sum["turned_share"] = sum.value("turned", 0.0) / n;

@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace slim {
@@ -107,24 +108,37 @@ void audit_estimates(PointBlock& points, const NearestSearch& search, const std:
     report.noisy += audit.noisy;
 }
 
+/// Of each scan whose sensor is known, samples that face it less the others.
+std::vector<std::int64_t> facing_of(const PointBlock& points,
+                                    const std::vector<std::uint32_t>& samples,
+                                    const std::vector<Vec3d>& sensors) {
+    std::vector<std::int64_t> facing(sensors.size(), 0);
+    for (const std::uint32_t i : samples) {
+        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
+        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
+        const bool faces =
+            dot(to_double(points.normal[i]), sensors[scan] - points.position[i]) > 0;
+        facing[scan] += faces ? 1 : -1;
+    }
+    return facing;
+}
+
 /// Whether most of the samples face their sensors, so that a surface may well enclose them. False
 /// where no sensor is known.
 bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples,
                    const std::vector<Vec3d>& sensors) {
-    std::int64_t votes = 0;
-    for (const std::uint32_t i : samples) {
-        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
-        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
-        votes += dot(to_double(points.normal[i]), sensors[scan] - points.position[i]) > 0 ? 1 : -1;
-    }
-    return votes > 0;
+    const auto facing = facing_of(points, samples, sensors);
+    return std::accumulate(facing.begin(), facing.end(), std::int64_t{0}) > 0;
 }
 
-/// Turns scans whose normals are turned round against the others', of a job of one slice: which
-/// scans are in the minority is not known of less. Returns how many points these have.
+/// Turns scans whose normals are turned round against the others', by their sensors or as the
+/// fewer, of a job of one slice: which are in the minority is not known of less. Returns how many
+/// points these have.
 std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search,
-                                const std::vector<std::uint32_t>& samples) {
-    const std::vector<bool> contrary = contrary_scans(points, search, samples);
+                                const std::vector<std::uint32_t>& samples,
+                                const std::vector<Vec3d>& sensors) {
+    const std::vector<bool> contrary =
+        contrary_scans(points, search, samples, facing_of(points, samples, sensors));
     if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
     std::size_t n = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -224,7 +238,7 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     if (n_own > 0 && !carries) {
         if (plan.slices.size() == 1) {
             report.of_contrary_scans =
-                turn_contrary_scans(points, search, evidence_samples(points, own));
+                turn_contrary_scans(points, search, evidence_samples(points, own), sensors);
             if (report.of_contrary_scans > 0)
                 reporter.warn(
                     fmt::format("{} points are of scans whose normals are turned round against the "

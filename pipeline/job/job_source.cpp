@@ -71,7 +71,9 @@ fs::path job_file(const JobSource& source) {
             "such as: {} (styles: {})",
             source.job, shell_line({"slim", "run", "plate", source.job}),
             fmt::join(style_names(), ", ")));
-    if (fs::exists(named) || named.has_extension() || named.has_parent_path()) return named;
+    // A folder of results may have a style's name.
+    const bool is_file = fs::exists(named) && !fs::is_directory(named);
+    if (is_file || named.has_extension() || named.has_parent_path()) return named;
     if (const fs::path file = style_folder() / (source.job + ".toml"); fs::exists(file)) {
         if (!names_input(source))
             throw ConfigError(fmt::format(

@@ -144,7 +144,7 @@ constexpr OptionUse kUses[] = {
      takes_camera},
     {"zoom", "a camera that says no zoom of its own", ", but --path says one with each",
      takes_zoom},
-    {"up", "a camera without an up axis of its own, or what stands upright,", "", takes_up},
+    {"up", "a camera without an up axis of its own or for what stands upright", "", takes_up},
     {"name", "a folder as output", ": -o FOLDER", takes_name},
     {"background", "a picture without --environment-behind", "", takes_background},
     {"same_scale", "an orthographic named camera that frames the model", ": --ortho",

@@ -66,7 +66,7 @@ LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
 
 FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int samples,
                                const RaySite& site) const {
-    const SampleGrid grid(samples);
+    const SampleGrid grid(samples, SampleGrid::Pixels::interleaved);
     const LaneKeys keys(site.block, site.purpose() + kOpenness);
     FloatV open(0.0f);
     for (int i = 0; i < grid.n(); ++i) {

@@ -62,7 +62,8 @@ Pairs pairs_of_scans(const PointBlock& points, const NearestSearch& search,
 }  // namespace
 
 std::vector<bool> contrary_scans(const PointBlock& points, const NearestSearch& search,
-                                 std::span<const std::uint32_t> samples) {
+                                 std::span<const std::uint32_t> samples,
+                                 std::span<const std::int64_t> facing) {
     if (points.scan.empty()) return {};
     const std::size_t n = 1 + *std::max_element(points.scan.begin(), points.scan.end());
     if (n < 2) return {};
@@ -77,14 +78,20 @@ std::vector<bool> contrary_scans(const PointBlock& points, const NearestSearch& 
     std::vector<bool> contrary(n, false);
     if (!any_opposed) return contrary;
     SignedForest forest = merge_by_votes(static_cast<std::uint32_t>(n), std::move(votes));
-    std::vector<double> balance(n, 0);  // by root: points as it has it, less those against it
+    // By root: points as it has it, less those against it; and what sensors say of them.
+    std::vector<std::int64_t> balance(n, 0), by_sensors(n, 0);
     for (const std::uint16_t scan : points.scan) {
         const SignedForest::Root root = forest.find(scan);
         balance[root.index] += root.flipped ? -1 : 1;
     }
+    for (std::uint32_t scan = 0; scan < std::min(n, facing.size()); ++scan) {
+        const SignedForest::Root root = forest.find(scan);
+        by_sensors[root.index] += root.flipped ? -facing[scan] : facing[scan];
+    }
     for (std::uint32_t scan = 0; scan < n; ++scan) {
         const SignedForest::Root root = forest.find(scan);
-        contrary[scan] = root.flipped == (balance[root.index] >= 0);
+        const std::int64_t said = by_sensors[root.index];
+        contrary[scan] = root.flipped == ((said != 0 ? said : balance[root.index]) >= 0);
     }
     return contrary;
 }
