@@ -27,7 +27,7 @@ struct SliceConfig {
         field("memory", memory, "memory that later stages may use for one slice");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
         field.choice("face_points", face_points,
-                     "on: a mesh's large faces (edges over five times its median one, or a twelfth "
+                     "on: a mesh's large faces (as wide as five of its median edges, or a twelfth "
                      "of the diagonal) get "
                      "points of their own; off: its vertices alone",
                      {"on", "off"});
