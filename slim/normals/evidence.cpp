@@ -19,7 +19,7 @@ constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in 
 constexpr double kManyOff = 0.15;
 constexpr double kClearFlux = 0.15;        // over the size, of a shape that has an inside
 constexpr double kSmallHole = 0.25;        // over the area
-constexpr double kMostArea = 100;          // medians: what a stray far off counts at most
+constexpr double kMostArea = 100;          // medians: what stands for more is a stray far off
 
 /// What points stand for at most, by their 16th neighbours.
 double most_area_of(const PointBlock& points, const NearestSearch& search,
@@ -46,7 +46,7 @@ NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
     one.n = 1;
     for (const std::uint32_t k : neighbors)
         one.area = std::max(one.area, sq_length(points.position[k] - p));
-    one.area = std::min(one.area, most_area);
+    if (one.area > most_area) one.area = 0;
     one.sq_size = one.area * sq_length(p);
     one.flux = one.area * dot(p, normal);
     one.moment = one.area * p;

@@ -218,8 +218,9 @@ TEST(ModelFile, RefusesAHullOfNothingOrOfTooManyPlaces) {
     const TempFolder folder;
     for (const bool many : {false, true}) {
         SurfelTreeData data = some_model();
-        if (many) data.header.drawn = {{1, 0, 2}, {3, 4, 4}};
-        data.header.hull.assign(many ? 387 : 1, {1, 0, 2});
+        data.header.drawn = {{1, 0, 2}, {3, 4, 4}};
+        data.header.drawn_loose = {};
+        (many ? data.header.hull : data.header.loose_hull).assign(many ? 387 : 1, {1, 0, 2});
         write_model(folder.file("m"), data, "{}");
         for (const auto& open : {ModelFile::open, ModelFile::open_by_pages}) {
             const std::string error = error_of([&] { open(folder.file("m")); });
