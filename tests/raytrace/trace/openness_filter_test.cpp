@@ -142,7 +142,7 @@ TEST(OpennessFilter, LittleGrainIsLeftOnASphereAboveTheGround) {
 
 TEST(SampleGrid, FourByFourPixelsTogetherFillASixteenTimesFinerGrid) {
     constexpr int kSide = 3, kFine = 4 * kSide;
-    const SampleGrid grid(kSide * kSide);
+    const SampleGrid grid(kSide * kSide, SampleGrid::Pixels::interleaved);
     for (const int from : {0, 5}) {  // any of them, wherever packets begin
         std::set<std::pair<int, int>> cells;
         for (int y = from; y < from + 4; ++y)
