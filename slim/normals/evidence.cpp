@@ -21,32 +21,15 @@ constexpr double kClearFlux = 0.15;        // over the size, of a shape that has
 constexpr double kSmallHole = 0.25;        // over the area
 constexpr double kMostArea = 100;          // medians: what stands for more is a stray far off
 
-/// What points stand for at most, by their 16th neighbours.
-double most_area_of(const PointBlock& points, const NearestSearch& search,
-                    const std::vector<std::uint32_t>& wanted) {
-    if (wanted.empty()) return 0;
-    std::vector<double> area(wanted.size());
-    search.for_each(
-        wanted, kNeighbors, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-            for (const std::uint32_t k : neighbors)
-                area[w] =
-                    std::max(area[w], sq_length(points.position[k] - points.position[wanted[w]]));
-        });
-    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
-    std::nth_element(area.begin(), middle, area.end());
-    return kMostArea * *middle;
-}
-
 /// What one point adds.
 NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
-                               std::span<const std::uint32_t> neighbors, double most_area) {
+                               std::span<const std::uint32_t> neighbors) {
     NormalEvidence one;
     const Vec3d p = points.position[i], normal = to_double(points.normal[i]);
     if (!(sq_length(normal) > 0)) return one;
     one.n = 1;
     for (const std::uint32_t k : neighbors)
         one.area = std::max(one.area, sq_length(points.position[k] - p));
-    if (one.area > most_area) one.area = 0;
     one.sq_size = one.area * sq_length(p);
     one.flux = one.area * dot(p, normal);
     one.moment = one.area * p;
@@ -58,6 +41,17 @@ NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
     one.n_flat = 1;
     one.n_off = std::abs(dot(normal, spread.normal)) < kOff ? 1 : 0;
     return one;
+}
+
+/// Leaves strays far off out of what is weighted by area: they would be all of it.
+void pass_over_strays(std::vector<NormalEvidence>& each) {
+    if (each.empty()) return;
+    std::vector<double> areas;
+    for (const NormalEvidence& one : each) areas.push_back(one.area);
+    const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+    std::nth_element(areas.begin(), middle, areas.end());
+    for (NormalEvidence& one : each)
+        if (one.area > kMostArea * *middle) one = {one.n, one.n_flat, one.n_off};
 }
 
 }  // namespace
@@ -97,12 +91,12 @@ NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search
     std::vector<std::uint32_t> wanted(samples.begin(), samples.end());
     std::sort(wanted.begin(), wanted.end());
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
-    const double most_area = most_area_of(points, search, wanted);
     std::vector<NormalEvidence> each(wanted.size());
     search.for_each(wanted, kNeighbors,
                     [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
-                        each[w] = evidence_of_one(points, wanted[w], neighbors, most_area);
+                        each[w] = evidence_of_one(points, wanted[w], neighbors);
                     });
+    pass_over_strays(each);
     NormalEvidence sum;
     for (const NormalEvidence& one : each) sum += one;
     return sum;
