@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/build/face_points_option.h"
 #include "pipeline/build/plan_file.h"
 #include "pipeline/stage.h"
 
@@ -26,11 +27,7 @@ struct SliceConfig {
         field.output("work", work, "folder for the slices and plan.json");
         field("memory", memory, "memory that later stages may use for one slice");
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
-        field.choice("face_points", face_points,
-                     "on: a mesh's large faces (as wide as five of its median edges, or a twelfth "
-                     "of the diagonal) get "
-                     "points of their own; off: its vertices alone",
-                     {"on", "off"});
+        visit_face_points(field, face_points);
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
     }
 };
