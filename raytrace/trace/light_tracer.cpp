@@ -1,5 +1,6 @@
 #include "raytrace/trace/light_tracer.h"
 
+#include "raytrace/eye_surface.h"
 #include "raytrace/trace/two_floats.h"
 
 #include <algorithm>
@@ -35,6 +36,18 @@ LanesOfVec about(const LanesOfVec& n, const FloatV& s, const FloatV& t) {
     const LanesOfVec u{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x},
         v{b, sign + n.y * n.y * a, -n.y};
     return u * x + v * y + n * z;
+}
+
+/// Normals of places that are seen along -toward_eye, to be lit by: where they look away a little,
+/// a silhouette (silhouette_normal), turned round where they do so by more.
+LanesOfVec facing(const LanesOfVec& normal, const LanesOfVec& toward_eye) {
+    LanesOfVec out = normal;
+    for (std::uint64_t bits = lane_bits(normal.dot(toward_eye) < 0.0f); bits != 0;
+         bits &= bits - 1) {
+        const int lane = std::countr_zero(bits);
+        out.set(lane, silhouette_normal(normal.at(lane), toward_eye.at(lane)));
+    }
+    return out;
 }
 
 FloatV luminance(const LanesOfVec& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
@@ -131,7 +144,7 @@ LanesOfVec LightTracer::mirrored(const ShadePoints& at, const RaySite& site) con
     there.toward_eye = -direction, there.on = hit;
     there.clearance = hits.clearance;
     there.outward = hits.normal;
-    there.normal = select_vec(hits.normal.dot(direction) > 0.0f, -hits.normal, hits.normal);
+    there.normal = facing(hits.normal, there.toward_eye);
     std::array<std::uint16_t, kLanes> model;
     for (std::size_t k = 0; k < kLanes; ++k) {
         model[k] = static_cast<std::uint16_t>(hits.model[k]);
