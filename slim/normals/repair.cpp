@@ -4,6 +4,7 @@
 #include "slim/base/parallel.h"
 #include "slim/normals/audit_buckets.h"
 #include "slim/normals/bucket_audit.h"
+#include "slim/normals/sign_vote.h"
 
 #include <algorithm>
 #include <cmath>
@@ -150,7 +151,7 @@ private:
             const float sq = sq_length(d);
             if (!(sq > 0 && sq < sq_radius)) continue;
             const Vec3f m{candidates_.nx[c], candidates_.ny[c], candidates_.nz[c]};
-            const float vote = dot(m, n) - dot(m, d) * dot(n, d) / sq;
+            const float vote = sign_vote(m, n, d, sq);
             const float weight = std::abs(vote) / (sq / sq_radius + kNear);
             sum += weight * vote;
             size += std::abs(weight * vote);

@@ -1,6 +1,7 @@
 #include "slim/normals/scan_signs.h"
 
 #include "slim/normals/sign_merge.h"
+#include "slim/normals/sign_vote.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,15 +46,16 @@ Pairs pairs_of_scans(const PointBlock& points, const NearestSearch& search,
             const std::uint32_t i = wanted[w];
             const Vec3d d = points.position[k] - points.position[i],
                         n = to_double(points.normal[i]), m = to_double(points.normal[k]);
-            const double sq = sq_length(d), height = dot(n, d);
+            const double sq = sq_length(d);
             if (!(sq > 0)) continue;
-            const double vote = dot(m, n) - dot(m, d) * height / sq;
+            const double vote = sign_vote(m, n, d, sq);
             PairOfScans& pair = pairs[std::minmax<std::uint32_t>(points.scan[i], points.scan[k])];
             pair.votes += vote * std::abs(vote);
             pair.size += vote * vote;
             if (vote >= 0) continue;
             // Seen from the scan of lower number, so that both ways add up.
-            pair.across += (points.scan[i] < points.scan[k] ? height : -dot(m, d)) / std::sqrt(sq);
+            const double height = points.scan[i] < points.scan[k] ? dot(n, d) : -dot(m, d);
+            pair.across += height / std::sqrt(sq);
             pair.n_opposed += 1;
         }
     return pairs;

@@ -1,6 +1,7 @@
 #include "slim/normals/sign_groups.h"
 
 #include "slim/base/parallel.h"
+#include "slim/normals/sign_vote.h"
 #include "slim/normals/signed_forest.h"
 
 #include <algorithm>
@@ -24,11 +25,8 @@ constexpr std::size_t kPoints = 5;
 constexpr float kSmall = 1e-30f;  // square of a length whose products floats hold
 constexpr double kLeast = 1e-300;
 
-/// How much two neighbours speak for one sign of their normals, in [-1, 1]: the product of what the
-/// normals are across the line from one to the other. It is the mean of the product of the normals
-/// (Hoppe et al. 1992) and of that with one of them mirrored at the plane between the points (Xie
-/// et al. 2003), which is right on every circle but takes noise of a plane for its two sides.
-float sign_vote(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
+/// The vote of a pair of points, whose distance may leave the floats.
+float vote_of_pair(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
     const Vec3d apart = points.position[b] - points.position[a];
     const Vec3f &m = points.normal[a], &n = points.normal[b];
     Vec3f line = to_float(apart);
@@ -38,7 +36,7 @@ float sign_vote(const PointBlock& points, std::uint32_t a, std::uint32_t b) {
             apart / std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z), kLeast})));
         square = 1;
     }
-    return dot(m, n) - dot(m, line) * dot(n, line) / square;
+    return sign_vote(m, n, line, square);
 }
 
 struct Pair {
@@ -62,7 +60,7 @@ void list_pairs(const PointBlock& points, const NeighborGraph& graph,
                                     : static_cast<std::uint32_t>(std::ranges::lower_bound(rows, j) -
                                                                  rows.begin());
             if (rows[b] != j) continue;
-            const float vote = sign_vote(points, i, j);
+            const float vote = vote_of_pair(points, i, j);
             if (1 - std::abs(vote) < most) pairs.push_back({vote, a, b});
         }
     }
@@ -130,7 +128,7 @@ void list_votes(const PointBlock& points, const NeighborGraph& graph, const Sign
         for (const std::uint32_t j : graph.of(row)) {
             const auto [a, b] = std::minmax(groups.of[i], groups.of[j]);
             if (a == b) continue;
-            const float vote = sign_vote(points, i, j);
+            const float vote = vote_of_pair(points, i, j);
             const float weight = vote * std::abs(vote);
             votes.push_back({a, b, groups.opposed[i] == groups.opposed[j] ? weight : -weight});
         }
