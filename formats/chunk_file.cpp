@@ -1,6 +1,7 @@
 #include "formats/chunk_file.h"
 
 #include "formats/chunk_layout.h"
+#include "formats/chunk_mapping.h"
 #include "formats/message.h"
 #include "slim/base/error.h"
 
@@ -11,6 +12,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -40,29 +42,27 @@ struct ChunkFile::State {
     std::string path;
     Descriptor file;
     const char* what = "";
-    const unsigned char* data = nullptr;
+    bool by_pages = false;
     std::uint64_t size = 0;
     ChunkFileHeader header{};
     std::vector<ChunkEntry> table;
-
-    State() = default;
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
-    ~State() {
-        if (data) ::munmap(const_cast<unsigned char*>(data), size);
-    }
+    std::mutex mapping;
+    std::unique_ptr<ChunkMapping[]> mapped;  // of each chunk, once it is asked for
 
     [[noreturn]] void fail(std::uint64_t offset, const std::string& text) const {
         throw FormatError(message(path, ": byte ", offset, ": ", text));
     }
     [[noreturn]] void fail_checksum(const ChunkEntry& e) const;
-    void map();
+    void open();
+    void read(std::uint64_t offset, void* out, std::size_t n) const;
     void read_header(const ChunkFileKind& kind);
     void read_table();
     void check_entry(const ChunkEntry& entry) const;
     void check_gaps() const;
     const ChunkEntry* find(std::string_view name) const;
     const ChunkEntry& entry(std::string_view name) const;
+    const ChunkMapping& map(const ChunkEntry& e);
+    const unsigned char* bytes(const ChunkEntry& e);
 };
 
 namespace {
@@ -85,7 +85,7 @@ void ChunkFile::State::fail_checksum(const ChunkEntry& e) const {
                            " bytes) does not match its checksum"));
 }
 
-void ChunkFile::State::map() {
+void ChunkFile::State::open() {
     file.fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status {};
     if (file.fd < 0 || ::fstat(file.fd, &status) != 0)
@@ -93,21 +93,32 @@ void ChunkFile::State::map() {
     if (!S_ISREG(status.st_mode)) throw IoError(message(path, ": is not a regular file"));
     size = static_cast<std::uint64_t>(status.st_size);
     if (size == 0) fail(0, message("the file is empty; expected a ", what));
-    void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.fd, 0);
-    if (mapped == MAP_FAILED)
-        throw ResourceError(message(path, ": cannot be mapped: ", std::strerror(errno)));
-    data = static_cast<const unsigned char*>(mapped);
+    if (by_pages) ::posix_fadvise(file.fd, 0, 0, POSIX_FADV_RANDOM);
+}
+
+void ChunkFile::State::read(std::uint64_t offset, void* out, std::size_t n) const {
+    auto* to = static_cast<unsigned char*>(out);
+    while (n > 0) {
+        const ssize_t got = ::pread(file.fd, to, n, static_cast<off_t>(offset));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0)
+            throw IoError(
+                message(path, ": byte ", offset, ": cannot be read: ", std::strerror(errno)));
+        if (got == 0) fail(offset, "cut off while it was read");
+        to += got, offset += static_cast<std::uint64_t>(got);
+        n -= static_cast<std::size_t>(got);
+    }
 }
 
 void ChunkFile::State::read_header(const ChunkFileKind& kind) {
+    read(0, &header, std::min<std::size_t>(size, sizeof(header)));
     const std::size_t n_magic = std::min<std::size_t>(size, sizeof(header.magic));
-    if (std::memcmp(data, kind.magic.data(), n_magic) != 0)
+    if (std::memcmp(header.magic, kind.magic.data(), n_magic) != 0)
         fail(0, message("this is not a ", what, ": expected '", kind.magic, "', found ",
-                        quoted(reinterpret_cast<const char*>(data), n_magic)));
+                        quoted(header.magic, n_magic)));
     if (size < sizeof(header))
         fail(size, message("cut off: a ", what, " has at least ", sizeof(header), " bytes, found ",
                            size));
-    std::memcpy(&header, data, sizeof(header));
     if (header.endian_mark == kEndianMarkSwapped) fail(12, "written in the other byte order");
     if (header.endian_mark != kEndianMark) fail(12, "damaged: wrong byte order mark");
     // A newer version may have another header, so this comes before its checksum.
@@ -127,10 +138,11 @@ void ChunkFile::State::read_table() {
     const std::uint64_t table_size = header.n_chunks * std::uint64_t{sizeof(ChunkEntry)};
     if (header.table_offset > size || table_size != size - header.table_offset)
         fail(24, "damaged: the table of chunks is out of bounds");
-    if (header.table_checksum != XXH3_64bits(data + header.table_offset, table_size))
-        fail(header.table_offset, "damaged: the table of chunks does not match its checksum");
     table.resize(header.n_chunks);
-    if (table_size > 0) std::memcpy(table.data(), data + header.table_offset, table_size);
+    read(header.table_offset, table.data(), table_size);
+    if (header.table_checksum != XXH3_64bits(table.data(), table_size))
+        fail(header.table_offset, "damaged: the table of chunks does not match its checksum");
+    mapped = std::make_unique<ChunkMapping[]>(table.size());
     for (const ChunkEntry& e : table) check_entry(e);
 }
 
@@ -146,8 +158,10 @@ void ChunkFile::State::check_entry(const ChunkEntry& e) const {
 void ChunkFile::State::check_gaps() const {
     std::uint64_t at = sizeof(ChunkFileHeader);
     const auto zeros_until = [&](std::uint64_t end) {
-        for (; at < end; ++at)
-            if (data[at] != 0) fail(at, "damaged: expected a zero between chunks");
+        char gap[kChunkAlignment] = {};
+        if (at < end) read(at, gap, std::min<std::uint64_t>(end - at, sizeof gap));
+        for (std::size_t i = 0; at < end && i < sizeof gap; ++at, ++i)
+            if (gap[i] != 0) fail(at, "damaged: expected a zero between chunks");
     };
     for (const ChunkEntry& e : table) {
         if (e.offset < at || e.offset - at >= kChunkAlignment)
@@ -170,6 +184,23 @@ const ChunkEntry& ChunkFile::State::entry(std::string_view name) const {
     return *e;
 }
 
+/// Mapped when it is first asked for: what is read() alone, as the points of slices are, takes no
+/// room among the addresses, which a limit on these (`ulimit -v`) counts.
+const ChunkMapping& ChunkFile::State::map(const ChunkEntry& e) {
+    const std::lock_guard lock(mapping);
+    ChunkMapping& chunk = mapped[static_cast<std::size_t>(&e - table.data())];
+    if (chunk.is_there()) return chunk;
+    const std::uint64_t end = e.offset + e.count * e.element_size;
+    if (const int error = chunk.map(file.fd, e.offset, end, by_pages))
+        throw ResourceError(message(path, ": cannot be mapped: ", std::strerror(error)));
+    return chunk;
+}
+
+const unsigned char* ChunkFile::State::bytes(const ChunkEntry& e) {
+    alignas(kChunkAlignment) static const unsigned char none[1] = {};
+    return e.count > 0 ? map(e).at(e.offset) : none;
+}
+
 ChunkFile::ChunkFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ChunkFile::~ChunkFile() = default;
 ChunkFile::ChunkFile(ChunkFile&&) noexcept = default;
@@ -179,9 +210,8 @@ ChunkFile ChunkFile::open(const std::string& path, const ChunkFileKind& kind, bo
     auto state = std::make_unique<State>();
     state->path = path;
     state->what = kind.what;
-    state->map();
-    // Without it the system reads up to megabytes around each page.
-    if (by_pages) ::madvise(const_cast<unsigned char*>(state->data), state->size, MADV_RANDOM);
+    state->by_pages = by_pages;
+    state->open();
     state->read_header(kind);
     state->read_table();
     state->check_gaps();
@@ -206,7 +236,7 @@ std::vector<std::string> ChunkFile::names() const {
 
 void ChunkFile::verify(std::string_view name) const {
     const ChunkEntry& e = state_->entry(name);
-    if (e.checksum != XXH3_64bits(state_->data + e.offset, e.count * e.element_size))
+    if (e.checksum != XXH3_64bits(state_->bytes(e), e.count * e.element_size))
         state_->fail_checksum(e);
 }
 
@@ -214,7 +244,7 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
                            const std::function<void(std::size_t, std::size_t)>& body) const {
     constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
     const ChunkEntry& e = state_->entry(name);
-    const unsigned char* const data = state_->data + e.offset;
+    const unsigned char* const data = state_->bytes(e);
     const auto let_go = [](const unsigned char* from, const unsigned char* to) {
         // Whole pages only; neighbours of the ends are read again if need be.
         static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
@@ -235,7 +265,7 @@ void ChunkFile::each_piece(std::string_view name, std::size_t element_size,
         body(first, n);
         let_go(first > behind ? piece - behind * element_size : data, piece + n * element_size);
     }
-    let_go(data, data + e.count * e.element_size);
+    if (e.count > 0) let_go(data, data + e.count * e.element_size);
     if (e.checksum != XXH3_64bits_digest(&hash)) state_->fail_checksum(e);
 }
 
@@ -247,23 +277,14 @@ void ChunkFile::read(std::string_view name, std::uint64_t first_byte,
         state_->fail(e.offset,
                      message("chunk ", name, ": expected ", out.size(), " bytes from byte ",
                              first_byte, " on, found ", n_bytes, " in all"));
-    std::uint64_t at = e.offset + first_byte;
-    while (!out.empty()) {
-        const ssize_t n = ::pread(state_->file.fd, out.data(), out.size(), static_cast<off_t>(at));
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0)
-            throw IoError(
-                message(state_->path, ": byte ", at, ": cannot be read: ", std::strerror(errno)));
-        if (n == 0) state_->fail(at, "cut off while it was read");
-        at += static_cast<std::uint64_t>(n);
-        out = out.subspan(static_cast<std::size_t>(n));
-    }
+    state_->read(e.offset + first_byte, out.data(), out.size());
 }
 
 std::string ChunkFile::identity() const {
-    std::vector<unsigned char> bytes(state_->data, state_->data + sizeof(ChunkFileHeader));
-    bytes.insert(bytes.end(), state_->data + state_->header.table_offset,
-                 state_->data + state_->size);
+    const auto bytes_of = [](const auto* p) { return reinterpret_cast<const unsigned char*>(p); };
+    const std::vector<ChunkEntry>& table = state_->table;
+    std::vector<unsigned char> bytes(bytes_of(&state_->header), bytes_of(&state_->header + 1));
+    bytes.insert(bytes.end(), bytes_of(table.data()), bytes_of(table.data() + table.size()));
     const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
     char text[33];
     std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
@@ -273,11 +294,7 @@ std::string ChunkFile::identity() const {
 
 void ChunkFile::read_ahead(std::string_view name) const {
     const ChunkEntry& e = state_->entry(name);
-    // Asked for as it stands: without MADV_RANDOM the system would read megabytes beyond its end.
-    static const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    const std::uint64_t begin = e.offset / page * page, end = e.offset + e.count * e.element_size;
-    if (begin < end)
-        ::madvise(const_cast<unsigned char*>(state_->data) + begin, end - begin, MADV_WILLNEED);
+    if (e.count > 0) state_->map(e).read_ahead();
 }
 
 void ChunkFile::verify_all() const {
@@ -290,7 +307,7 @@ ChunkFile::Raw ChunkFile::raw(std::string_view name, std::size_t element_size) c
         state_->fail(state_->header.table_offset,
                      message("chunk ", name, ": expected elements of ", element_size,
                              " bytes, found ", e.element_size));
-    return {state_->data + e.offset, static_cast<std::size_t>(e.count)};
+    return {state_->bytes(e), static_cast<std::size_t>(e.count)};
 }
 
 }  // namespace slim

@@ -7,9 +7,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 // Selections of slices of several pieces, against the points one by one.
 
@@ -55,6 +59,27 @@ void expect_chosen(const PointBlock& got, const PointBlock& of, const IsWanted& 
 /// What a half space wants of a box.
 WantedOf beyond(const Bbox& box, double x) {
     return box.lo.x >= x ? WantedOf::all : box.hi.x < x ? WantedOf::none : WantedOf::some;
+}
+
+/// Addresses that this process has in use, as `ulimit -v` counts them.
+std::size_t address_space() {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+TEST(SliceSelection, OpenSlicesTakeNoAddresses) {
+    const TempFolder folder;
+    const std::string path = folder.file("s");
+    write_slice(path, helix(true));
+    const auto file_size = static_cast<std::size_t>(std::filesystem::file_size(path));
+    ASSERT_GT(file_size, 800'000u);
+    std::vector<SliceSelection> halos(20);
+    const std::size_t before = address_space();
+    for (SliceSelection& halo : halos)
+        halo.add(
+            path, [](const Bbox&) { return WantedOf::none; }, [](const Vec3d&) { return false; });
+    EXPECT_LT(address_space(), before + 5 * file_size);
 }
 
 TEST(SliceSelection, TakesTheWantedPointsOfEveryPieceInTheirOrder) {
