@@ -72,6 +72,12 @@ void keep_all_freed_memory() { set_kept(kLargest, 1 << 30, 0); }
 
 void return_freed_memory() { malloc_trim(0); }
 
+void share_one_heap_under_a_limit() {
+    rlimit addresses{};
+    if (getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
+        mallopt(M_ARENA_MAX, 1);
+}
+
 FreedBetweenSlices::FreedBetweenSlices(std::uint64_t most_bytes, std::uint64_t bytes_in_use)
     : most_bytes_(most_bytes), bytes_in_use_(bytes_in_use) {}
 

@@ -56,6 +56,11 @@ void keep_all_freed_memory();
 /// included: between slices and stages. Cost: a few ms.
 void return_freed_memory();
 
+/// Under a limit on addresses (`ulimit -v`) threads share one heap: one of each thread's own
+/// reserves 64 MiB of addresses, used or not, and 268 MB of a limit of 1.1 GiB were such. Call it
+/// before any other thread begins.
+void share_one_heap_under_a_limit();
+
 /// What becomes of freed memory in a job's slices, one after the other: it is kept for the next as
 /// soon as those before have shown that there is room.
 class FreedBetweenSlices {
