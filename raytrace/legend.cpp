@@ -1,6 +1,7 @@
 #include "raytrace/legend.h"
 
 #include "raytrace/font.h"
+#include "raytrace/legend_below.h"
 #include "raytrace/panel.h"
 #include "slim/base/check.h"
 
@@ -135,14 +136,22 @@ void draw_ticks(const Canvas& canvas, const Legend& legend, const Labels& labels
 
 }  // namespace
 
-LegendPlace best_legend_place(const Legend& legend, const Picture& object) {
+PixelBox legend_box(const Legend& legend, LegendPlace place, int width, int height) {
+    if (place == LegendPlace::below) return box_below(legend, width, height);
+    const Layout l = layout_of(legend, labels_of(legend), place, width, height);
+    return {l.x, l.y, l.x + l.width, l.y + l.height};
+}
+
+LegendPlace best_legend_place(const Legend& legend, const Picture& object,
+                              const PixelBox& taken) {
     constexpr std::array kPlaces{LegendPlace::right,        LegendPlace::right_top,
                                  LegendPlace::right_bottom, LegendPlace::left,
-                                 LegendPlace::left_top,     LegendPlace::left_bottom};
-    const Labels labels = labels_of(legend);
-    return least_covering(kPlaces, object, [&](LegendPlace place) -> PixelBox {
-        const Layout l = layout_of(legend, labels, place, object.width, object.height);
-        return {l.x, l.y, l.x + l.width, l.y + l.height};
+                                 LegendPlace::left_top,     LegendPlace::left_bottom,
+                                 LegendPlace::below};
+    const bool fits_below = box_below(legend, object.width, object.height).x0 >= 0;
+    const std::span places = std::span(kPlaces).first(kPlaces.size() - (fits_below ? 0 : 1));
+    return least_covering(places, object, taken, [&](LegendPlace place) {
+        return legend_box(legend, place, object.width, object.height);
     });
 }
 
@@ -157,6 +166,10 @@ bool burn_legend(const Legend& legend, const Canvas& canvas, LegendPlace place) 
     const Labels labels = labels_of(legend);
     const Layout l = layout_of(legend, labels, place, canvas.width, canvas.height);
     if (!has_room(l, canvas.width, canvas.height)) return false;
+    if (place == LegendPlace::below) {
+        burn_below(legend, canvas);
+        return true;
+    }
     fill_panel(canvas, {l.x, l.y, l.x + l.width, l.y + l.height}, std::round(10 * l.unit));
     fill_bar(canvas, l, legend);
     if (legend.clipped_high) fill_tip(canvas, l, l.bar_y, -l.tip, bar_color(legend, 1));
