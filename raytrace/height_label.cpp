@@ -9,7 +9,8 @@ namespace slim {
 namespace {
 
 constexpr Vec3f kEdge{0.86f, 0.84f, 0.79f};  ///< of the sheet in the sun
-constexpr float kWeight = 0.125f, kEdgeWeight = 0.5f, kEdgeOpacity = 0.55f;
+constexpr Vec3f kText{0.06f, 0.026f, 0.009f};  ///< of the lines, darker: its strokes are thinner
+constexpr float kWeight = 0.14f, kEdgeWeight = 0.5f, kEdgeOpacity = 0.7f;
 
 }  // namespace
 
@@ -34,7 +35,7 @@ void draw_height_labels(std::span<const HeightLabel> labels, const Canvas& canva
         draw_turned_text(canvas, label.text, label.x, label.y, label.angle_rad,
                          {label.cap_height, kEdge, kEdgeWeight, kEdgeOpacity});
         draw_turned_text(canvas, label.text, label.x, label.y, label.angle_rad,
-                         {label.cap_height, kContourInk, kWeight});
+                         {label.cap_height, kText, kWeight});
     }
 }
 

@@ -146,13 +146,16 @@ LegendPlace best_legend_place(const Legend& legend, const Picture& object,
                               const PixelBox& taken) {
     constexpr std::array kPlaces{LegendPlace::right,        LegendPlace::right_top,
                                  LegendPlace::right_bottom, LegendPlace::left,
-                                 LegendPlace::left_top,     LegendPlace::left_bottom,
-                                 LegendPlace::below};
-    const bool fits_below = box_below(legend, object.width, object.height).x0 >= 0;
-    const std::span places = std::span(kPlaces).first(kPlaces.size() - (fits_below ? 0 : 1));
-    return least_covering(places, object, taken, [&](LegendPlace place) {
+                                 LegendPlace::left_top,     LegendPlace::left_bottom};
+    const auto box_at = [&](LegendPlace place) {
         return legend_box(legend, place, object.width, object.height);
-    });
+    };
+    const LegendPlace best = least_covering(kPlaces, object, taken, box_at);
+    const PixelBox below = box_at(LegendPlace::below);
+    const auto covers = [&](const PixelBox& box) {
+        return covered_alpha(box, object) + shared_area(box, taken) > 0;
+    };
+    return covers(box_at(best)) && below.x0 >= 0 && !covers(below) ? LegendPlace::below : best;
 }
 
 double legend_share(const Legend& legend, int width, int height) {

@@ -30,7 +30,8 @@ std::vector<double> legend_ticks(const ValueRange& range);
 std::string tick_label(double value, const std::vector<double>& ticks);
 
 /// The place where the panel covers the least of an object that stands over transparent (sum of
-/// alpha) and of what else is taken; the first of those that are equal.
+/// alpha) and of what else is taken; the first of those that are equal. Below, if only there it
+/// covers nothing.
 LegendPlace best_legend_place(const Legend& legend, const Picture& object,
                               const PixelBox& taken = {});
 

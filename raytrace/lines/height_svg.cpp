@@ -15,7 +15,7 @@ namespace slim {
 namespace {
 
 constexpr float kThinned = 1.0f / 6;   ///< pixels
-constexpr float kShortest = 2;         ///< pixels
+constexpr float kShortest = 4;         ///< in widths of a line
 constexpr double kCapHeight = 0.73;    ///< of a sans-serif's size
 
 using Points = std::vector<PicturePoint>;
@@ -89,9 +89,10 @@ std::string place(const PicturePoint& p) {
     return svg_mm(static_cast<double>(p.x)) + "," + svg_mm(static_cast<double>(p.y));
 }
 
-void write_line(const HeightLine& line, std::span<const HeightLabel> labels, std::string& out) {
+void write_line(const HeightLine& line, std::span<const HeightLabel> labels, float shortest,
+                std::string& out) {
     for (const Points& piece : pieces_of(line, labels)) {
-        if (piece.size() < 2 || length_of(piece) < kShortest) continue;
+        if (piece.size() < 2 || length_of(piece) < shortest) continue;
         const char* before = "    <path d=\"M";
         for (const PicturePoint& p : thinned(piece)) out += before + place(p), before = " ";
         out += "\"/>\n";
@@ -100,13 +101,13 @@ void write_line(const HeightLine& line, std::span<const HeightLabel> labels, std
 
 void write_lines(std::span<const HeightLine> lines, std::span<const HeightLabel> labels,
                  const std::string& group, int index_every, bool index, float width,
-                 std::string& out) {
+                 float shortest, std::string& out) {
     const Vec3f ink{srgb_from_linear(kContourInk.x), srgb_from_linear(kContourInk.y),
                     srgb_from_linear(kContourInk.z)};
     out += "  <g id=\"" + group + "\" stroke=\"" + hex_color(ink) + "\" stroke-width=\"" +
            svg_mm(static_cast<double>(width)) + "\">\n";
     for (const HeightLine& line : lines)
-        if ((line.level % index_every == 0) == index) write_line(line, labels, out);
+        if ((line.level % index_every == 0) == index) write_line(line, labels, shortest, out);
     out += "  </g>\n";
 }
 
@@ -124,8 +125,10 @@ std::string height_svg(std::span<const HeightLine> lines, std::span<const Height
                        int index_every, float line_width, const PixelWindow& window) {
     constexpr float kThin = 0.7f;  // as pale as paint_relief's
     std::string out = svg_opening(window);
-    write_lines(lines, labels, "contour-lines", index_every, false, kThin * line_width, out);
-    write_lines(lines, labels, "index-contours", index_every, true, 2 * line_width, out);
+    write_lines(lines, labels, "contour-lines", index_every, false, kThin * line_width,
+                kShortest * line_width, out);
+    write_lines(lines, labels, "index-contours", index_every, true, 2 * line_width,
+                kShortest * line_width, out);
     const Vec3f ink{srgb_from_linear(kContourInk.x), srgb_from_linear(kContourInk.y),
                     srgb_from_linear(kContourInk.z)};
     out += "  <g id=\"contour-heights\" fill=\"" + hex_color(ink) +

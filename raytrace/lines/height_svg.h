@@ -12,7 +12,7 @@ namespace slim {
 /// Contour lines as an SVG 1.1 drawing in millimetres of the whole picture (a pixel is 25.4 / 96
 /// mm) that shows the window. Groups: contour-lines, index-contours (wider, with gaps for their
 /// heights) and contour-heights, the heights as text turned along the lines. Lines are thinned to
-/// within a sixth of a pixel; those shorter than two pixels are left out.
+/// within a sixth of a pixel; pieces shorter than four widths are left out.
 ///
 /// index_every  each so many levels is an index contour
 /// line_width   of contour lines, pixels

@@ -76,6 +76,8 @@ PixelBox box_of(const HeightLabel& l) {
     return {l.x - x, l.y - y, l.x + x, l.y + y};
 }
 
+bool is_upside_down(const HeightLabel& label) { return std::cos(label.angle_rad) < -0.1f; }
+
 bool overlap(const PixelBox& a, const PixelBox& b) {
     return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
@@ -116,12 +118,16 @@ private:
         const float length = line.length(), own = 2 * label.half_length();
         if (length < kLeastLength * own) return;
         const int n = std::max(1, static_cast<int>(std::round(length / (kEach * own))));
+        const auto before = static_cast<std::ptrdiff_t>(labels_.size());
         for (int k = 0; k < n; ++k) {
             const float stretch = length / static_cast<float>(n);
             const auto best =
                 best_place(line, label, stretch * static_cast<float>(k), stretch);
             if (best) labels_.push_back(*best);
         }
+        if (!std::all_of(labels_.begin() + before, labels_.end(), is_upside_down))
+            labels_.erase(std::remove_if(labels_.begin() + before, labels_.end(), is_upside_down),
+                          labels_.end());
     }
 
     std::optional<HeightLabel> best_place(const MeasuredLine& line, HeightLabel label, float from,
@@ -137,7 +143,7 @@ private:
             const float cost = bend / kStraight + kFromMiddle * middle;
             if (cost >= least) continue;
             turn_uphill(line, way, label);
-            const float whole = cost + (std::cos(label.angle_rad) < -0.1f ? kUpsideDown : 0.0f);
+            const float whole = cost + (is_upside_down(label) ? kUpsideDown : 0.0f);
             if (whole < least && has_room(line.level, label)) best = label, least = whole;
         }
         return best;

@@ -24,7 +24,7 @@ struct LabelSheet {
 /// - a line longer than three labels has one, and another for each 15 more;
 /// - of each such stretch the label takes the place where the line is straightest, deviates by less
 ///   than a third of a digit's height, near the middle of the stretch;
-/// - heads of digits are uphill, and the label is not upside down if the stretch has another place;
+/// - heads of digits are uphill, and a label is upside down only where the line has no other;
 /// - all of the label lies on the surface, between the index contours next to its own, off the
 ///   frame, the legends and the other labels; equal heights are five labels apart;
 /// - the longest lines choose first.

@@ -167,14 +167,13 @@ TEST(Legend, BelowItsBarLiesAlongTheEdgeFromLowToHigh) {
     ASSERT_TRUE(burn_legend(legend, p, LegendPlace::below));
     const PixelBox box = legend_box(legend, LegendPlace::below, 1000, 1000);
     EXPECT_GT(box.y0, 800);  // lower than the upright one is high
-    int bar = 0, widest = 0;
     for (int y = 0; y < 1000; ++y) {
-        const auto [first, last] = columns_of_row(p, y);
-        if (last < 0) continue;
-        EXPECT_TRUE(first >= static_cast<int>(box.x0) && last < static_cast<int>(box.x1) &&
+        const auto [left, right] = columns_of_row(p, y);
+        if (right < 0) continue;
+        EXPECT_TRUE(left >= static_cast<int>(box.x0) && right < static_cast<int>(box.x1) &&
                     y >= static_cast<int>(box.y0) && y < static_cast<int>(box.y1));
-        if (last - first > widest) widest = last - first, bar = y;
     }
+    const int bar = static_cast<int>(box.y1) - 18 - 14 - 8 - 7 - 12;  // numbers and ticks below it
     const auto [first, last] = columns_of_row(p, bar);
     EXPECT_NEAR(last - first, 330 + 15, 6);  // and a tip at the right
     EXPECT_GT(p.pixel(first + 8, bar)[2], p.pixel(first + 8, bar)[0] + 0.3f);  // concave is blue
