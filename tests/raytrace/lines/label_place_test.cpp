@@ -42,7 +42,9 @@ TEST(LabelPlace, HeightsOfAHillStandOnItsIndexContoursHeadsUphill) {
         const double up_x = std::sin(label.angle_rad), up_y = -std::cos(label.angle_rad);
         EXPECT_LT((up_x * x + up_y * y) / std::hypot(x, y), -0.98) << label.text;
         // Rings that the picture cuts off have corners where only upside down is uphill.
-        if (height > 250) EXPECT_GT(std::cos(label.angle_rad), -0.11f) << label.text;
+        if (height > 250) {
+            EXPECT_GT(std::cos(label.angle_rad), -0.11f) << label.text;
+        }
         EXPECT_EQ(label.cap_height, 12);
     }
 }
@@ -54,7 +56,9 @@ TEST(LabelPlace, InAHollowHeadsAreUphillTooAtItsUpperSide) {
     EXPECT_GT(labels.size(), 2u);
     for (const HeightLabel& label : labels) {
         const double radius = 2 * std::stod(label.text);
-        if (radius < 480) EXPECT_LT(label.y, 500 + 0.12 * radius) << label.text;
+        if (radius < 480) {
+            EXPECT_LT(label.y, 500 + 0.12 * radius) << label.text;
+        }
     }
 }
 
