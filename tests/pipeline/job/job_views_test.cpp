@@ -20,7 +20,8 @@ TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
     for (const JobStep& step : read_job(write_job(views)).steps)
         EXPECT_FALSE(has(step, "--legend-room")) << step.name;
     const Job job = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['dir1']\n"));
-    for (const int k : {1, 4}) EXPECT_TRUE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room"));
+    for (const int k : {1, 4})
+        EXPECT_TRUE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
     for (const int k : {2, 3})
         EXPECT_FALSE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
     // A map takes that room by itself; keys of one kind alone take what they need.

@@ -33,7 +33,7 @@ protected:
                                              int height) {
         std::vector<std::uint8_t> out;
         for (int row = y; row < y + height; ++row)
-            out.insert(out.end(), test::pixel(whole, x, row), test::pixel(whole, x, row) + 4 * width);
+            out.insert(out.end(), pixel(whole, x, row), pixel(whole, x, row) + 4 * width);
         return out;
     }
     /// Places of the heights of a drawing, in pixels.

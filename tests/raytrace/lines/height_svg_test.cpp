@@ -72,7 +72,8 @@ TEST(HeightSvg, HeightsAreTextInMillimetresAndTheirLineHasAGap) {
     const HeightLabel on_ring{"75 m", 580, 480, 1.5707963f, 40, 12};
     const std::string svg = height_svg(kLines, std::vector{label, on_ring}, 5, 1, kAll);
     const std::string heights = group(svg, "contour-heights");
-    EXPECT_NE(heights.find("translate(127.000,52.917) rotate(28.65)"), std::string::npos) << heights;
+    EXPECT_NE(heights.find("translate(127.000,52.917) rotate(28.65)"), std::string::npos)
+        << heights;
     EXPECT_NE(heights.find("rotate(90.00)"), std::string::npos);
     EXPECT_NE(heights.find(">50 m &amp; up</text>"), std::string::npos);
     const std::string index = group(svg, "index-contours");
