@@ -216,8 +216,8 @@ private:
               "of --aov hillshade: azimuth clockwise from north (+y, with --up z), altitude; "
               "degrees");
         field("contours", contours,
-              "contour lines of --aov hillshade: auto, none, or their spacing in model units (every "
-              "fifth is heavier and has its height above the world's 0, where it has room; "
+              "contour lines of --aov hillshade: auto, none, or their spacing in model units "
+              "(every fifth is heavier and has its height above the world's 0, where it has room; "
               "beside the picture as x.contours.svg; films have lines alone)");
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
         field("same_scale", same_scale,

@@ -24,7 +24,8 @@ namespace slim {
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and
 ///                           .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
-/// Contour lines of a relief are beside it as x.contours.svg (also of x.hillshade.png), not of films.
+/// Contour lines of a relief are beside it as x.contours.svg (also of x.hillshade.png); of films
+/// there are none.
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none

@@ -114,7 +114,8 @@ void write_lines(std::span<const HeightLine> lines, std::span<const HeightLabel>
 void write_label(const HeightLabel& label, std::string& out) {
     const double cap = static_cast<double>(label.cap_height);
     out += "    <text transform=\"translate(" + place({label.x, label.y}) + ") rotate(" +
-           svg_number(static_cast<double>(label.angle_rad) * 180 / std::numbers::pi, 2) + ")\" y=\"" +
+           svg_number(static_cast<double>(label.angle_rad) * 180 / std::numbers::pi, 2) +
+           ")\" y=\"" +
            svg_mm(cap / 2) + "\" font-size=\"" + svg_mm(cap / kCapHeight) + "\">" +
            escaped_markup(label.text) + "</text>\n";
 }
