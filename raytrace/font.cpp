@@ -37,11 +37,25 @@ char32_t next_character(std::string_view& text) {
     return code;
 }
 
+/// Where a glyph's origin lies in the picture, and which way it runs from there.
+struct GlyphPlace {
+    float x, y, scale;
+    float cosine = 1, sine = 0;  ///< of the angle to the picture's right, clockwise
+
+    Point2 pixels(const Point2& p) const {
+        const float right = p.x * scale, up = p.y * scale;
+        return {x + right * cosine + up * sine, y + right * sine - up * cosine};
+    }
+    void advance(float units) {
+        x += units * scale * cosine;
+        y += units * scale * sine;
+    }
+};
+
 /// Turns a glyph's path into line segments in pixels.
 class Pen {
 public:
-    Pen(std::vector<Segment>& out, float x, float baseline, float scale)
-        : out_(out), x_(x), baseline_(baseline), scale_(scale) {}
+    Pen(std::vector<Segment>& out, const GlyphPlace& place) : out_(out), place_(place) {}
 
     void draw(const char* path) {
         while (*path) {
@@ -64,9 +78,8 @@ private:
         const float x = number(path);
         return {x, number(path)};
     }
-    Point2 pixels(const Point2& p) const { return {x_ + p.x * scale_, baseline_ - p.y * scale_}; }
     void line_to(const Point2& p) {
-        out_.push_back({pixels(at_), pixels(p)});
+        out_.push_back({place_.pixels(at_), place_.pixels(p)});
         at_ = p;
     }
     void arc(const char*& path) {
@@ -81,7 +94,7 @@ private:
     }
 
     std::vector<Segment>& out_;
-    float x_, baseline_, scale_;
+    const GlyphPlace& place_;
     Point2 at_{0, 0};
 };
 
@@ -110,11 +123,12 @@ public:
         for (const Segment& s : segments) add(s, pen_radius);
     }
 
-    void blend(const Canvas& canvas, const Vec3f& color) const {
+    void blend(const Canvas& canvas, const Vec3f& color, float opacity = 1) const {
         for (int y = std::max(0, canvas.y0 - y0_); y < std::min(height_, canvas.y_end() - y0_); ++y)
             for (int x = std::max(0, canvas.x0 - x0_); x < std::min(width_, canvas.x_end() - x0_);
                  ++x)
-                blend_pixel(canvas.pixel(x0_ + x, y0_ + y), color, coverage_[index(x, y)]);
+                blend_pixel(canvas.pixel(x0_ + x, y0_ + y), color,
+                            opacity * coverage_[index(x, y)]);
     }
 
 private:
@@ -141,6 +155,10 @@ private:
     std::vector<float> coverage_;
 };
 
+float pen_radius(const TextStyle& style) {
+    return std::max(0.45f, 0.5f * style.weight * style.cap_height);
+}
+
 }  // namespace
 
 std::string without_glyphs(std::string_view text) {
@@ -163,16 +181,32 @@ float text_width(std::string_view text, const TextStyle& style) {
 
 void draw_text(const Canvas& canvas, std::string_view text, float x, float baseline,
                const TextStyle& style) {
-    const float scale = style.cap_height / kCapUnits;
-    const float pen_radius = std::max(0.45f, 0.5f * style.weight * style.cap_height);
+    GlyphPlace place{x, baseline, style.cap_height / kCapUnits};
     std::vector<Segment> segments;
     while (!text.empty()) {
         const Glyph& glyph = glyph_of(next_character(text));
         segments.clear();
-        Pen(segments, x, baseline, scale).draw(glyph.path);
-        if (!segments.empty()) CoverageBox(segments, pen_radius).blend(canvas, style.color);
-        x += (glyph.advance + kGapUnits) * scale;
+        Pen(segments, place).draw(glyph.path);
+        if (!segments.empty())
+            CoverageBox(segments, pen_radius(style)).blend(canvas, style.color);
+        place.advance(glyph.advance + kGapUnits);
     }
+}
+
+void draw_turned_text(const Canvas& canvas, std::string_view text, float x, float y,
+                      float angle_rad, const TextStyle& style) {
+    const float half_width = 0.5f * text_width(text, style), half_cap = 0.5f * style.cap_height;
+    const float c = std::cos(angle_rad), s = std::sin(angle_rad);
+    GlyphPlace place{x - half_width * c - half_cap * s, y - half_width * s + half_cap * c,
+                     style.cap_height / kCapUnits, c, s};
+    std::vector<Segment> segments;
+    while (!text.empty()) {
+        const Glyph& glyph = glyph_of(next_character(text));
+        Pen(segments, place).draw(glyph.path);
+        place.advance(glyph.advance + kGapUnits);
+    }
+    if (!segments.empty())
+        CoverageBox(segments, pen_radius(style)).blend(canvas, style.color, style.opacity);
 }
 
 }  // namespace slim

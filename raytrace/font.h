@@ -18,6 +18,7 @@ struct TextStyle {
     float cap_height = 14;      ///< height of capitals and digits, pixels
     Vec3f color{0, 0, 0};       ///< linear Rec.709
     float weight = 0.125f;      ///< pen width as a share of the cap height
+    float opacity = 1;          ///< of turned text
 };
 
 /// The characters of a text that have no glyph, as UTF-8; a byte that fits nothing as U+FFFD.
@@ -30,5 +31,10 @@ float text_width(std::string_view text, const TextStyle& style);
 /// are cut off. Cost: O(pixels under the text x strokes near them).
 void draw_text(const Canvas& canvas, std::string_view text, float x, float baseline,
                const TextStyle& style);
+
+/// Draws one line turned clockwise about the middle of its capitals, (x, y). What overlaps in it is
+/// drawn once, so that a translucent pen leaves no knots.
+void draw_turned_text(const Canvas& canvas, std::string_view text, float x, float y,
+                      float angle_rad, const TextStyle& style);
 
 }  // namespace slim

@@ -9,7 +9,6 @@
 namespace slim {
 namespace {
 
-constexpr Vec3f kLine{0.16f, 0.07f, 0.025f};  ///< brown, linear
 constexpr Vec3f kShadow{0.035f, 0.045f, 0.070f}, kLit{0.86f, 0.84f, 0.79f};
 
 Vec3f toward_sun(const Relief& r) {
@@ -92,6 +91,32 @@ float contour_cover(const Relief& r, double height, float change, float width) {
 
 }  // namespace
 
+namespace {
+
+/// What the labels of a row of the frame leave of the lines at its pixels.
+class RowOfGaps {
+public:
+    RowOfGaps(std::span<const HeightLabel> labels, const ShadeView& shade, int y, int factor)
+        : first_x_(shade.first_x),
+          to_picture_(1 / static_cast<float>(factor)),
+          y_((static_cast<float>(y + shade.first_y) + 0.5f) * to_picture_),
+          near_(labels_near(labels, y_)) {}
+
+    float at(int x) const {
+        float seen = 1;
+        const float px = (static_cast<float>(x + first_x_) + 0.5f) * to_picture_;
+        for (const HeightLabel* label : near_) seen = std::min(seen, seen_beside(*label, px, y_));
+        return seen;
+    }
+
+private:
+    int first_x_;
+    float to_picture_, y_;
+    std::vector<const HeightLabel*> near_;
+};
+
+}  // namespace
+
 double contour_spacing(double low, double high) {
     const double wanted = (high - low) / 20;
     if (!(wanted > 0) || !std::isfinite(wanted)) return 0;
@@ -118,7 +143,8 @@ std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, do
 }
 
 Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& shade,
-                     const RowRange& rows, const Relief& relief, float line_width) {
+                     const RowRange& rows, const Relief& relief, float line_width,
+                     std::span<const HeightLabel> labels, int factor) {
     Picture out(b.width, rows.end - rows.begin);
     const Vec3f sun = toward_sun(relief);
     const HeightChange change(view, relief.axes[1]);
@@ -126,6 +152,7 @@ Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& s
     for_eye_rows(
         b.width, b.height, rows, shade, {b.normal[0], b.normal[1], b.normal[2]}, b.hit,
         [&](const EyeRow& row) {
+            const RowOfGaps gaps(labels, shade, row.y, factor);
             for (int x = 0; x < b.width; ++x) {
                 const auto k = static_cast<std::size_t>(x);
                 if (!row.hit[k]) continue;
@@ -136,8 +163,9 @@ Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& s
                     const std::size_t i = b.index(x, row.y);
                     const Vec3f p{b.position[0][i], b.position[1][i], b.position[2][i]};
                     const double height = relief.base + static_cast<double>(dot(relief.axes[1], p));
-                    const float cover = contour_cover(relief, height, change.at(n, p), line_width);
-                    color = color * (1 - cover) + kLine * cover;
+                    float cover = contour_cover(relief, height, change.at(n, p), line_width);
+                    if (cover > 0) cover *= gaps.at(x);
+                    color = color * (1 - cover) + kContourInk * cover;
                 }
                 float* pixel = out.pixel(x, row.y - rows.begin);
                 pixel[0] = color.x, pixel[1] = color.y, pixel[2] = color.z, pixel[3] = 1;

@@ -2,6 +2,7 @@
 
 #include "raytrace/camera.h"
 #include "raytrace/frame.h"
+#include "raytrace/height_label.h"
 #include "raytrace/picture.h"
 #include "raytrace/shade.h"
 
@@ -33,8 +34,11 @@ double contour_spacing(double low, double high);
 /// agree.
 /// view        of the whole picture, of which the frame may be a part (as `shade` says)
 /// line_width  pixels of the frame
+/// labels      heights that will be written, for which lines leave gaps; in pixels of a picture
+///             whose pixels are `factor` of the frame's wide
 Picture paint_relief(const GBuffer& frame, const PixelView& view, const ShadeView& shade,
-                     const RowRange& rows, const Relief& relief, float line_width);
+                     const RowRange& rows, const Relief& relief, float line_width,
+                     std::span<const HeightLabel> labels = {}, int factor = 1);
 
 /// Heights of the frame's hits that `percent` and 100 - `percent` of them lie below; equal without
 /// any.

@@ -59,12 +59,16 @@ double svg_width(const Key& key) {
 
 }  // namespace
 
-LegendPlace best_key_place(const Key& key, const Picture& object) {
+LegendPlace best_key_place(const Key& key, const Picture& object, const PixelBox& taken) {
     constexpr std::array kPlaces{LegendPlace::right_bottom, LegendPlace::right_top,
                                  LegendPlace::left_top, LegendPlace::left_bottom};
-    return least_covering(kPlaces, object, [&](LegendPlace place) {
+    return least_covering(kPlaces, object, taken, [&](LegendPlace place) {
         return layout_of(key, place, object.width, object.height).panel;
     });
+}
+
+PixelBox key_box(const Key& key, LegendPlace place, int width, int height) {
+    return layout_of(key, place, width, height).panel;
 }
 
 double key_share(const Key& key, int width, int height) {

@@ -21,9 +21,12 @@ struct Key {
     std::vector<Row> rows;
 };
 
-/// The place where the key covers the least of an object over transparent, upper and lower corners
-/// only.
-LegendPlace best_key_place(const Key& key, const Picture& object);
+/// The place where the key covers the least of an object over transparent and of what else is
+/// taken, upper and lower corners only.
+LegendPlace best_key_place(const Key& key, const Picture& object, const PixelBox& taken = {});
+
+/// What it takes in a width x height picture.
+PixelBox key_box(const Key& key, LegendPlace place, int width, int height);
 
 /// Share of the width of a width x height picture that the key and its margin take; 0 where
 /// burn_key would refuse.

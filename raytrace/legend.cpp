@@ -1,6 +1,7 @@
 #include "raytrace/legend.h"
 
 #include "raytrace/font.h"
+#include "raytrace/legend_below.h"
 #include "raytrace/panel.h"
 #include "slim/base/check.h"
 
@@ -135,15 +136,26 @@ void draw_ticks(const Canvas& canvas, const Legend& legend, const Labels& labels
 
 }  // namespace
 
-LegendPlace best_legend_place(const Legend& legend, const Picture& object) {
+PixelBox legend_box(const Legend& legend, LegendPlace place, int width, int height) {
+    if (place == LegendPlace::below) return box_below(legend, width, height);
+    const Layout l = layout_of(legend, labels_of(legend), place, width, height);
+    return {l.x, l.y, l.x + l.width, l.y + l.height};
+}
+
+LegendPlace best_legend_place(const Legend& legend, const Picture& object,
+                              const PixelBox& taken) {
     constexpr std::array kPlaces{LegendPlace::right,        LegendPlace::right_top,
                                  LegendPlace::right_bottom, LegendPlace::left,
                                  LegendPlace::left_top,     LegendPlace::left_bottom};
-    const Labels labels = labels_of(legend);
-    return least_covering(kPlaces, object, [&](LegendPlace place) -> PixelBox {
-        const Layout l = layout_of(legend, labels, place, object.width, object.height);
-        return {l.x, l.y, l.x + l.width, l.y + l.height};
-    });
+    const auto box_at = [&](LegendPlace place) {
+        return legend_box(legend, place, object.width, object.height);
+    };
+    const LegendPlace best = least_covering(kPlaces, object, taken, box_at);
+    const PixelBox below = box_at(LegendPlace::below);
+    const auto covers = [&](const PixelBox& box) {
+        return covered_alpha(box, object) + shared_area(box, taken) > 0;
+    };
+    return covers(box_at(best)) && below.x0 >= 0 && !covers(below) ? LegendPlace::below : best;
 }
 
 double legend_share(const Legend& legend, int width, int height) {
@@ -157,6 +169,10 @@ bool burn_legend(const Legend& legend, const Canvas& canvas, LegendPlace place) 
     const Labels labels = labels_of(legend);
     const Layout l = layout_of(legend, labels, place, canvas.width, canvas.height);
     if (!has_room(l, canvas.width, canvas.height)) return false;
+    if (place == LegendPlace::below) {
+        burn_below(legend, canvas);
+        return true;
+    }
     fill_panel(canvas, {l.x, l.y, l.x + l.width, l.y + l.height}, std::round(10 * l.unit));
     fill_bar(canvas, l, legend);
     if (legend.clipped_high) fill_tip(canvas, l, l.bar_y, -l.tip, bar_color(legend, 1));

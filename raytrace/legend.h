@@ -30,8 +30,13 @@ std::vector<double> legend_ticks(const ValueRange& range);
 std::string tick_label(double value, const std::vector<double>& ticks);
 
 /// The place where the panel covers the least of an object that stands over transparent (sum of
-/// alpha); the first of those that are equal.
-LegendPlace best_legend_place(const Legend& legend, const Picture& object);
+/// alpha) and of what else is taken; the first of those that are equal. Below, if only there it
+/// covers nothing.
+LegendPlace best_legend_place(const Legend& legend, const Picture& object,
+                              const PixelBox& taken = {});
+
+/// What the panel takes in a width x height picture.
+PixelBox legend_box(const Legend& legend, LegendPlace place, int width, int height);
 
 /// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000
 /// pixels: digits 14 high). Returns false and leaves the picture alone if it would take more than

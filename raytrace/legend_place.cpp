@@ -15,4 +15,10 @@ double covered_alpha(const PixelBox& box, const Picture& object) {
     return sum;
 }
 
+double shared_area(const PixelBox& a, const PixelBox& b) {
+    const float w = std::min(a.x1, b.x1) - std::max(a.x0, b.x0);
+    const float h = std::min(a.y1, b.y1) - std::max(a.y0, b.y0);
+    return w > 0 && h > 0 ? static_cast<double>(w) * static_cast<double>(h) : 0;
+}
+
 }  // namespace slim

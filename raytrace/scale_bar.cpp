@@ -28,6 +28,20 @@ struct Layout {
     }
 };
 
+/// What is written, and the bar's length in pixels.
+struct Words {
+    std::string length, pixel;
+    float bar;
+
+    Words(const ScaleBar& scale, int width) {
+        const std::string unit = scale.unit.empty() ? "units" : scale.unit;
+        const double units = scale_bar_length(scale, width);
+        length = text_of(units, 3) + " " + unit;
+        pixel = "1 px = " + text_of(1 / scale.px_per_unit, 3) + " " + unit;
+        bar = static_cast<float>(units * scale.px_per_unit);
+    }
+};
+
 constexpr float kMostHeight = 0.4f;  // of the picture
 
 }  // namespace
@@ -46,29 +60,39 @@ double scale_bar_length(const ScaleBar& scale, int width) {
     return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
 }
 
+PixelBox scale_bar_box(const ScaleBar& scale, int width, int height) {
+    const Layout l(width, height);
+    const Words words(scale, width);
+    const float box_width = 2 * l.padding + std::max({words.bar, text_width(words.length, l.text),
+                                                      text_width(words.pixel, l.text)});
+    if (box_width > 0.6f * static_cast<float>(width) ||
+        l.height > kMostHeight * static_cast<float>(height))
+        return {};
+    const float y0 = static_cast<float>(height) - l.margin - l.height;
+    return {l.margin, y0, l.margin + box_width, y0 + l.height};
+}
+
+float scale_bar_most(int width, int height) {
+    const Layout l(width, height);
+    const float words = text_width("1 px = 0.000123 units", l.text);
+    return l.margin + 2 * l.padding + std::max(0.3f * static_cast<float>(width), words);
+}
+
 bool burn_scale_bar(const ScaleBar& scale, const Canvas& canvas) {
+    const PixelBox box = scale_bar_box(scale, canvas.width, canvas.height);
+    if (!(box.x1 > box.x0)) return false;
     const float u = text_unit(canvas.width, canvas.height);
-    const auto [padding, margin, line, height, text] = Layout(canvas.width, canvas.height);
-    const std::string unit = scale.unit.empty() ? "units" : scale.unit;
-    const double length = scale_bar_length(scale, canvas.width);
-    const std::string words = text_of(length, 3) + " " + unit;
-    const std::string pixel = "1 px = " + text_of(1 / scale.px_per_unit, 3) + " " + unit;
-    const auto bar = static_cast<float>(length * scale.px_per_unit);
-    const float width =
-        2 * padding + std::max({bar, text_width(words, text), text_width(pixel, text)});
-    if (width > 0.6f * static_cast<float>(canvas.width) ||
-        height > kMostHeight * static_cast<float>(canvas.height))
-        return false;
-    const float y0 = static_cast<float>(canvas.height) - margin - height;
-    fill_panel(canvas, {margin, y0, margin + width, y0 + height}, std::round(10 * u));
-    const float x = margin + padding, y = std::round(y0 + padding + text.cap_height);
-    draw_text(canvas, words, x, y, text);
+    const Layout l(canvas.width, canvas.height);
+    const Words words(scale, canvas.width);
+    fill_panel(canvas, box, std::round(10 * u));
+    const float x = box.x0 + l.padding, y = std::round(box.y0 + l.padding + l.text.cap_height);
+    draw_text(canvas, words.length, x, y, l.text);
     const float top = y + std::round(10 * u), pen = std::max(1.0f, std::round(2 * u)),
                 tick = std::round(10 * u);
-    fill_box(canvas, {x, top + (tick - pen) / 2, x + bar, top + (tick + pen) / 2}, kInk);
-    for (const float at : {x, x + bar - pen})
+    fill_box(canvas, {x, top + (tick - pen) / 2, x + words.bar, top + (tick + pen) / 2}, kInk);
+    for (const float at : {x, x + words.bar - pen})
         fill_box(canvas, {at, top, at + pen, top + tick}, kInk);
-    draw_text(canvas, pixel, x, top + tick + line - std::round(4 * u), text);
+    draw_text(canvas, words.pixel, x, top + tick + l.line - std::round(4 * u), l.text);
     return true;
 }
 

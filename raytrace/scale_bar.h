@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/canvas.h"
+#include "raytrace/panel.h"
 
 #include <string>
 
@@ -15,6 +16,12 @@ struct ScaleBar {
 /// Length of the form {1, 2, 5} * 10^k, in model units, of a bar that takes 12 to 30 % of the
 /// picture's width.
 double scale_bar_length(const ScaleBar& scale, int width);
+
+/// What bar and words take in a width x height picture; nothing where they have no room.
+PixelBox scale_bar_box(const ScaleBar& scale, int width, int height);
+
+/// Where the right end of the widest one is.
+float scale_bar_most(int width, int height);
 
 /// Draws bar, its length and the size of a pixel on a panel in the lower left corner, in the
 /// legend's style. Returns false and leaves the picture alone if that would take more than 60 % of

@@ -47,6 +47,7 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"t_mdl", rules.mdl_threshold},
             {"diagonal", rules.diagonal},
             {"noise_variance", rules.noise_variance},
+            {"typical_variance", rules.typical_variance},
             {"contrary_share", rules.ladder.contrary_share},
             {"spacing", rules.spacing},
             {"radius_rule", rules.windows ? "windows" : "ladder"},

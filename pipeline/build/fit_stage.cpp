@@ -171,6 +171,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         up_to_date &= one.contains("up_to_date");
     }
     sum["noise_variance"] = noise.noise_variance;
+    sum["typical_variance"] = noise.typical_variance;
     sum["noise_variance_floored"] = noise.floored;
     sum["contrary_share"] = noise.contrary_share;
     sum["follow_normals"] = rules.follow_normals;

@@ -90,7 +90,8 @@ json model_info(const std::string& path) {
     const LeafCounts leaves(tree);
     const json provenance = parsed(file.provenance_json());
     const json said = provenance_info(path, provenance);
-    return {{"kind", "model"},
+    const json& rules = provenance.contains("rules") ? provenance.at("rules") : json::object();
+    json info = {{"kind", "model"},
             {"bytes", file.file_size()},
             {"degree", header.degree},
             {"colors", !file.colors().empty()},
@@ -115,6 +116,12 @@ json model_info(const std::string& path) {
             {"fit", said.at("fit")},
             {"fallbacks", said.at("fallbacks")},
             {"provenance", provenance}};
+    // Older models do not say it.
+    if (rules.is_object() && rules.contains("typical_variance") &&
+        rules.at("typical_variance").is_number())
+        info["noise_typical"] =
+            noise_over_diagonal(rules.at("typical_variance").get<double>(), header.diagonal);
+    return info;
 }
 
 }  // namespace slim

@@ -79,6 +79,7 @@ std::string summary_of(json info) {
                                {"colors", ""},
                                {"diagonal", "(L)"},
                                {"noise", "of L"},
+                               {"noise_typical", "of L, at a typical place"},
                                {"bytes", ""}});
 }
 

@@ -115,7 +115,7 @@ std::string pictures_of(const Job& job, const StepOutcome& outcome) {
     for (const json& file : outcome.result.at("files")) {
         const fs::path path = file.get<std::string>();
         const fs::path relative = fs::absolute(path).lexically_relative(fs::absolute(job.folder));
-        if (path.string().ends_with(".lines.svg"))
+        if (path.string().ends_with(".lines.svg") || path.string().ends_with(".contours.svg"))
             links +=
                 fmt::format("<p class=\"note\"><a href=\"{}\">{}</a></p>\n",
                             url_of(relative.string()), escaped_markup(path.filename().string()));

@@ -143,19 +143,20 @@ private:
         step.output = job_.folder / (view.name + aov + ".png");
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
-        views_.push_back({job_.steps.size(), render, has_legend(render, view.aovs)});
+        views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
         divide(step, render, view, table);
         job_.steps.push_back(std::move(step));
     }
 
-    /// Views of one camera overlay: if a picture of the job has a legend, its room is left in all,
-    /// but in those with legend = false.
+    /// Views of one camera overlay: if a picture of the job has a legend, the same room is left in
+    /// all, but in those with legend = false; that of the run itself where all need the same.
     void leave_room() {
-        if (std::none_of(views_.begin(), views_.end(),
-                         [](const View& view) { return view.has_legend; }))
-            return;
+        std::set<Legends> needs;
         for (const View& view : views_)
-            if (!view.has_legend && view.render.legend && !view.render.legend_room &&
+            if (view.render.legend) needs.insert(view.legends);
+        if (needs.size() < 2) return;
+        for (const View& view : views_)
+            if (view.legends != Legends::maps && view.render.legend && !view.render.legend_room &&
                 frames_by_name(view.render))
                 job_.steps[view.step].arguments.push_back("--legend-room");
     }
@@ -261,7 +262,7 @@ private:
     struct View {
         std::size_t step;  // of the job's
         RenderConfig render;
-        bool has_legend;
+        Legends legends;
     };
     std::vector<View> views_;
     RenderConfig render_;  // with what [render] and the lights say

@@ -72,9 +72,9 @@ void check_view_keys(
     // Any box will do: only cameras that are given by numbers can be wrong.
     ModelHeader model;
     model.bounds = {{-1, -1, -1}, {1, 1, 1}};
-    checked("camera", [&] { make_camera(config, model, {100, 100}, 0); });
+    checked("camera", [&] { make_camera(config, model, {100, 100}, {}); });
     for (const char* key : {"turntable", "path", "frames", "frame"})
-        checked(key, [&] { frame_camera(config, model, {100, 100}, 0, n_frames(config) - 1); });
+        checked(key, [&] { frame_camera(config, model, {100, 100}, {}, n_frames(config) - 1); });
 }
 
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,

@@ -168,7 +168,8 @@ Picture draw_aov(const RenderConfig& config, const std::string& aov, const AovLo
     if (aov == "lines") return Picture(part.width, part.height);
     if (is_shading(aov))
         return painted([&](const RowRange& r) {
-            Picture band = paint_shading(aov, shadings, frame, r);
+            Picture band = paint_shading(aov, shadings, frame, r, look.heights,
+                                         frame.size.width / size.width);
             if (aov == "color" && config.light_maps)
                 light_picture(frame.view, normal_planes(b), b.hit, kMapLightFloor, band, r.begin);
             return band;

@@ -181,11 +181,12 @@ private:
               1, 100);
         field("legend", legend,
               "legend bar in the maps and beside them as SVG; where a picture of the run has one, "
-              "named cameras leave its room free in all of them, so that they overlay "
-              "(--no-legend: the model fills them)");
+              "named cameras leave its room free in all of them, so that they overlay: a corner "
+              "that is free anyway, or a strip at the right or below, whichever leaves the model "
+              "larger (--no-legend: the model fills them)");
         field("legend_room", legend_room,
-              "named cameras leave that room also where no picture of the run has a legend, so "
-              "that those of several runs overlay");
+              "named cameras leave the room of the largest legend, whatever the run's pictures "
+              "have, so that those of several runs overlay");
         field("light_maps", light_maps,
               "light the curvature maps and the scan's colours (which are then not exact)");
     }
@@ -216,7 +217,8 @@ private:
               "degrees");
         field("contours", contours,
               "contour lines of --aov hillshade: auto, none, or their spacing in model units "
-              "(every fifth is heavier)");
+              "(every fifth is heavier and has its height above the world's 0, where it has room; "
+              "beside the picture as x.contours.svg; films have lines alone)");
         field("scale_bar", scale_bar, "scale bar and size of a pixel, in orthographic pictures");
         field("same_scale", same_scale,
               "orthographic named cameras: one scale for all six sides, at which each fits");

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kPixelGrain = 1 << 12;
 constexpr float kUmbilic = 0.01f;
 constexpr double kFlat = 0.2;  // a radius of five diagonals: noise turns what is flatter any way
-constexpr float kUndefinedGrey = 0.62f;
+/// Paler than any direction: of a unit vector's |x|, |y|, |z| grey is 0.577.
+constexpr float kUndefinedGrey = 0.86f;
 /// (k1 - k2) / (|k1| + |k2|) from which on a direction has its full colour.
 constexpr float kClear = 0.1f;
 /// Larger curvature times the diagonal from which on it has.
@@ -80,13 +81,14 @@ Picture paint_directions(const GBuffer& b, const PixelDiagonals& diagonals, bool
 }
 
 Key direction_key(bool second) {
+    constexpr float kEven = 0.577f;
     const Vec3f grey{kUndefinedGrey, kUndefinedGrey, kUndefinedGrey};
-    return {second ? "direction of k2" : "direction of k1",
+    return {second ? "direction of k2, no sign" : "direction of k1, no sign",
             {{"|x|, world", true, {1, 0, 0}},
              {"|y|", true, {0, 1, 0}},
              {"|z|", true, {0, 0, 1}},
-             {"none: flat or k1 = k2", true, grey},
-             {"unit vector, no sign", false, {}}}};
+             {"|x| = |y| = |z|", true, {kEven, kEven, kEven}},
+             {"none: flat or k1 = k2", true, grey}}};
 }
 
 }  // namespace slim

@@ -36,9 +36,9 @@ void drop_undefined_directions(const PixelDiagonals& diagonals, GBuffer& frame);
 /// Planes of t2 = N x t1, zero where t1 is; the frame holds both.
 std::array<std::vector<float>, 3> second_directions(const GBuffer& frame);
 
-/// |x|, |y|, |z| as red, green, blue, as a direction has no sign (Pajevic and Pierpaoli 1999); grey
-/// where k1 and k2 are nearly equal, and fading to it where both are small: radii above half a
-/// diagonal.
+/// |x|, |y|, |z| as red, green, blue, as a direction has no sign (Pajevic and Pierpaoli 1999); a
+/// pale grey, which no direction has, where k1 and k2 are nearly equal, and fading to it where both
+/// are small: radii above half a diagonal.
 Picture paint_directions(const GBuffer& frame, const PixelDiagonals& diagonals, bool second,
                          const RowRange& rows);
 

@@ -140,11 +140,14 @@ fs::path OutputPlan::legend(const std::string& aov) const {
     return fs::path(stem.string() + (has_aov ? "" : "." + aov) + ".legend.svg");
 }
 
-fs::path OutputPlan::lines_svg() const {
+std::string OutputPlan::drawing_stem() const {
     const bool has_aov = drawn.size() == 1 && stem.extension() == "." + drawn[0];
-    const fs::path base = has_aov ? fs::path(stem).replace_extension() : stem;
-    return fs::path(base.string() + number + ".lines.svg");
+    return (has_aov ? fs::path(stem).replace_extension() : stem).string() + number;
 }
+
+fs::path OutputPlan::lines_svg() const { return drawing_stem() + ".lines.svg"; }
+
+fs::path OutputPlan::contours_svg() const { return drawing_stem() + ".contours.svg"; }
 
 OutputPlan OutputPlan::numbered(int k) const {
     OutputPlan out = *this;

@@ -24,6 +24,8 @@ namespace slim {
 ///     -o folder, folder/    folder/<view>.<aov>.png, or with --format exr folder/<view>.exr and
 ///                           .png
 /// Feature lines are beside them as x.lines.svg (also of x.shaded.png, if that is the one AOV).
+/// Contour lines of a relief are beside it as x.contours.svg (also of x.hillshade.png); of films
+/// there are none.
 /// A map with a legend has it as x.<aov>.legend.svg too (x.mean.legend.svg also of x.mean.png).
 struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
@@ -34,8 +36,12 @@ struct OutputPlan {
     std::filesystem::path named;              ///< with it, as given: the manifest's name
     std::filesystem::path legend(const std::string& aov) const;
     std::filesystem::path lines_svg() const;
+    std::filesystem::path contours_svg() const;
     /// The same for picture k of a film: x_0001.png, x.mean_0001.png, x_0001.exr, x_0001.lines.svg.
     OutputPlan numbered(int k) const;
+
+private:
+    std::string drawing_stem() const;
 };
 
 /// Command lines that make films of numbered pictures, one for each drawn AOV.

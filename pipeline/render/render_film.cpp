@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 namespace slim {
@@ -137,6 +138,10 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
     const auto parts = parts_of(job);
     PictureFiles files(job.plan, job.size, job.window, parts.size() == 1,
                        make_matrices(job.camera, job.size));
+    std::optional<ContourDrawing> contours;
+    if (writes_contours(job)) contours.emplace(job);
+    // Pictures that are not averaged show the lines in the very frames that are drawn.
+    const bool in_passing = job.config.supersample == 1 && job.share.of == 0;
     for (std::size_t band = 0; band < parts.size(); ++band) {
         if (parts.size() > 1) context.reporter.progress("bands", band, parts.size());
         Frames frames = draw_frames(job, parts[band], context);
@@ -147,14 +152,20 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
         outcome.light_rays += (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;
         outcome.factor = frames.has_fine ? job.config.supersample : 1;
         if (parts.size() == 1 && job.n_frames == 1) require_hits(job, outcome.stats);
+        if (contours && in_passing) contours->add(frames.plain, parts[band]);
         if (job.finds_lines()) job.found_lines = std::move(frames.lines);
         const std::string missing = write_band(job, frames, parts[band], metadata, files);
         if (!missing.empty() && outcome.frames == 0 && band == 0)
-            context.reporter.warn(
-                fmt::format("{}: too small for its {}", job.plan.named.string(), missing));
+            context.reporter.warn(missing);
     }
     if (job.n_frames == 1) require_hits(job, outcome.stats);
     if (!job.lines.empty()) add_found_lines(job, files, outcome);
+    if (contours) {
+        const PixelWindow shown =
+            job.share.of == 0 ? job.window : PixelWindow{0, 0, job.size.width, job.size.height};
+        if (!in_passing) add_contours(job, shown, context, *contours);
+        files.add_text(contours->finish(shown));
+    }
     outcome.whole_at_once = fits_one_band(job);
     outcome.plane_bytes = plane_bytes(
         job, job.channels(job.aovs) | line_channels(job.lines, job.tree.header().degree));
@@ -171,7 +182,7 @@ void commit(std::vector<PictureFiles>& pictures, RenderOutcome& outcome) {
 
 }  // namespace
 
-RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
+RenderOutcome draw_film(RenderJob& job, const LegendRoom& room, const std::string& model_identity,
                         StageContext& context) {
     const OutputPlan plan = job.plan;
     const FrameRange range = wanted_frames(job.config, job.share);
@@ -181,7 +192,7 @@ RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& mo
         if (job.n_frames > 1) {
             context.reporter.progress("pictures", static_cast<std::uint64_t>(k - range.first),
                                       static_cast<std::uint64_t>(range.last - range.first + 1));
-            job.camera = frame_camera(job.config, job.header(), job.size, free_right, k - 1);
+            job.camera = frame_camera(job.config, job.header(), job.size, room, k - 1);
             job.plan = plan.numbered(k);
         }
         held.push_back(draw_picture(job, model_identity, context, outcome));

@@ -29,9 +29,9 @@ struct RenderOutcome {
 
 /// Draws and writes all pictures of the run; legends are those of the whole film. All files of a
 /// picture, lines and legends among them, appear together once it is whole; those of a film stay if
-/// a later picture fails. `free_right`: the share of a picture that named cameras leave free.
+/// a later picture fails. `room`: what named cameras leave free for legends.
 /// Throws NumericalError where a whole picture shows nothing.
-RenderOutcome draw_film(RenderJob& job, double free_right, const std::string& model_identity,
+RenderOutcome draw_film(RenderJob& job, const LegendRoom& room, const std::string& model_identity,
                         StageContext& context);
 
 }  // namespace slim

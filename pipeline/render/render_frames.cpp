@@ -165,6 +165,20 @@ std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_by
     return search.finish();
 }
 
+void add_contours(const RenderJob& job, const PixelWindow& window, StageContext& context,
+                  ContourDrawing& drawing) {
+    constexpr Channels kShape = kPositionChannel | kNormalChannel;
+    constexpr std::uint64_t kPixelBytes = 40;  // 25 of the planes
+    constexpr int kRowBelow = 1;
+    const auto parts = picture_parts(job.size, window, kPixelBytes, kRowBelow);
+    RenderedFrame frame;
+    for (std::size_t band = 0; band < parts.size(); ++band) {
+        if (parts.size() > 1) context.reporter.progress("bands for contours", band, parts.size());
+        draw_buffer(job, job.size, parts[band].drawn, job.config.lod, kShape, frame);
+        drawing.add(frame, parts[band]);
+    }
+}
+
 namespace {
 
 /// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
@@ -247,10 +261,12 @@ void choose_looks(RenderJob& job) {
         if (has("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
     }
     const auto wider = ranges_of_cameras(job, aovs);
-    for (const std::string& aov : job.plan.drawn)
-        job.looks[aov] =
-            look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief,
-                    wider.contains(aov) ? &wider.at(aov) : nullptr);
+    for (const std::string& aov : job.plan.drawn) {
+        AovLook& look = job.looks[aov];
+        look = look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief,
+                       wider.contains(aov) ? &wider.at(aov) : nullptr);
+        if (aov == "hillshade") look.heights = contour_heights(job, look, reference);
+    }
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/render/render_contours.h"
 #include "pipeline/render/render_job.h"
 #include "pipeline/stage.h"
 
@@ -14,6 +15,10 @@ void choose_looks(RenderJob& job);
 /// pixel.
 std::vector<FeatureLine> find_lines(const RenderJob& job, std::uint64_t pixel_bytes,
                                     StageContext& context);
+
+/// Shows the contour lines of a part of the picture, in frames of its own size drawn for that.
+void add_contours(const RenderJob& job, const PixelWindow& window, StageContext& context,
+                  ContourDrawing& drawing);
 
 double milliseconds_since(std::chrono::steady_clock::time_point start);
 

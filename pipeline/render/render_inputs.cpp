@@ -83,7 +83,8 @@ void check_outputs(const RenderConfig& config, const OutputPlan& plan) {
     std::vector<fs::path> outputs = plan.pngs;
     for (const std::string& aov : plan.drawn) outputs.push_back(plan.legend(aov));
     for (const fs::path& output :
-         {plan.exr, plan.lines_svg(), fs::path(config.lines_ply), fs::path(config.lines_obj)})
+         {plan.exr, plan.lines_svg(), plan.contours_svg(), fs::path(config.lines_ply),
+          fs::path(config.lines_obj)})
         if (!output.empty()) outputs.push_back(output);
     for (const fs::path& output : outputs) {
         check_replaceable(output.string());

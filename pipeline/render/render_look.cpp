@@ -4,6 +4,7 @@
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_uses.h"
+#include "raytrace/scale_bar.h"
 
 #include <fmt/format.h>
 
@@ -63,6 +64,55 @@ std::optional<Key> expected_key(const RenderConfig& config, const std::string& a
     return contour_key(config, usual);
 }
 
+/// The largest of several legends and keys.
+class RoomOfWords {
+public:
+    RoomOfWords(const RenderConfig& config, const PictureSize& size) : size_(size) {
+        if (config.scale_bar) beside_ = scale_bar_most(size.width, size.height);
+    }
+
+    void add(const Legend& legend) {
+        const double share = legend_share(legend, size_.width, size_.height);
+        if (share <= 0) return;
+        add(share, legend_box(legend, LegendPlace::right_bottom, size_.width, size_.height),
+            legend_box(legend, LegendPlace::below, size_.width, size_.height));
+    }
+    void add(const Key& key) {
+        const double share = key_share(key, size_.width, size_.height);
+        if (share <= 0) return;
+        const PixelBox box = key_box(key, LegendPlace::right_bottom, size_.width, size_.height);
+        add(share, box, box);
+    }
+    LegendRoom room() const {
+        LegendRoom room = room_;
+        if (!fits_below_) room.bottom = 0;
+        return room;
+    }
+
+private:
+    void add(double share, const PixelBox& corner, const PixelBox& below) {
+        const auto width_of = [&](float x0) { return 1 - static_cast<double>(x0) / size_.width; };
+        const auto height_of = [&](float y0) { return 1 - static_cast<double>(y0) / size_.height; };
+        room_.right = std::max(room_.right, share);
+        room_.corner_width = std::max(room_.corner_width, width_of(corner.x0));
+        room_.corner_height = std::max(room_.corner_height, height_of(corner.y0));
+        room_.bottom = std::max(room_.bottom, height_of(below.y0));
+        fits_below_ = fits_below_ && below.x0 > beside_ && below.y0 > 0;
+    }
+
+    PictureSize size_;
+    LegendRoom room_;
+    bool fits_below_ = true;
+    float beside_ = 0;  ///< where a scale bar ends
+};
+
+/// Where the scale bar stands in a frame of that size of the view.
+PixelBox taken_by_scale_bar(const RenderConfig& config, const RenderedFrame& frame) {
+    if (!config.scale_bar) return {};
+    return scale_bar_box({frame.pixels.px_per_unit, config.unit}, frame.buffer.width,
+                         frame.buffer.height);
+}
+
 }  // namespace
 
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
@@ -79,9 +129,10 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
     if (aov == "hillshade" && relief.spacing > 0) look.key = contour_key(config, relief);
+    const PixelBox taken = taken_by_scale_bar(config, reference);
     if (look.legend && config.legend)
-        look.place = best_legend_place(*look.legend, silhouette_of(b));
-    if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b));
+        look.place = best_legend_place(*look.legend, silhouette_of(b), taken);
+    if (look.key && config.legend) look.place = best_key_place(*look.key, silhouette_of(b), taken);
     return look;
 }
 
@@ -96,19 +147,18 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
            (aov == "hillshade" && config.contours != "none");
 }
 
-double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
-                   const PictureSize& size) {
-    double share = 0;
-    if (!config.legend_room && !has_legend(config, drawn)) return share;
+LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+                       const PictureSize& size) {
+    if (!config.legend_room && !has_legend(config, drawn)) return {};
+    const bool all = config.legend_room || legends_of(config, drawn) == Legends::maps;
     RenderConfig any;
     const FieldList fields = fields_of(any);
-    for (const std::string& aov : fields.find("aov")->choices) {
-        if (const auto legend = expected_legend(config, aov))
-            share = std::max(share, legend_share(*legend, size.width, size.height));
-        if (const auto key = expected_key(config, aov))
-            share = std::max(share, key_share(*key, size.width, size.height));
+    RoomOfWords room(config, size);
+    for (const std::string& aov : all ? fields.find("aov")->choices : drawn) {
+        if (const auto legend = expected_legend(config, aov)) room.add(*legend);
+        if (const auto key = expected_key(config, aov)) room.add(*key);
     }
-    return share;
+    return room.room();
 }
 
 }  // namespace slim

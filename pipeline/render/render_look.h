@@ -2,9 +2,11 @@
 
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_config.h"
+#include "raytrace/height_label.h"
 #include "raytrace/hillshade.h"
 #include "raytrace/key.h"
 #include "raytrace/legend.h"
+#include "raytrace/legend_room.h"
 
 #include <memory>
 #include <optional>
@@ -20,6 +22,7 @@ struct AovLook {
     /// what the legend points to, if made for this picture
     std::shared_ptr<const ColorMap> own_map;
     LegendPlace place = LegendPlace::right;
+    std::vector<HeightLabel> heights = {};  ///< of a relief's index contours
 
     bool on_white() const { return legend.has_value() || key.has_value(); }
 };
@@ -37,11 +40,12 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
-/// Share of the picture's width that the widest legend or key of all AOVs would take at the right;
-/// 0 where none of those drawn has one (unless --legend-room wants it) or the picture is too small
-/// for one. The same whatever else is asked for, so that pictures of one camera overlay. The
-/// numbers are not known yet: assumed to be of a usual length.
-double legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
+/// What legends take at the right, below or in a corner; nothing where none of the AOVs drawn has
+/// one (unless --legend-room wants it) or the picture is too small for one. Beside a map, and with
+/// --legend-room, it is what the largest of all AOVs would take, the same whatever else is asked
+/// for, so that pictures of one camera overlay; keys alone (of contour lines and directions) take
+/// what they need. The numbers are not known yet: assumed to be of a usual length.
+LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
                    const PictureSize& size);
 
 }  // namespace slim

@@ -4,6 +4,7 @@
 #include "pipeline/contains.h"
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_colors.h"
+#include "pipeline/render/render_contours.h"
 #include "raytrace/stripes.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -126,7 +127,8 @@ void choose_contours(const RenderConfig& config, const GBuffer& reference, Relie
 }
 
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
-                      const RenderedFrame& frame, const RowRange& rows) {
+                      const RenderedFrame& frame, const RowRange& rows,
+                      std::span<const HeightLabel> heights, int factor) {
     if (aov == "color") return paint_colors(*inputs.colors, frame, rows);
     if (aov == "environment") return paint_environment(*inputs.environment, frame, rows);
     if (aov == "matcap")
@@ -138,8 +140,8 @@ Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
             const float grey = reflected_stripes(n, e);
             return Vec3f{grey, grey, grey};
         });
-    const float line_width = std::max(1.0f, static_cast<float>(frame.size.height) / 1000);
-    return paint_relief(frame.buffer, frame.pixels, frame.view, rows, inputs.relief, line_width);
+    return paint_relief(frame.buffer, frame.pixels, frame.view, rows, inputs.relief,
+                        contour_width(frame.size.height), heights, factor);
 }
 
 void composite_over_environment(const Environment& environment, const PixelView& view, int x0,

@@ -10,6 +10,7 @@
 #include "slim/model/surfel_tree.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,11 @@ void check_shadings(const RenderConfig& config);
 /// positions.
 void choose_contours(const RenderConfig& config, const GBuffer& reference, Relief& relief);
 
-/// Some rows of a frame as that AOV shows them, over transparent.
+/// Some rows of a frame as that AOV shows them, over transparent. A relief leaves gaps for heights
+/// that will be written (pixels of a picture whose pixels are `factor` of the frame's wide).
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
-                      const RenderedFrame& frame, const RowRange& rows);
+                      const RenderedFrame& frame, const RowRange& rows,
+                      std::span<const HeightLabel> heights = {}, int factor = 1);
 
 /// Puts the environment behind a picture whose first pixel is (x0, y0) of the view.
 void composite_over_environment(const Environment& environment, const PixelView& view, int x0,

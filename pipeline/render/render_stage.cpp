@@ -189,7 +189,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     ModelReads reads(model, takes_all_leaves(config, aovs), contains(aovs, "color"));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
-    const double room = legend_room(config, aovs, size);
+    const LegendRoom room = legend_room(config, aovs, size);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
     const std::vector<ScenePart> parts = scene_parts(tree, traced);

@@ -181,10 +181,17 @@ const std::vector<std::string>& aovs_of_all() {
     return kAll;
 }
 
+Legends legends_of(const RenderConfig& config, const Aovs& aovs) {
+    if (!config.legend) return Legends::none;
+    if (shows(aovs, "level") || has_map(config, aovs)) return Legends::maps;
+    const bool directions = shows(aovs, "dir1") || shows(aovs, "dir2");
+    const bool contours = shows(aovs, kHillshade) && config.contours != "none";
+    if (directions) return contours ? Legends::both_keys : Legends::directions;
+    return contours ? Legends::contours : Legends::none;
+}
+
 bool has_legend(const RenderConfig& config, const Aovs& aovs) {
-    const bool has_key = shows(aovs, "level") || shows(aovs, "dir1") || shows(aovs, "dir2") ||
-                         (shows(aovs, kHillshade) && config.contours != "none");
-    return config.legend && (has_key || has_map(config, aovs));
+    return legends_of(config, aovs) != Legends::none;
 }
 
 bool frames_by_name(const RenderConfig& config) {

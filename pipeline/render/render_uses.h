@@ -14,6 +14,11 @@ const std::vector<std::string>& aovs_of_all();
 /// Whether the picture of some of these AOVs ("all" for all of them) has a legend or a key.
 bool has_legend(const RenderConfig& config, const std::vector<std::string>& aovs);
 
+/// What panels the pictures of some AOVs have, where they have any: none, keys of directions or
+/// contour lines alone, or the legend of a map.
+enum class Legends { none, directions, contours, both_keys, maps };
+Legends legends_of(const RenderConfig& config, const std::vector<std::string>& aovs);
+
 /// Whether some camera of the run frames the model by itself,
 /// so that it can leave room for a legend.
 bool frames_by_name(const RenderConfig& config);

@@ -41,6 +41,16 @@ Background solid(const Vec3f& color) { return {color, color, 1}; }
 
 Background gradient() { return {*parse_color("#eef0f2"), *parse_color("#b4b9c1"), 1}; }
 
+/// A path's pictures have the legend where the first has it: at the right. At one scale for all
+/// sides a corner that is free of one's own may not be.
+LegendRoom kept_room(const RenderConfig& config, const LegendRoom& room) {
+    if (config.ortho_width > 0) return {};
+    if (!config.path.empty()) return LegendRoom::strip_at_right(room.right);
+    LegendRoom kept = room;
+    if (config.same_scale) kept.corner_width = 0;
+    return kept;
+}
+
 std::string text_of(const Vec3d& v) {
     return fmt::format("{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
 }
@@ -92,7 +102,7 @@ PictureSize parse_size(const std::string& text) {
 }
 
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                   double free_right) {
+                   const LegendRoom& room) {
     const double aspect = static_cast<double>(size.width) / size.height;
     const bool orthographic = config.ortho || config.ortho_width > 0;
     Camera camera;
@@ -102,17 +112,17 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                               .orthographic = orthographic,
                               .fov_y_deg = config.fov,
                               .turns = config.turntable,
-                              .free_right = config.ortho_width > 0 ? 0 : free_right,
                               .free_bottom = config.scale_bar && config.ortho_width <= 0
                                                  ? scale_bar_share(size.width, size.height)
                                                  : 0};
         const Framed framed(model.bounds, model.hull);
-        const FramedCamera named = framed_camera(config.camera, framed, aspect, framing);
+        const LegendRoom kept = kept_room(config, room);
+        const FramedCamera named = framed_beside(config.camera, framed, aspect, framing, kept);
         camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
             for (const char* side : {"front", "right", "top"})  // the others are as wide as these
-                camera.width =
-                    std::max(camera.width, named_camera(side, framed, aspect, framing).width);
+                camera.width = std::max(
+                    camera.width, framed_beside(side, framed, aspect, framing, kept).camera.width);
     } else {
         const std::vector<double> numbers = parse_numbers(config.camera);
         if (numbers.size() != 9 && numbers.size() != 6)
@@ -165,12 +175,12 @@ RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
 }
 
 std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
-                            const PictureSize& size, double free_right) {
+                            const PictureSize& size, const LegendRoom& room) {
     std::vector<Camera> keys;
     for (const std::string& key : keyframes_of(config)) {
         const RenderConfig frame = keyframe_of(config, key);
         try {
-            keys.push_back(make_camera(frame, model, size, free_right));
+            keys.push_back(make_camera(frame, model, size, room));
         } catch (const ConfigError& error) {  // said of --camera, which is not given
             const std::string text = error.what(), blamed = "camera: ";
             throw ConfigError(
@@ -201,13 +211,13 @@ int n_frames(const RenderConfig& config) {
 }
 
 Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                    double free_right, int frame) {
+                    const LegendRoom& room, int frame) {
     if (!config.path.empty()) {
-        const std::vector<Camera> keys = path_of(config, model, size, free_right);
+        const std::vector<Camera> keys = path_of(config, model, size, room);
         const double t = config.frames > 1 ? static_cast<double>(frame) / (config.frames - 1) : 0;
         return camera_on_path(keys, t * static_cast<double>(keys.size() - 1));
     }
-    const Camera camera = make_camera(config, model, size, free_right);
+    const Camera camera = make_camera(config, model, size, room);
     if (config.turntable == 0) return camera;
     const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty()
                              ? model.bounds.center()

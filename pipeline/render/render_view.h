@@ -2,6 +2,7 @@
 
 #include "pipeline/render/render_config.h"
 #include "raytrace/camera.h"
+#include "raytrace/legend_room.h"
 #include "raytrace/shade.h"
 #include "slim/model/surfel_tree.h"
 
@@ -30,11 +31,11 @@ std::optional<Vec3f> parse_color(std::string_view text);
 UpAxis up_axis(const RenderConfig& config);
 
 /// The camera that the configuration describes, in the model's local frame. Named cameras frame
-/// what is drawn (header.hull, else its bounds), clear of the `free_right` share of the picture's
-/// width unless --ortho-width fixes the scale, and zoom about their middle; numbers are world
+/// what is drawn (header.hull, else its bounds), clear of the room for legends unless --ortho-width
+/// fixes the scale, and zoom about their middle; numbers are world
 /// coordinates (origin + local). Throws ConfigError.
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                   double free_right);
+                   const LegendRoom& room);
 
 /// How many pictures: of --turntable or --frames, 1 without either. Throws ConfigError where they,
 /// --path and --frame do not fit together.
@@ -42,7 +43,7 @@ int n_frames(const RenderConfig& config);
 
 /// The camera of picture `frame` (from 0) of a turntable or path; of the one picture make_camera's.
 Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                    double free_right, int frame);
+                    const LegendRoom& room, int frame);
 
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);

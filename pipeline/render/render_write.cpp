@@ -20,14 +20,18 @@ void put_background(const RenderJob& job, const std::string& aov, const PixelWin
                    job.size.height);
 }
 
-/// What of a picture's words has no room in it.
+/// What of the words of pictures has no room in them, and the first that lacks some.
 struct Missing {
     bool legend = false, scale_bar = false;
+    std::string file;
 
     std::string text() const {
+        if (!legend && !scale_bar) return "";
         constexpr const char* kLegend = "legend, which is beside it as SVG";
-        if (legend && scale_bar) return fmt::format("scale bar and its {}", kLegend);
-        return legend ? kLegend : scale_bar ? "scale bar" : "";
+        return fmt::format("{}: too small for its {}", file,
+                           legend && scale_bar ? fmt::format("scale bar and its {}", kLegend)
+                           : legend            ? kLegend
+                                               : "scale bar");
     }
 };
 
@@ -52,6 +56,7 @@ Picture finished_picture(const RenderJob& job, const std::string& aov, const Fra
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
     const Ink ink =
         aov == "lines" ? ink_on(parse_background(job.config.background, true)) : Ink::dark;
+    draw_height_labels(look.heights, canvas);
     if (job.found_lines) draw_lines(*job.found_lines, canvas, ink);
     burn_words(job, look, canvas, missing);
     return picture;
@@ -107,6 +112,8 @@ std::string write_band(const RenderJob& job, const Frames& frames, const Picture
         add_range(job, aov, own);
         files.add_png(k, finished_picture(job, aov, frames, part, missing),
                       has_background(job.config, aov), own);
+        if (missing.file.empty() && (missing.legend || missing.scale_bar))
+            missing.file = job.plan.pngs[k].string();
     }
     if (job.plan.exr.empty()) return missing.text();
     ImageMetadata of_data = metadata;

@@ -116,6 +116,7 @@ std::vector<fs::path> stitch_shares(const RenderConfig& config,
     };
     make_folder(whole);
     copy(shares[0].lines_svg(), whole.lines_svg());
+    copy(shares[0].contours_svg(), whole.contours_svg());
     copy(first.lines_ply, config.lines_ply);
     copy(first.lines_obj, config.lines_obj);
     for (std::size_t k = 0; k < whole.pngs.size(); ++k) {

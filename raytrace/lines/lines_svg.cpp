@@ -3,22 +3,12 @@
 #include "raytrace/lines/stroke.h"
 #include "raytrace/picture.h"
 #include "raytrace/svg_color.h"
-
-#include <algorithm>
-#include <cstdio>
+#include "raytrace/svg_mm.h"
 
 namespace slim {
 namespace {
 
-constexpr double kMmPerPixel = 25.4 / 96;
-
-std::string number(double value, int digits) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
-
-std::string mm(float px) { return number(kMmPerPixel * static_cast<double>(px), 3); }
+std::string mm(float px) { return svg_mm(static_cast<double>(px)); }
 
 std::string path_of(const FeatureLine& line, int width, int height) {
     std::string d;
@@ -53,15 +43,7 @@ std::string background_of(const Background& background, int width, int height) {
 std::string lines_svg(std::span<const FeatureLine> lines, std::span<const LineKind> kinds,
                       int width, int height, const PixelWindow& window,
                       const Background& background) {
-    const std::string w = number(kMmPerPixel * window.width, 3),
-                      h = number(kMmPerPixel * window.height, 3);
-    const auto from = [](int px) {
-        return px == 0 ? std::string("0") : number(kMmPerPixel * px, 3);
-    };
-    std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" + w +
-                      "mm\" height=\"" + h + "mm\" viewBox=\"" + from(window.x) + " " +
-                      from(window.y) + " " + w + " " + h +
-                      "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+    std::string out = svg_opening(window);
     const Ink ink = ink_on(background);
     if (ink == Ink::light) out += background_of(background, width, height);
     for (const LineKind kind : kinds) {

@@ -13,7 +13,7 @@ STYLES = {
     "plate": ["front.shaded.png", "bottom.shaded.png"],
     "curvature": ["front.mean.png", "iso.dir1.png", "back.k2.legend.svg", "measure.json"],
     "linework": ["front.lines.svg", "front_crest.lines.png", "reflection.reflection.png"],
-    "terrain": ["map.hillshade.png", "air.hillshade.png", "curvature.mean.png"],
+    "terrain": ["map.hillshade.png", "map.contours.svg", "air.hillshade.png", "curvature.mean.png"],
     "comparison": ["front.environment.png", "front.matcap.png", "front_lines.lines.svg", "measure.json"],
     "film": ["turn.shaded_0001.png", "turn.mean_0072.png"],
 }

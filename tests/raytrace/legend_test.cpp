@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -148,6 +149,69 @@ TEST(Legend, ShareIsWhatThePanelTakes) {
         if (p.pixel(x, 500)[3] > 0) first = x;
     EXPECT_NEAR(legend_share(mean_legend(), 1000, 1000), (1000 - first) / 1000.0, 0.002);
     EXPECT_EQ(legend_share(mean_legend(), 160, 120), 0);
+}
+
+/// The first and the last column in which something of a row is not white.
+std::pair<int, int> columns_of_row(const Picture& p, int y) {
+    int first = p.width, last = -1;
+    for (int x = 0; x < p.width; ++x)
+        if (p.pixel(x, y)[0] + p.pixel(x, y)[1] + p.pixel(x, y)[2] < 2.9f)
+            first = std::min(first, x), last = std::max(last, x);
+    return {first, last};
+}
+
+TEST(Legend, BelowItsBarLiesAlongTheEdgeFromLowToHigh) {
+    Legend legend = mean_legend();
+    legend.clipped_high = true;
+    Picture p = white(1000, 1000);
+    ASSERT_TRUE(burn_legend(legend, p, LegendPlace::below));
+    const PixelBox box = legend_box(legend, LegendPlace::below, 1000, 1000);
+    EXPECT_GT(box.y0, 800);  // lower than the upright one is high
+    for (int y = 0; y < 1000; ++y) {
+        const auto [left, right] = columns_of_row(p, y);
+        if (right < 0) continue;
+        EXPECT_TRUE(left >= static_cast<int>(box.x0) && right < static_cast<int>(box.x1) &&
+                    y >= static_cast<int>(box.y0) && y < static_cast<int>(box.y1));
+    }
+    const int bar = static_cast<int>(box.y1) - 18 - 14 - 8 - 7 - 12;  // numbers and ticks below it
+    const auto [first, last] = columns_of_row(p, bar);
+    EXPECT_NEAR(last - first, 330 + 15, 6);  // and a tip at the right
+    EXPECT_GT(p.pixel(first + 8, bar)[2], p.pixel(first + 8, bar)[0] + 0.3f);  // concave is blue
+    EXPECT_GT(p.pixel(last - 18, bar)[0], p.pixel(last - 18, bar)[2] + 0.3f);
+}
+
+TEST(Legend, BelowNumbersStandApart) {
+    Legend legend = mean_legend();
+    legend.range = {-12.5, 2500};
+    for (const bool wide : {false, true}) {
+        legend.range.hi = wide ? 2500000 : 2500;
+        Picture p = white(1000, 1000);
+        ASSERT_TRUE(burn_legend(legend, p, LegendPlace::below));
+        const PixelBox box = legend_box(legend, LegendPlace::below, 1000, 1000);
+        // Between two numbers lies a gap: count the runs of columns with ink, letters apart at most
+        // by 6 pixels.
+        int runs = 0, since = 100;
+        for (int x = static_cast<int>(box.x0); x < static_cast<int>(box.x1); ++x) {
+            bool ink = false;
+            for (int y = static_cast<int>(box.y1) - 34; y < static_cast<int>(box.y1) - 18; ++y)
+                ink = ink || p.pixel(x, y)[0] < 0.5f;
+            if (ink && since > 6) ++runs;
+            since = ink ? 0 : since + 1;
+        }
+        EXPECT_GE(runs, 3) << wide;
+        EXPECT_LE(runs, 9) << wide;
+    }
+}
+
+TEST(Legend, StandsBelowWhereOnlyThatIsFree) {
+    Picture object(1000, 1000);
+    for (int y = 0; y < 800; ++y)
+        for (int x = 0; x < 1000; ++x) object.pixel(x, y)[3] = 1;
+    EXPECT_EQ(best_legend_place(mean_legend(), object), LegendPlace::below);
+    // It may not lie on what else is there.
+    EXPECT_NE(best_legend_place(mean_legend(), Picture(1000, 1000), {700, 0, 1000, 1000}),
+              LegendPlace::right);
+    EXPECT_EQ(best_legend_place(mean_legend(), Picture(1000, 1000)), LegendPlace::right);
 }
 
 TEST(Legend, SvgNamesAllAndEscapes) {

@@ -2,6 +2,7 @@
 
 #include "formats/model_file.h"
 #include "formats/slice_file.h"
+#include "pipeline/build/build_summary.h"
 #include "pipeline/info/info_stage.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/scan_stage.h"
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <tuple>
 
 namespace slim::test {
 namespace {
@@ -99,6 +101,28 @@ TEST_F(BuildStage, NormalsBetterThanThePointsMakeCurvatureBetter) {
     for (const char* key : {"normal_rms_deg", "k1_rms", "k2_rms", "mean_curvature_rms"})
         EXPECT_LT(followed[key].get<double>(), 0.5 * alone[key].get<double>()) << key;
     EXPECT_LT(followed["l2"].get<double>(), 1.05 * alone["l2"].get<double>());
+}
+
+TEST_F(BuildStage, NoiseSaysWhatEdgesMakeOfIt) {
+    const auto said = [&](const std::string& cloud) {
+        const auto config = build_config(cloud, "m.slim");
+        const auto result = build(config);
+        InfoConfig info;
+        info.file = config.output;
+        Reporter silent;
+        const auto model = run_as("info", info, run_info, silent);
+        return std::tuple(model["noise"].get<double>(), model["noise_typical"].get<double>(),
+                          build_summary(config.output, config.inputs, result));
+    };
+    const auto [of_cube, typical_of_cube, cube] =
+        said(folder_.write("cube.xyz", cube_text(40)));
+    EXPECT_GT(of_cube, 1e-3);
+    EXPECT_LT(typical_of_cube, 1e-6);
+    EXPECT_NE(cube.find(" (of edges and bends; "), std::string::npos) << cube;
+    const auto [of_noisy, typical_of_noisy, noisy] =
+        said(write(sampled("sphere", 20000, 1, 3e-3), "noisy.ply"));
+    EXPECT_NEAR(typical_of_noisy, of_noisy, 0.3 * of_noisy);
+    EXPECT_EQ(noisy.find("edges and bends"), std::string::npos) << noisy;
 }
 
 TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {

@@ -20,9 +20,18 @@ TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
     for (const JobStep& step : read_job(write_job(views)).steps)
         EXPECT_FALSE(has(step, "--legend-room")) << step.name;
     const Job job = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['dir1']\n"));
-    EXPECT_TRUE(has(job.steps[1], "--legend-room"));
-    for (const int k : {2, 3, 4})
+    for (const int k : {1, 4})
+        EXPECT_TRUE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
+    for (const int k : {2, 3})
         EXPECT_FALSE(has(job.steps[static_cast<std::size_t>(k)], "--legend-room")) << k;
+    // A map takes that room by itself; keys of one kind alone take what they need.
+    const Job maps = read_job(write_job(views + "[[view]]\nname = 'd'\naovs = ['mean']\n"));
+    EXPECT_TRUE(has(maps.steps[1], "--legend-room"));
+    EXPECT_FALSE(has(maps.steps[4], "--legend-room"));
+    const Job keys = read_job(write_job(
+        "[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\naovs = ['hillshade']\n"
+        "[[view]]\nname = 'b'\naovs = ['hillshade']\ncamera = 'iso'\n"));
+    for (const JobStep& step : keys.steps) EXPECT_FALSE(has(step, "--legend-room")) << step.name;
 }
 
 TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {

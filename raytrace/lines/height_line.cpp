@@ -1,0 +1,150 @@
+#include "raytrace/lines/height_line.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMostSteps = 1e15;  ///< beyond, a double no longer tells a line from the next
+constexpr double kMostInCell = 8;
+constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kColumns = std::uint64_t{1} << 20;  ///< more than a picture has
+
+std::uint64_t edge_of(std::uint64_t x, std::uint64_t y, bool down) {
+    return (y * kColumns + x) * 2 + (down ? 1 : 0);
+}
+
+/// Where a level lies between the left or upper end of an edge, 0, and the other, 1.
+float crossing(double from, double to, double level) {
+    return static_cast<float>((level - from) / (to - from));
+}
+
+/// The first level above a height that is a multiple of `every`.
+double first_level(double above, double every) { return (std::floor(above / every) + 1) * every; }
+
+}  // namespace
+
+/// Heights of a row of pixels in steps of the spacing; none where nothing is hit.
+struct HeightLineSearch::Row {
+    std::size_t first;  ///< entry of the planes
+    std::uint64_t x, y;  ///< of its first pixel in the picture
+    std::vector<double> steps;
+
+    Row(const HeightLineSearch& search, const LineScene& s, int row, int first_column)
+        : first(s.buffer.index(0, row)),
+          x(static_cast<std::uint64_t>(first_column)),
+          y(static_cast<std::uint64_t>(row + s.rows.top)),
+          steps(static_cast<std::size_t>(s.buffer.width), kNone) {
+        for (std::size_t k = 0; k < steps.size(); ++k) {
+            if (!s.hit(first + k)) continue;
+            const auto height = static_cast<double>(dot(search.up_, s.point(first + k)));
+            const double in_steps = (search.base_ + height) / search.spacing_;
+            if (std::abs(in_steps) < kMostSteps) steps[k] = in_steps;
+        }
+    }
+};
+
+HeightLineSearch::HeightLineSearch(const Relief& relief, double spacing)
+    : up_(relief.axes[1]),
+      base_(relief.base),
+      spacing_(spacing),
+      index_every_(relief.index_every) {}
+
+void HeightLineSearch::add(const LineScene& scene, int first_column) {
+    const int last = std::min(static_cast<int>(scene.end_row()), scene.buffer.height - 1);
+    Row upper(*this, scene, scene.rows.begin, first_column);
+    for (int y = scene.rows.begin; y < last; ++y) {
+        Row lower(*this, scene, y + 1, first_column);
+        for (std::size_t x = 0; x + 1 < upper.steps.size(); ++x) {
+            const double a = std::floor(upper.steps[x]), b = std::floor(upper.steps[x + 1]),
+                         c = std::floor(lower.steps[x + 1]), d = std::floor(lower.steps[x]);
+            // What is not hit differs, from itself as well.
+            if (a != b || b != c || c != d) add_cell(scene, upper, lower, x);
+        }
+        upper = std::move(lower);
+    }
+}
+
+void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const Row& lower,
+                                std::size_t x) {
+    const double a = upper.steps[x], b = upper.steps[x + 1], c = lower.steps[x + 1],
+                 d = lower.steps[x];
+    if (std::isnan(a + b + c + d)) return;
+    const std::size_t u = upper.first + x, l = lower.first + x;
+    if (breaks_off(scene, u, u + 1) || breaks_off(scene, u + 1, l + 1) ||
+        breaks_off(scene, l, l + 1) || breaks_off(scene, u, l))
+        return;
+    const auto [lo, hi] = std::minmax({a, b, c, d});
+    const double every = hi - lo <= kMostInCell ? 1 : index_every_;
+    if (hi - lo > kMostInCell * every) return;
+    const std::uint64_t px = upper.x + x, py = upper.y;
+    const auto left = static_cast<float>(px) + 0.5f, top = static_cast<float>(py) + 0.5f;
+    for (double level = first_level(lo, every); level <= hi; level += every) {
+        std::array<End, 4> ends;  // in turn: top, right, bottom, left
+        std::array<bool, 4> has{(a >= level) != (b >= level), (b >= level) != (c >= level),
+                                (d >= level) != (c >= level), (a >= level) != (d >= level)};
+        ends[0] = {edge_of(px, py, false), {left + crossing(a, b, level), top}};
+        ends[1] = {edge_of(px + 1, py, true), {left + 1, top + crossing(b, c, level)}};
+        ends[2] = {edge_of(px, py + 1, false), {left + crossing(d, c, level), top + 1}};
+        ends[3] = {edge_of(px, py, true), {left, top + crossing(a, d, level)}};
+        std::vector<Segment>& found = segments_[static_cast<std::int64_t>(level)];
+        if (has[0] && has[1] && has[2] && has[3]) {
+            const bool joins_a = ((a + b + c + d) / 4 >= level) == (a >= level);
+            found.push_back(joins_a ? Segment{ends[0], ends[1]} : Segment{ends[3], ends[0]});
+            found.push_back(joins_a ? Segment{ends[2], ends[3]} : Segment{ends[1], ends[2]});
+            continue;
+        }
+        const auto first = static_cast<std::size_t>(std::find(has.begin(), has.end(), true) -
+                                                    has.begin());
+        std::size_t second = 3;
+        while (!has[second]) --second;
+        found.push_back({ends[first], ends[second]});
+    }
+}
+
+std::vector<HeightLine> HeightLineSearch::finish() {
+    std::vector<HeightLine> lines;
+    for (const auto& [level, segments] : segments_) link(level, segments, lines);
+    segments_.clear();
+    return lines;
+}
+
+/// Each edge is an end of at most two segments: chains from their free ends first, then rings.
+void HeightLineSearch::link(std::int64_t level, const std::vector<Segment>& segments,
+                            std::vector<HeightLine>& out) {
+    const auto end_of = [&](std::uint32_t e) -> const End& {
+        return e % 2 == 0 ? segments[e / 2].from : segments[e / 2].to;
+    };
+    std::vector<std::uint32_t> order(2 * segments.size()), partner(order.size(), kNobody);
+    for (std::uint32_t e = 0; e < order.size(); ++e) order[e] = e;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
+        return std::pair(end_of(p).edge, p) < std::pair(end_of(q).edge, q);
+    });
+    for (std::size_t i = 0; i + 1 < order.size(); ++i)
+        if (end_of(order[i]).edge == end_of(order[i + 1]).edge)
+            partner[order[i]] = order[i + 1], partner[order[i + 1]] = order[i];
+    std::vector<char> used(segments.size(), 0);
+    const auto walk = [&](std::uint32_t from, bool closed) {
+        HeightLine line{level, closed, {end_of(from).at}};
+        for (std::uint32_t e = from;;) {
+            used[e / 2] = 1;
+            const std::uint32_t far = e ^ 1, next = partner[far];
+            if (next == from) break;  // round
+            line.points.push_back(end_of(far).at);
+            if (next == kNobody) break;
+            e = next;
+        }
+        out.push_back(std::move(line));
+    };
+    for (std::uint32_t e = 0; e < partner.size(); ++e)
+        if (partner[e] == kNobody && !used[e / 2]) walk(e, false);
+    for (std::uint32_t e = 0; e < partner.size(); e += 2)
+        if (!used[e / 2]) walk(e, true);
+}
+
+}  // namespace slim

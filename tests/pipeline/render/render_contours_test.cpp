@@ -1,0 +1,141 @@
+#include "tests/pipeline/render/render_outputs_support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+// Contour lines of a relief: heights on index contours, in the picture and as a drawing.
+
+namespace slim {
+namespace {
+
+using test::pixel;
+
+class RenderContours : public test::RenderOutputs {
+protected:
+    /// A ball of radius 1 from above; index contours at half its height and about its middle.
+    RenderConfig relief(const std::string& output) const {
+        RenderConfig c = config(output);
+        c.aov = {"hillshade"}, c.contours = "0.1", c.size = "600x600", c.unit = "m";
+        c.up = "z", c.camera = "top", c.ortho = true, c.legend = false, c.background = "white";
+        return c;
+    }
+    std::string drawing(const RenderConfig& c, const std::string& name = "x.contours.svg") {
+        run(c);
+        return bytes(name);
+    }
+    /// The rows and columns of a part.
+    static std::vector<std::uint8_t> part_of(const PngImage& whole, int x, int y, int width,
+                                             int height) {
+        std::vector<std::uint8_t> out;
+        for (int row = y; row < y + height; ++row)
+            out.insert(out.end(), pixel(whole, x, row), pixel(whole, x, row) + 4 * width);
+        return out;
+    }
+    /// Places of the heights of a drawing, in pixels.
+    static std::vector<std::array<double, 2>> places_of(const std::string& svg) {
+        std::vector<std::array<double, 2>> places;
+        for (std::size_t at = 0; (at = svg.find("translate(", at)) != std::string::npos; ++at)
+            places.push_back({std::stod(svg.substr(at + 10)) * 96 / 25.4,
+                              std::stod(svg.substr(svg.find(',', at) + 1)) * 96 / 25.4});
+        return places;
+    }
+};
+
+TEST_F(RenderContours, HeightsStandOnIndexContoursInThePictureAndTheDrawing) {
+    RenderConfig c = relief("x.png");
+    const std::string svg = drawing(c);
+    EXPECT_NE(svg.find(">0.5 m</text>"), std::string::npos) << svg.substr(0, 2000);
+    EXPECT_EQ(svg.find(">0.4 m<"), std::string::npos);
+    // The picture differs by its unit where the drawings have their text, and nowhere else.
+    const PngImage metres = read_png(c.output);
+    c.unit = "ft";
+    const std::string in_feet = drawing(c);
+    const PngImage feet = read_png(c.output);
+    const auto places = places_of(svg), others = places_of(in_feet);
+    std::vector<int> changed(places.size(), 0);
+    for (int y = 0; y < 600; ++y)
+        for (int x = 0; x < 600; ++x) {
+            if (std::equal(pixel(metres, x, y), pixel(metres, x, y) + 4, pixel(feet, x, y)))
+                continue;
+            const auto is_near = [&](const auto& at) {
+                return std::hypot(x - at[0], y - at[1]) < 35;
+            };
+            for (std::size_t k = 0; k < places.size(); ++k) changed[k] += is_near(places[k]);
+            ASSERT_TRUE(std::any_of(places.begin(), places.end(), is_near) ||
+                        std::any_of(others.begin(), others.end(), is_near))
+                << x << " " << y;
+        }
+    for (const int n : changed) EXPECT_GT(n, 10);
+    // On the circle of that height: sqrt(1 - 0.5^2) of the ball's radius, 0.96 of half the picture.
+    const auto at = places_of(svg.substr(svg.rfind("translate(", svg.find(">0.5 m<")))).front();
+    EXPECT_NEAR(std::hypot(at[0] - 300, at[1] - 300), 0.8660 * 0.96 * 300, 6);
+}
+
+TEST_F(RenderContours, HeightsAreThoseOfTheWorld) {
+    SurfelTreeData model = test::sphere_model(1, 600);
+    model.header.origin = {636850, 851450, 400};
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = relief("x.png");
+    EXPECT_NE(drawing(c).find(">400.5 m</text>"), std::string::npos);
+    c.unit.clear();
+    EXPECT_NE(drawing(c).find(">400.5</text>"), std::string::npos);
+}
+
+TEST_F(RenderContours, WithoutContoursThereIsNoDrawing) {
+    RenderConfig c = relief("x.png");
+    c.contours = "none";
+    EXPECT_EQ(run(c)["files"].size(), 1u);
+    c.contours = "auto", c.aov = {"mean"}, c.output = file("y.png");
+    run(c);
+    EXPECT_FALSE(exists("x.contours.svg"));
+    EXPECT_FALSE(exists("y.contours.svg"));
+    c.contours = "0.1", c.aov = {"hillshade"}, c.output = file("x.hillshade.png");
+    EXPECT_EQ(run(c)["files"].size(), 2u);
+    EXPECT_TRUE(exists("x.contours.svg"));
+}
+
+TEST_F(RenderContours, FilmsHaveLinesWithoutHeights) {
+    RenderConfig c = relief("film.png");
+    c.turntable = 2;
+    run(c);
+    const PngImage first = read_png(file("film_0001.png"));
+    EXPECT_FALSE(exists("film_0001.contours.svg"));
+    c.unit = "ft";
+    run(c);
+    EXPECT_EQ(read_png(file("film_0001.png")).rgba, first.rgba);
+}
+
+TEST_F(RenderContours, PartsShowTheHeightsOfTheWhole) {
+    for (const int supersample : {1, 2}) {
+        RenderConfig c = relief("whole.png");
+        c.supersample = supersample, c.size = "1100x1100";  // larger than what decides
+        const std::string svg = drawing(c, "whole.contours.svg");
+        const PngImage whole = read_png(c.output);
+        const std::size_t at = svg.find("translate(");
+        ASSERT_NE(at, std::string::npos);
+        // A part whose edge cuts through a height.
+        const int x = static_cast<int>(std::stod(svg.substr(at + 10)) * 96 / 25.4);
+        c.output = file("part.png"), c.crop = std::to_string(x) + ",300,400,700";
+        run(c);
+        EXPECT_EQ(read_png(c.output).rgba, part_of(whole, x, 300, 400, 700)) << supersample;
+        const std::string of_part = bytes("part.contours.svg");
+        EXPECT_NE(of_part.find("height=\"185.208mm\""), std::string::npos);
+        EXPECT_EQ(of_part.substr(of_part.find("<g id=\"contour-heights\"")),
+                  svg.substr(svg.find("<g id=\"contour-heights\"")));
+    }
+}
+
+TEST_F(RenderContours, AveragedPicturesHaveTheSameDrawing) {
+    RenderConfig c = relief("x.png");
+    const std::string plain = drawing(c);
+    c.supersample = 2;
+    EXPECT_EQ(drawing(c), plain);
+}
+
+}  // namespace
+}  // namespace slim
