@@ -78,6 +78,9 @@ TEST(Job, WhatLinesTakeIsNotLeftOut) {
         EXPECT_EQ(has_line(text, "curvature: "), !c.second) << c.fit << c.view << text;
         EXPECT_EQ(has_line(text, "third derivatives: "), !c.third) << c.fit << c.view << text;
     }
+    EXPECT_TRUE(has_line(left_out("", ""), "sharp surfels: unless more than 4.4 %"));
+    for (const char* sharp : {"sharp = 'on'\n", "sharp = 'off'\n"})
+        EXPECT_FALSE(has_line(left_out(sharp, ""), "sharp surfels: ")) << sharp;
     EXPECT_TRUE(has_line(left_out("color = true\n", ""), "colours: no view shows them"));
     EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['color']\n"), "colours: "));
     EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['all']\n"), "colours: "));
@@ -96,6 +99,9 @@ TEST(Job, SaysWhatWillBeMissing) {
     EXPECT_EQ(missing("degree = 3\nsharp = 'on'\n", drawing), "");
     EXPECT_EQ(missing("degree = 2\n", drawing),
               "view v: crest lines: they need degree = 3 in [fit]\n"
+              "view v: crease lines: unless the points lie at edges enough for sharp surfels: sharp = "
+              "\"on\" in [fit] has them always\n");
+    EXPECT_EQ(missing("degree = 3\nsharp = 'off'\n", drawing),
               "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
     EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),
               "view v: suggestive lines: they need degree = 2 in [fit]\n"
