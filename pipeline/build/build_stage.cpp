@@ -3,6 +3,7 @@
 #include "formats/atomic_file.h"
 #include "pipeline/build/build_color.h"
 #include "pipeline/build/build_summary.h"
+#include "pipeline/build/edges_said.h"
 #include "pipeline/build/fit_stage.h"
 #include "pipeline/build/normals_stage.h"
 #include "pipeline/build/sensors.h"
@@ -168,6 +169,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
                         fit.at("dropped_beside").get<std::uint64_t>();
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
+    result.update(sharp_of(fit));
     result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;

@@ -1,6 +1,7 @@
 #include "pipeline/build/build_summary.h"
 
 #include "formats/model_file.h"
+#include "pipeline/build/edges_said.h"
 #include "pipeline/memory_size.h"
 #include "pipeline/noise_over_diagonal.h"
 #include "pipeline/shell_word.h"
@@ -68,6 +69,7 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("at the place of another, left out: {}\n", counted(n, "point"));
     if (const auto n = count(result, "dropped"))
         text += fmt::format("strays, left out: {}\n", counted(n, "point"));
+    if (const std::string edges = edges_text(result); !edges.empty()) text += edges + "\n";
     text += stretched_diagonal(result);
     if (const auto n = count(result, "loose"))
         text += fmt::format(

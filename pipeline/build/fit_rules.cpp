@@ -31,6 +31,8 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.weight = options.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
     rules.reading = static_cast<CoverReading>(options.cover[0] - 'A');
     rules.sharp = options.sharp == "on";
+    rules.ask_for_edges = options.sharp == "auto" && !rules.windows;
+    rules.n_points = plan.n_points;
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
     rules.typical_variance = noise.typical_variance;

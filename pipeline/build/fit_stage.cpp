@@ -2,6 +2,7 @@
 
 #include "formats/fit_file.h"
 #include "pipeline/build/cover_counts_json.h"
+#include "pipeline/build/edges_said.h"
 #include "pipeline/build/fit_noise.h"
 #include "pipeline/build/fit_rules.h"
 #include "pipeline/build/normals_stage.h"
@@ -23,17 +24,20 @@
 namespace slim {
 namespace {
 
-/// Covers points and writes the surfels as they come: they take no memory, however many.
-CoverCounts write_cover(const std::filesystem::path& path, const PointBlock& points,
-                        CoverRules rules, StageContext& context) {
+/// Covers points and writes the surfels as they come: they take no memory, however many. Returns
+/// the counts, and sharp_json.
+nlohmann::json write_cover(const std::filesystem::path& path, const PointBlock& points,
+                           CoverRules rules, StageContext& context) {
     FitWriter file(path.string());
     rules.keep = [&](const FittedSurfel& s) { file.add(s); };
     const Cover cover = cover_points(points, rules, context.reporter);
     context.check_stop();
-    file.commit(
-        text_of({{"rules", rules_json(rules)}, {"counts", counts_json(cover.counts)}}),
-        cover.dropped);
-    return cover.counts;
+    nlohmann::json result = counts_json(cover.counts);
+    const nlohmann::json sharp = sharp_json(rules, cover.edges);
+    rules.sharp = sharp.at("sharp");
+    file.commit(text_of({{"rules", rules_json(rules)}, {"counts", result}}), cover.dropped);
+    result.update(sharp);
+    return result;
 }
 
 /// Coarse levels of a job in slices: fitted once, from a random sample of all points.
@@ -54,7 +58,7 @@ nlohmann::json fit_coarse(const FitConfig& config, const SlicePlan& plan, const 
     coarse.last_level = division.last_coarse;
     if (division.last_coarse == division.first_fine) coarse.provisional = division.halo;
     coarse.share = division.share;
-    nlohmann::json result = counts_json(write_cover(output, sample, coarse, context));
+    nlohmann::json result = write_cover(output, sample, coarse, context);
     result["sample"] = sample.size();
     return stamp.commit(std::move(result), Outlasts::process);
 }
@@ -103,9 +107,15 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
         handed ? std::move(*handed) : read_with_halo(config.work, plan, slice, division.halo);
     const std::uint64_t copies =
         keep_distinct(block, [&](const Vec3d& p) { return !rules.owns || rules.owns(p); });
-    nlohmann::json result = counts_json(write_cover(output, block, rules, context));
+    nlohmann::json result = write_cover(output, block, rules, context);
     result["copies"] = copies;
     return stamp.commit(std::move(result), Outlasts::process);
+}
+
+/// What a fit's result says of sharp surfels, for the whole job and its reader.
+void take_sharp(const nlohmann::json& one, nlohmann::json& sum, Reporter& reporter) {
+    sum.update(sharp_of(one));
+    if (const std::string text = edges_text(one); !text.empty()) reporter.info(text);
 }
 
 /// What a usual slice of several takes.
@@ -152,7 +162,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
             plan.n_points == 1 ? "1 point" : fmt::format("{} points", plan.n_points),
             plan.diagonal));
     const GlobalNoise noise = read_global_noise(config.work, config.lambda, plan);
-    const CoverRules rules = fit_rules(config, config.seed, plan, noise);
+    CoverRules rules = fit_rules(config, config.seed, plan, noise);
     const FitDivision division = divide_fit(plan, parse_memory_size(config.memory));
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
@@ -160,6 +170,9 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         return_freed_memory();
         const auto coarse = fit_coarse(config, plan, rules, division, context);
         add_counts(coarse, sum);
+        take_sharp(coarse, sum, context.reporter);
+        rules.sharp = coarse.at("sharp");  // for all slices
+        rules.ask_for_edges = false;
         up_to_date &= coarse.contains("up_to_date");
     }
     const auto todo = config.coarse ? std::vector<std::size_t>{} : slices_to_do(config, plan);
@@ -168,6 +181,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         if (plan.slices.size() > 1) freed.begin_next();
         const auto one = fit_slice(config, plan, rules, slice, division, context);
         add_counts(one, sum);
+        if (plan.slices.size() == 1) take_sharp(one, sum, context.reporter);
         up_to_date &= one.contains("up_to_date");
     }
     sum["noise_variance"] = noise.noise_variance;

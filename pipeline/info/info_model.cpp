@@ -2,6 +2,8 @@
 
 #include "formats/model_file.h"
 #include "pipeline/info/info_json.h"
+#include "pipeline/json_text.h"
+#include "pipeline/manifest.h"
 #include "pipeline/noise_over_diagonal.h"
 #include "slim/base/error.h"
 
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <vector>
 
@@ -25,6 +28,24 @@ json fit_options(const json& provenance) {
     out["degree"] = rules.value("choose_degree", false) ? json("auto") : rules.at("degree");
     for (const char* key : {"radius_rule", "weight", "cover", "sharp"})
         if (rules.contains(key)) out[key] = rules.at(key);
+    return out;
+}
+
+/// By which share of places at edges the build decided about sharp surfels: of its manifest beside
+/// the model, if this is still the file that it wrote; nothing of others, and where an option
+/// decided.
+json edges_of_build(const std::string& path) {
+    std::ifstream in(manifest_path(path));
+    const json manifest = json_or_discarded(in);
+    json out = json::object();
+    if (!manifest.is_object() || !manifest.contains("result")) return out;
+    const json& result = manifest.at("result");
+    if (!result.is_object() || !result.contains("edge_share")) return out;
+    const std::string hash = hash_file(path);
+    for (const json& file : manifest.value("outputs", json::array()))
+        if (file.is_object() && file.value("xxh3_128", "") == hash)
+            for (const char* key : {"edge_share", "edge_places"})
+                if (result.contains(key)) out[key] = result.at(key);
     return out;
 }
 
@@ -89,7 +110,8 @@ json model_info(const std::string& path) {
     const SurfelTree tree = file.tree();
     const LeafCounts leaves(tree);
     const json provenance = parsed(file.provenance_json());
-    const json said = provenance_info(path, provenance);
+    json said = provenance_info(path, provenance);
+    said["fit"].update(edges_of_build(path));
     const json& rules = provenance.contains("rules") ? provenance.at("rules") : json::object();
     json info = {{"kind", "model"},
             {"bytes", file.file_size()},

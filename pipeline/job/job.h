@@ -37,7 +37,7 @@ struct BuildStages {
     std::string memory;             ///< for points
     std::string degree;             ///< of surfels: "1", "2", "3", "auto"
     bool color = false;             ///< the model keeps the clouds' colours
-    bool sharp = false;             ///< it may have sharp surfels
+    std::string sharp;              ///< whether it has sharp surfels: "auto", "on", "off"
 };
 
 /// A job file's meaning: what to do, in order, and what not and why.

@@ -5,11 +5,13 @@
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_line_choice.h"
+#include "slim/fit/edge_share.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -30,15 +32,27 @@ ViewWork work_of(const AskedView& view, const BuildStages& stages) {
     ViewWork work;
     const int degree = model_degree(stages);
     work.aovs = possible_aovs(view.aovs, degree, stages.color && view.render.add.empty());
-    work.lines = line_choice(view.render, view.aovs, degree, stages.sharp);
+    work.lines = line_choice(view.render, view.aovs, degree, stages.sharp != "off");
     work.channels =
         channels_of(work.aovs, view.render.light_maps) | line_channels(work.lines.drawn, degree);
     return work;
 }
 
-std::string fit_remedy(LineKind kind) {
-    return is_crease(kind) ? "they need sharp surfels: sharp = \"on\" in [fit]"
-                           : fmt::format("they need degree = {} in [fit]", line_degree(kind));
+std::string fit_remedy(LineKind kind, const std::string& sharp) {
+    if (!is_crease(kind)) return fmt::format("they need degree = {} in [fit]", line_degree(kind));
+    if (sharp == "auto")
+        return "unless the points lie at edges enough for sharp surfels: sharp = \"on\" in [fit] "
+               "has them always";
+    return "they need sharp surfels: sharp = \"on\" in [fit]";
+}
+
+/// What the points will decide; empty if [fit] does.
+std::string left_to_the_points(const std::string& sharp) {
+    if (sharp != "auto") return "";
+    return fmt::format(
+        "sharp surfels: unless more than {:.1f} % of the places that the build looks at lie at "
+        "edges (sharp = \"auto\" in [fit]; the build says)",
+        100 * kEdgeShare);
 }
 
 }  // namespace
@@ -65,6 +79,8 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
     if (!(channels & kThirdOrderChannel))
         out.push_back("third derivatives: no AOV and no line that can be drawn asks for them");
     if (!lines) out.push_back("feature lines: no view asks for them");
+    if (std::string text = left_to_the_points(stages.sharp); !text.empty())
+        out.push_back(std::move(text));
     if (!aovs.contains("color"))
         out.push_back(stages.color
                           ? "colours: no view shows them (their section of the model is not read)"
@@ -90,10 +106,10 @@ std::vector<std::string> missing_in_views(std::span<const AskedView> views,
     for (const AskedView& view : views) {
         std::set<std::string> said;
         for (const LineKind kind :
-             line_choice(view.render, view.aovs, degree, stages.sharp).lacking)
+             line_choice(view.render, view.aovs, degree, stages.sharp == "on").lacking)
             if (said.insert(line_word(kind)).second)
                 out.push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
-                                          fit_remedy(kind)));
+                                          fit_remedy(kind, stages.sharp)));
         for (const LeftOut& aov :
              left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
             out.push_back(

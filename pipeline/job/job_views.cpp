@@ -78,7 +78,7 @@ void check_view_keys(
 }
 
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
-                       const std::string& degree, bool color, bool sharp) {
+                       const std::string& degree, bool color, const std::string& sharp) {
     if (degree == "1" || degree == "2") {
         for (const char* aov : {"e1", "e2", "dk1_dt2", "dk2_dt1"})
             if (contains(aovs, aov))
@@ -93,7 +93,7 @@ void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig&
                 "have: expected degree = 3 in [fit]",
                 degree));
     }
-    if (!sharp && view.lines == std::vector<std::string>{"crease"})
+    if (sharp != "on" && view.lines == std::vector<std::string>{"crease"})
         throw ConfigError(
             "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
     if (contains(aovs, "color") && !color)

@@ -39,6 +39,6 @@ void check_view_keys(
 
 /// Throws ConfigError on a view that no model of this [fit] can give.
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
-                       const std::string& degree, bool color, bool sharp);
+                       const std::string& degree, bool color, const std::string& sharp);
 
 }  // namespace slim

@@ -1,8 +1,11 @@
+#include "pipeline/build/edges_said.h"
 #include "pipeline/job/job.h"
+#include "pipeline/json_text.h"
 #include "pipeline/shell_word.h"
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <string>
 
 namespace slim {
@@ -19,6 +22,20 @@ std::string division_text(const JobStep& step) {
                        step.division);
 }
 
+/// What the points said of their edges when the model was last built; empty where they were not
+/// asked, or never yet.
+std::string last_said_text(const Job& job) {
+    std::string text;
+    for (const JobStep& step : job.steps) {
+        if (step.verb != "build" || job.stages.sharp != "auto") continue;
+        std::ifstream in(step.target);
+        const auto manifest = json_or_discarded(in);
+        if (manifest.is_object() && manifest.contains("result"))
+            text = edges_text(manifest.at("result"));
+    }
+    return text.empty() ? "" : "As the model was last built: " + text + "\n";
+}
+
 }  // namespace
 
 std::string explanation_of(const Job& job) {
@@ -31,6 +48,7 @@ std::string explanation_of(const Job& job) {
         text += fmt::format("  page: {}\n", (job.folder / "index.html").string());
     text += "Left out:\n";
     for (const std::string& reason : job.left_out) text += "  " + reason + "\n";
+    text += last_said_text(job);
     if (!job.missing.empty()) text += "Asked for, but will be missing:\n";
     for (const std::string& reason : job.missing) text += "  " + reason + "\n";
     return text;

@@ -40,12 +40,22 @@ Bbox box_of(const PointBlock& points) {
     return box;
 }
 
+EdgeQuestion edge_question(const CoverRules& rules, std::size_t n_here) {
+    const double n = static_cast<double>(n_here) / rules.share;
+    return {.spacing = rules.spacing,
+            .n_points = rules.n_points > 0 ? static_cast<double>(rules.n_points) : n,
+            .noise_variance = rules.noise_variance,
+            .typical_variance = rules.typical_variance,
+            .contrary_share = rules.ladder.contrary_share};
+}
+
 }  // namespace
 
-LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules)
+LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules,
+                       const PointPyramid& pyramid)
     : block_(points),
       rules_(rules),
-      pyramid_(points, box_of(points), rules.seed, rules.share),
+      pyramid_(pyramid),
       leaves_(points, rules, pyramid_),
       states_(points, rules),
       second_(rules.fits_again() ? points.size() : 0),
@@ -177,7 +187,14 @@ void LevelCover::make_internal(CoverCandidate& c, double radius, std::size_t thi
 }
 
 Cover cover_points(const PointBlock& points, const CoverRules& rules, Reporter& reporter) {
-    return LevelCover(points, rules).run(reporter);
+    const PointPyramid pyramid(points, box_of(points), rules.seed, rules.share);
+    if (!rules.ask_for_edges) return LevelCover(points, rules, pyramid).run(reporter);
+    CoverRules decided = rules;
+    const EdgeShare edges = edge_share(points, pyramid, edge_question(rules, points.size()));
+    decided.sharp = edges.are_features();
+    Cover cover = LevelCover(points, decided, pyramid).run(reporter);
+    cover.edges = edges;
+    return cover;
 }
 
 }  // namespace slim

@@ -3,6 +3,7 @@
 #include "slim/base/reporter.h"
 #include "slim/cover/cover_counts.h"
 #include "slim/cover/cover_rules.h"
+#include "slim/fit/edge_share.h"
 #include "slim/model/fitted_surfel.h"
 #include "slim/model/point_block.h"
 
@@ -17,6 +18,7 @@ struct Cover {
     std::vector<std::uint64_t> dropped; ///< ids of points that count as
                                         ///< isolated, unexplained or beside
     CoverCounts counts;
+    EdgeShare edges;  ///< what CoverRules::ask_for_edges found: sharp if edges.are_features()
 };
 
 /// Covers points by surfels, level by level (Ohtake 2005 sec. 2 with the ladder of DESIGN 4).

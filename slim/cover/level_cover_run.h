@@ -23,10 +23,10 @@ struct CoverCandidate : LeafCandidate {
                                          // keeps from becoming centres
 };
 
-/// The state of one run; each method is one step of it.
+/// The state of one run; each method is one step of it. Holds references to all it is given.
 class LevelCover {
 public:
-    LevelCover(const PointBlock& points, const CoverRules& rules);
+    LevelCover(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid);
     Cover run(Reporter& reporter);
 
 private:
@@ -51,7 +51,7 @@ private:
 
     const PointBlock& block_;
     const CoverRules& rules_;
-    PointPyramid pyramid_;
+    const PointPyramid& pyramid_;
     LeafMaker leaves_;
     CoverStates states_;
     SecondFit second_;

@@ -98,12 +98,12 @@ double normal_spread(const BallPoints<T>& p) {
 }
 
 template <class T>
-bool shows_edge(const BallPoints<T>& p) {
-    const double spread = normal_spread(p);
+bool shows_edge(const BallPoints<T>& p, double share) {
+    const double spread = normal_spread(p), most = share * spread;
     if (spread < kLeastSpread) return false;
     const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
-    return spread_within(p, 2, stride) < kSpreadWithin2 * spread ||
-           spread_within(p, 3, stride) < kSpreadWithin3 * spread;
+    return spread_within(p, 2, stride) < kSpreadWithin2 * most ||
+           spread_within(p, 3, stride) < kSpreadWithin3 * most;
 }
 
 template <class T>
@@ -141,8 +141,8 @@ bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clus
 
 template double normal_spread(const BallPoints<float>&);
 template double normal_spread(const BallPoints<double>&);
-template bool shows_edge(const BallPoints<float>&);
-template bool shows_edge(const BallPoints<double>&);
+template bool shows_edge(const BallPoints<float>&, double);
+template bool shows_edge(const BallPoints<double>&, double);
 template bool cluster_normals(const BallPoints<float>&, std::size_t, NormalClusters&,
                               std::vector<std::uint8_t>&);
 template bool cluster_normals(const BallPoints<double>&, std::size_t, NormalClusters&,

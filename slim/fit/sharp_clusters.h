@@ -26,8 +26,9 @@ inline constexpr double kLeastSpread = 0.03;
 /// Whether it may pay to look for sheets: the normals spread by more than kLeastSpread, and two or
 /// three groups of them hold most of that spread, which those of a curved surface do not (two
 /// halves of an arc keep a quarter, of a cap half). Judged by about 48 of the points.
+/// share: of what groups may leave of the spread; smaller is stricter
 template <class T>
-bool shows_edge(const BallPoints<T>& points);
+bool shows_edge(const BallPoints<T>& points, double share = 1);
 
 struct NormalClusters {
     std::array<Vec3d, kMostSheets> normal;  ///< unit

@@ -15,14 +15,13 @@ constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explai
 constexpr double kRoughestNoisy = 0.1;  // the same where eps is noise
 constexpr double kNoise = 1.2;          // eps^2 over lambda up to which it may be
 
-/// Largest eps^2 of sheets that explain their points.
+}  // namespace
+
 double sq_roughest(double radius, double noise_variance) {
     const double sq = radius * radius;
     return std::max(kRoughest * kRoughest * sq,
                     std::min(kRoughestNoisy * kRoughestNoisy * sq, kNoise * noise_variance));
 }
-
-}  // namespace
 
 double sharp_price(std::size_t n_sheets) {
     constexpr double kSurfel = 12 * 4 + 24, kEntry = 12, kSheet = 8 * 4;

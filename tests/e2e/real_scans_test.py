@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Figures that real scans must reach, and the fast renderer beside the brute-force one on them. Needs the
 shared data ($SLIM_SHARED, else ../shared beside the sources); says so and is skipped without it."""
+import struct
 import sys
 
 from harness import SHARED, Harness
@@ -11,6 +12,13 @@ data = SHARED / "data"
 if not (data / "clouds/igea.ply").exists():
     print(f"skipped: no real scans in {data}")
     sys.exit(77)
+
+
+def positions_only(mesh, cloud):
+    """The vertices of a binary PLY that begin with three floats each, as text."""
+    head, body = mesh.read_bytes().split(b"end_header\n", 1)
+    n = int(head.split(b"element vertex ")[1].split()[0])
+    (harness.folder / cloud).write_text("".join("%.9g %.9g %.9g\n" % p for p in struct.iter_unpack("<3f", body[:12 * n])))
 
 
 def build_and_measure(cloud, *options):
@@ -64,12 +72,28 @@ check(peak <= 128 * 1.1, f"thick noise without normals in 128 MiB: normals took 
 for name, t, leaves, most, largest in (("fandisk_original", 0.01, 0.75, 0.65, 1.7e-3), ("block_original", 0.01, 0.6, 0.6, 3.6e-3),
                                        ("twelve_original", 0.01, 0.85, 0.1, 1e-4), ("nefertiti", 0.01, 1.02, 0.99, 4.2e-3)):
     mesh = data / "meshes" / f"{name}.ply"
-    off = build_and_measure(mesh, "--t-mdl", t)
+    off = build_and_measure(mesh, "--t-mdl", t, "--sharp", "off")
     on = build_and_measure(mesh, "--t-mdl", t, "--sharp", "on")
     check(on["leaves"] <= leaves * off["leaves"], f"{name}: leaves {off['leaves']} to {on['leaves']}")
     check(on["max"] <= most * off["max"], f"{name}: max {off['max']:.3g} to {on['max']:.3g}")
     check(on["max"] <= largest, f"{name}: max {on['max']:.3g} with sharp features")
     check(on["l2"] < off["l2"], f"{name}: l2 {off['l2']:.3g} to {on['l2']:.3g}")
+
+# By themselves parts get sharp surfels, with faces or without, and heads, scans and terrain none (slim/fit/notes/0015).
+for name, is_part in (("meshes/fandisk_original", True), ("meshes/fandisk_noisy0.3", True), ("meshes/block_original", True),
+                      ("meshes/block_noisy0.4", True), ("meshes/twelve_original", True), ("meshes/nefertiti", False),
+                      ("meshes/horse", False), ("meshes/julius_noisy0.2", False), ("clouds/igea", False),
+                      ("clouds/gargoyle_scan", False), ("clouds/autzen_stadium", False), ("scans/bunny_raw", False),
+                      ("scans/happy_stand_raw", False)):
+    mesh = data / f"{name}.ply"
+    for slices in (1, 3):
+        done = run("slim-build", mesh, "-o", "auto.slim", "--slices", slices, "--json", seconds=300)
+        check(done.code == 0 and done.json()["sharp"] == is_part,
+              f"{name} in {slices} slices: sharp {done.json().get('sharp')}, {done.json().get('edge_share')} at edges")
+    if is_part:
+        positions_only(mesh, "points.xyz")
+        done = run("slim-build", "points.xyz", "-o", "auto.slim", "--json", seconds=300)
+        check(done.code == 0 and done.json()["sharp"], f"{name}, its vertices alone: {done.json().get('edge_share')} at edges")
 
 # Both renderers see the same pixels.
 covered = {}

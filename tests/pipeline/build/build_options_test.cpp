@@ -5,13 +5,16 @@
 #include "pipeline/build/build_summary.h"
 #include "pipeline/info/info_stage.h"
 #include "pipeline/input_kind.h"
+#include "pipeline/manifest.h"
 #include "pipeline/scan_stage.h"
 #include "pipeline/smooth/smooth_stage.h"
+#include "slim/fit/edge_share.h"
 #include "tests/pipeline/build/build_stage_support.h"
 #include "tests/pipeline/build/fit_stages_support.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <tuple>
 
@@ -77,7 +80,9 @@ TEST_F(BuildStage, TheModelSaysWhatItWasFittedWith) {
     auto config = build_config(cloud, "m.slim");
     const auto plain = info_of(config);
     EXPECT_EQ(plain["fit"].dump(),
-              R"({"cover":"B","degree":2,"radius_rule":"ladder","sharp":false,"weight":"gauss"})");
+              R"({"cover":"B","degree":2,"edge_places":96,"edge_share":0.0,"radius_rule":"ladder",)"
+              R"("sharp":false,"weight":"gauss"})");
+    config.sharp = "off";
     config.degree = "auto";
     config.weight = "polynomial";
     config.cover = "C";
@@ -134,6 +139,7 @@ TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
             SCOPED_TRACE(testing::Message() << cloud << ", slices " << slices);
             auto config = build_config(cloud, "m.slim");
             config.degree = "3";
+            config.sharp = "off";  // sheets choose planes of their own accord
             config.slices = slices;
             build(config);
             InfoConfig info;
@@ -165,6 +171,73 @@ TEST_F(BuildStage, WindowsRefuseWhatTheyDoNotKnow) {
     EXPECT_FALSE(std::filesystem::exists(file("m.slim.work")));  // refused before any work
 }
 
+/// Nobody asks the points for edges that the paper's windows have no leaves for.
+TEST_F(BuildStage, WindowsHaveNoSharpSurfelsByDefault) {
+    auto config = build_config(folder_.write("cube.xyz", cube_text(24)), "m.slim");
+    config.radius_rule = "windows";
+    const auto result = build(config);
+    EXPECT_EQ(result["sharp"], false);
+    EXPECT_FALSE(result.contains("edge_share"));
+}
+
+/// By default the points decide about sharp surfels: the model is, bit by bit, that of the option
+/// that comes to the same, and the number that decided is said.
+TEST_F(BuildStage, ThePointsDecideAboutSharpSurfels) {
+    const std::string cube = folder_.write("cube.xyz", cube_text(24)), ball = scanned_sphere(5000);
+    for (const std::string& cloud : {cube, ball})
+        for (const int slices : {1, 3}) {
+            SCOPED_TRACE(testing::Message() << cloud << ", slices " << slices);
+            const bool is_part = cloud == cube;
+            auto config = build_config(cloud, "told.slim");
+            config.slices = slices;
+            config.sharp = is_part ? "on" : "off";
+            EXPECT_FALSE(build(config).contains("edge_share"));
+            config.sharp = BuildConfig{}.sharp;
+            config.output = file("m.slim");
+            const auto result = build(config);
+            EXPECT_EQ(result["sharp"], is_part);
+            EXPECT_EQ(result["edge_share"].get<double>() > kEdgeShare, is_part) << result;
+            EXPECT_GE(result["edge_places"].get<int>(), 32);
+            EXPECT_EQ(hash_file(file("m.slim")), hash_file(file("told.slim")));
+
+            InfoConfig info;
+            info.file = config.output;
+            Reporter silent;
+            const auto said = run_as("info", info, run_info, silent)["fit"];
+            EXPECT_EQ(said["sharp"], is_part);
+            EXPECT_EQ(said["edge_share"], result["edge_share"]);
+            config.t_mdl = 0.02, config.output = file("other.slim");
+            build(config);
+            std::filesystem::rename(file("other.slim"), file("m.slim"));
+            const auto of_another = run_as("info", info, run_info, silent)["fit"];
+            EXPECT_FALSE(of_another.contains("edge_share")) << of_another;
+        }
+}
+
+TEST_F(BuildStage, TheStagesByThemselvesDecideAsABuildDoes) {
+    const std::string cube = folder_.write("cube.xyz", cube_text(24));
+    build(build_config(cube, "m.slim"));
+    for (const int slices : {1, 3}) {
+        SCOPED_TRACE(testing::Message() << "slices " << slices);
+        slice(cube, slices);
+        normals();
+        listener_.infos.clear();
+        for (int i = slices; i-- > 0;) {  // in any order, each by itself
+            FitConfig config;
+            config.slice = i;
+            EXPECT_EQ(fit(config)["sharp"], true);
+        }
+        const auto& infos = listener_.infos;
+        EXPECT_TRUE(std::any_of(infos.begin(), infos.end(), [](const std::string& s) {
+            return s.find("sharp edges: at ") == 0;
+        }));
+        tree("staged.slim");
+        EXPECT_FALSE(ModelFile::open(file("staged.slim")).tree().sharp().empty());
+        if (slices == 1) EXPECT_EQ(hash_file(file("staged.slim")), hash_file(file("m.slim")));
+        std::filesystem::remove_all(file("work"));
+    }
+}
+
 TEST_F(BuildStage, SharpIsExactOnACubeInAnySlicesAndDegree) {
     const std::string cloud = folder_.write("cube.xyz", cube_text(24));
     for (const int degree : {1, 2, 3})
@@ -173,6 +246,7 @@ TEST_F(BuildStage, SharpIsExactOnACubeInAnySlicesAndDegree) {
             auto config = build_config(cloud, "m.slim");
             config.degree = std::to_string(degree);
             config.slices = slices;
+            config.sharp = "off";
             const auto smooth = build(config), smooth_error = measure(config.output, cloud);
             EXPECT_TRUE(ModelFile::open(config.output).tree().sharp().empty());
             config.sharp = "on";

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace slim::test {
 namespace {
 
@@ -78,9 +81,33 @@ TEST(Job, WhatLinesTakeIsNotLeftOut) {
         EXPECT_EQ(has_line(text, "curvature: "), !c.second) << c.fit << c.view << text;
         EXPECT_EQ(has_line(text, "third derivatives: "), !c.third) << c.fit << c.view << text;
     }
+    EXPECT_TRUE(has_line(left_out("", ""), "sharp surfels: unless more than 4.4 %"));
+    for (const char* sharp : {"sharp = 'on'\n", "sharp = 'off'\n"})
+        EXPECT_FALSE(has_line(left_out(sharp, ""), "sharp surfels: ")) << sharp;
     EXPECT_TRUE(has_line(left_out("color = true\n", ""), "colours: no view shows them"));
     EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['color']\n"), "colours: "));
     EXPECT_FALSE(has_line(left_out("color = true\n", "aovs = ['all']\n"), "colours: "));
+}
+
+TEST(Job, SaysWhatThePointsDecidedWhenTheModelWasLastBuilt) {
+    const auto said = [](const std::string& fit, const std::string& result) {
+        const Job job =
+            read_job(write_job("[input]\nfiles = ['a.ply']\n[output]\ndir = 'o'\n[fit]\n" + fit));
+        std::filesystem::create_directories(job.folder);
+        std::ofstream(job.steps[0].target) << result;
+        const std::string text = explanation_of(job);
+        std::filesystem::remove(job.steps[0].target);
+        const auto at = text.find("As the model was last built: ");
+        return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+    };
+    const std::string built =
+        R"({"result": {"sharp": true, "edge_share": 0.25, "edge_places": 32}})";
+    EXPECT_EQ(said("", built),
+              "As the model was last built: sharp edges: at 25.0 % of the 32 places looked at, "
+              "above 4.4 %: with sharp surfels (--sharp off: without)");
+    EXPECT_EQ(said("sharp = 'on'\n", built), "");
+    EXPECT_EQ(said("", R"({"result": {"sharp": true}})"), "");
+    EXPECT_EQ(said("", "half a manif"), "");
 }
 
 TEST(Job, SaysWhatWillBeMissing) {
@@ -96,6 +123,9 @@ TEST(Job, SaysWhatWillBeMissing) {
     EXPECT_EQ(missing("degree = 3\nsharp = 'on'\n", drawing), "");
     EXPECT_EQ(missing("degree = 2\n", drawing),
               "view v: crest lines: they need degree = 3 in [fit]\n"
+              "view v: crease lines: unless the points lie at edges enough for sharp surfels: sharp = "
+              "\"on\" in [fit] has them always\n");
+    EXPECT_EQ(missing("degree = 3\nsharp = 'off'\n", drawing),
               "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
     EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),
               "view v: suggestive lines: they need degree = 2 in [fit]\n"

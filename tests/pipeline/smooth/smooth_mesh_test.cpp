@@ -50,6 +50,7 @@ TEST_F(SmoothStage, AdvisesSharpLeavesWhereAMeshHasEdgesThatTheModelRoundsOff) {
     for (const double noise : {0.0, 0.01}) {
         const std::string in = cube(noise);
         BuildConfig b = build_config(in, "m.slim");
+        b.sharp = "off";
         build(b);
         listener_.infos.clear();
         EXPECT_GT(smooth(in)["at_edges"], 0.1);
@@ -69,6 +70,7 @@ TEST_F(SmoothStage, EdgesAreSoughtByTheDegreeOfTheModel) {
     std::map<std::string, double> share;
     for (const char* degree : {"2", "3", "auto"}) {
         BuildConfig b = build_config(in, "m.slim");
+        b.sharp = "off";
         b.degree = degree;
         build(b);
         share[degree] = smooth(in)["at_edges"];

@@ -148,5 +148,28 @@ TEST(LevelCover, ASmoothSurfaceHasNoSharpLeaves) {
     }
 }
 
+/// The points decide, and what follows is as if they had been told.
+TEST(LevelCover, AskedForEdgesTheCoverIsThatOfTheAnswer) {
+    const PointBlock cube = cube_points(24), ball = block_of(sampled("sphere", 4000));
+    for (const PointBlock* block : {&cube, &ball}) {
+        const bool is_part = block == &cube;
+        SCOPED_TRACE(is_part ? "cube" : "ball");
+        CoverRules rules = rules_for(*block, 0.01);
+        rules.spacing = measured_noise(block->position).spacing;
+        rules.sharp = is_part;
+        const Cover told = cover(*block, rules);
+        EXPECT_EQ(told.edges.asked, 0u);
+        rules.sharp = !is_part;  // counts for nothing
+        rules.ask_for_edges = true;
+        const Cover asked = cover(*block, rules);
+        EXPECT_EQ(asked.edges.are_features(), is_part);
+        EXPECT_GT(asked.edges.asked, 0u);
+        expect_same(told, asked);
+        EXPECT_EQ(asked.counts.sharp_edges > 0, is_part);
+        rules.share = 0.999;  // of a job's sample
+        EXPECT_EQ(cover(*block, rules).edges.are_features(), is_part);
+    }
+}
+
 }  // namespace
 }  // namespace slim::test

@@ -1,0 +1,35 @@
+#include "pipeline/build/edges_said.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+namespace slim {
+
+nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges) {
+    if (!rules.ask_for_edges) return {{"sharp", rules.sharp}};
+    return {{"sharp", edges.are_features()},
+            {"edge_share", edges.share()},
+            {"edge_places", edges.asked}};
+}
+
+nlohmann::json sharp_of(const nlohmann::json& result) {
+    nlohmann::json out = nlohmann::json::object();
+    for (const char* key : {"sharp", "edge_share", "edge_places"})
+        if (result.contains(key)) out[key] = result.at(key);
+    return out;
+}
+
+std::string edges_text(const nlohmann::json& result) {
+    if (!result.contains("edge_share")) return "";
+    const bool sharp = result.value("sharp", false);
+    const auto places = result.value("edge_places", std::uint64_t{0});
+    if (places == 0) return "too few points to tell edges by: no sharp surfels (--sharp on: with)";
+    return fmt::format("sharp edges: at {:.1f} % of the {} places looked at, {} {:.1f} %: {}",
+                       100 * result.at("edge_share").get<double>(), places,
+                       sharp ? "above" : "not above", 100 * kEdgeShare,
+                       sharp ? "with sharp surfels (--sharp off: without)"
+                             : "without sharp surfels (--sharp on: with)");
+}
+
+}  // namespace slim

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "slim/cover/cover_rules.h"
+#include "slim/fit/edge_share.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace slim {
+
+/// Whether edges got sharp surfels ("sharp"), and where the points decided (--sharp auto) the share
+/// of places at edges ("edge_share") and how many were looked at ("edge_places").
+nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges);
+
+/// The same keys of another result.
+nlohmann::json sharp_of(const nlohmann::json& result);
+
+/// What the points decided and by which number, a line for people without its end; empty where an
+/// option decided. result: with the keys of sharp_json
+std::string edges_text(const nlohmann::json& result);
+
+}  // namespace slim
