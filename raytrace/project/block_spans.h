@@ -3,8 +3,10 @@
 #include "raytrace/project/block_mask.h"
 #include "raytrace/project/outline.h"
 #include "raytrace/project/tile_buffers.h"
+#include "slim/base/lane_turns.h"
 #include "slim/base/simd.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -15,30 +17,22 @@ namespace slim {
 /// The blocks of a tile that some outlines touch, worked out side by side.
 class BlockSpans {
 public:
-    /// A surfel's in one lane.
-    [[gnu::always_inline]] void set(std::size_t lane, const Footprint& f) {
-        const Outline& o = f.outline;
-        std::size_t field = 0;
-        const auto put = [&](float x) { numbers_[field++][lane] = x; };
-        put(o.b0), put(o.b1), put(o.c0), put(o.c1), put(o.c2), put(o.left_t), put(o.right_t);
-        put(f.pixel_x), put(f.pixel_y), put(f.base_x), put(f.base_y), put(f.step);
-        sides_[0][lane] = f.rect.x0, sides_[1][lane] = f.rect.y0, sides_[2][lane] = f.rect.x1,
-        sides_[3][lane] = f.rect.y1;
-    }
+    /// A surfel's in one lane; it stays where it is until find().
+    [[gnu::always_inline]] void set(std::size_t lane, const Footprint& f) { rows_[lane] = &f; }
 
     /// Of all lanes.
     [[gnu::always_inline]] void find(const TileBuffers& t) {
         constexpr float kGuard = 0.01f;  // of a pixel, for the rounding of s
-        const Curve o(numbers_);
+        const Columns n(rows_);
+        const Curve o(n);
         // s = start_s + x step, t = start_t + y step, x and y counted from the tile's first pixel.
-        const FloatV pixel_x = number(7), pixel_y = number(8), step = number(11),
-                     to_px = 1.0f / step;
-        const FloatV start_s = number(9) + (static_cast<float>(t.x0) - pixel_x) * step;
-        const FloatV start_t = number(10) + (static_cast<float>(t.y0) - pixel_y) * step;
-        const Ints x_begin = stdx::max(side(0), Ints(t.clip.x0)) - t.x0,
-                   y_begin = stdx::max(side(1), Ints(t.clip.y0)) - t.y0;
-        const Ints x_end = stdx::min(side(2), Ints(t.clip.x1)) - t.x0,
-                   y_end = stdx::min(side(3), Ints(t.clip.y1)) - t.y0;
+        const FloatV pixel_x = n[7], pixel_y = n[8], step = n[11], to_px = 1.0f / step;
+        const FloatV start_s = n[9] + (static_cast<float>(t.x0) - pixel_x) * step;
+        const FloatV start_t = n[10] + (static_cast<float>(t.y0) - pixel_y) * step;
+        const Ints x_begin = stdx::max(n.side(0), Ints(t.clip.x0)) - t.x0,
+                   y_begin = stdx::max(n.side(1), Ints(t.clip.y0)) - t.y0;
+        const Ints x_end = stdx::min(n.side(2), Ints(t.clip.x1)) - t.x0,
+                   y_end = stdx::min(n.side(3), Ints(t.clip.y1)) - t.y0;
         const auto empty = x_begin >= x_end;
         const FloatV begin = stdx::static_simd_cast<FloatV>(x_begin),
                      last = stdx::static_simd_cast<FloatV>(x_end) - 1.0f;
@@ -79,22 +73,47 @@ private:
     static_assert(kBlockColumns == 8 && kBlockRows % 4 == 0);
     static constexpr int kParts = kBlockRows / 4,
                          kShift = std::countr_zero(static_cast<unsigned>(kBlockWidth));
-    using Numbers = float[12][kLanes];
-    alignas(64) Numbers numbers_{};
-    alignas(64) int sides_[4][kLanes]{};
+    static constexpr std::size_t kMembers = sizeof(Footprint) / sizeof(float);
+    static_assert(kMembers == 16 && kMembers % kLanes == 0 &&
+                  offsetof(Footprint, rect) == 12 * sizeof(float));
+    inline static const Footprint kNone{};
+    using Rows = std::array<const Footprint*, kLanes>;
+
+    Rows rows_ = [] {
+        Rows rows;
+        rows.fill(&kNone);
+        return rows;
+    }();
     alignas(64) std::array<std::array<int, kLanes>, kParts> bits_;  ///< four rows of blocks each
 
-    FloatV number(std::size_t k) const { return FloatV(numbers_[k], stdx::vector_aligned); }
-    Ints side(std::size_t k) const { return Ints(sides_[k], stdx::vector_aligned); }
+    /// Member k of all footprints.
+    class Columns {
+    public:
+        [[gnu::always_inline]] explicit Columns(const Rows& rows) {
+            for (std::size_t part = 0; part < kMembers / kLanes; ++part) {
+                std::array<FloatV, kLanes> some;
+                for (std::size_t lane = 0; lane < kLanes; ++lane)
+                    some[lane].copy_from(
+                        reinterpret_cast<const float*>(rows[lane]) + part * kLanes,
+                        stdx::element_aligned);
+                turn(some);
+                std::copy_n(some.begin(), kLanes, columns_.begin() + part * kLanes);
+            }
+        }
+        [[gnu::always_inline]] const FloatV& operator[](std::size_t k) const { return columns_[k]; }
+        [[gnu::always_inline]] Ints side(std::size_t k) const {
+            return std::bit_cast<Ints>(columns_[12 + k]);
+        }
+
+    private:
+        std::array<FloatV, kMembers> columns_;
+    };
 
     /// As in Outline.
     struct Curve {
         FloatV b0, b1, c0, c1, c2, left_t, right_t;
-        [[gnu::always_inline]] explicit Curve(const Numbers& n) {
-            std::size_t k = 0;
-            for (FloatV* x : {&b0, &b1, &c0, &c1, &c2, &left_t, &right_t})
-                x->copy_from(n[k++], stdx::vector_aligned);
-        }
+        [[gnu::always_inline]] explicit Curve(const Columns& n)
+            : b0(n[0]), b1(n[1]), c0(n[2]), c1(n[3]), c2(n[4]), left_t(n[5]), right_t(n[6]) {}
     };
     /// The most that the outline reaches to one side over some rows of pixels: where it is widest,
     /// or at the row nearest to there. Beyond the outline's own rows no column is in.
@@ -107,8 +126,11 @@ private:
             middle = -b;
             sq_half = b * b - (o.c0 + t * (2.0f * o.c1 + o.c2 * t));
         }
+        /// To a few units in the last place, far below kGuard: exact roots would be a quarter of
+        /// the work on a surfel's rows.
         [[gnu::always_inline]] FloatV half() const {
-            return stdx::sqrt(stdx::max(sq_half, FloatV(0.0f)));
+            const FloatV sq = stdx::max(sq_half, FloatV(1e-30f));
+            return sq * inverse_sqrt(sq);
         }
     };
 };

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -61,15 +61,23 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 
 namespace {
 
-/// Whether an internal surfel of that radius and diameter in pixels is drawn for all below it: one
-/// of at most lod_px, or one that kStandsIn says it of, up to three levels larger, where its
-/// children have less than (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A
-/// leaf may be three levels finer than the ball above it.
-bool is_enough(const TreeNode& node, double radius, double diameter, double lod_px) {
+/// Whether an internal surfel is drawn for all below it: one of at most lod_px in diameter, or one
+/// that kStandsIn says it of, up to three levels larger, where its children have less than
+/// (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A leaf may be three levels
+/// finer than the ball above it.
+bool is_enough(const PixelView& view, const TreeNode& node, const Vec3d& center, double radius,
+               double lod_px) {
     if (node.n_children == 0) return false;
-    if (diameter <= lod_px) return true;
     constexpr double kLevels = 4.236;  // the ratio of radii
-    if (!(node.flags & kStandsIn) || diameter > kLevels * lod_px) return false;
+    const double most = node.flags & kStandsIn ? kLevels * lod_px : lod_px;
+    // Most are far larger: no root and no division for them.
+    if (!view.orthographic && 2 * radius * view.focal_px >
+                                  most * (std::abs(center.x) + std::abs(center.y) +
+                                          std::abs(center.z)))
+        return false;
+    const double diameter = projected_diameter(view, center, radius);
+    if (diameter <= lod_px) return true;
+    if (diameter > most) return false;
     const double disc = std::numbers::pi / 4 * diameter * diameter;
     const double error = static_cast<double>(node.fit_error) / (2 * radius) * diameter;
     return disc < node.n_children * lod_px * lod_px / 4 && error < lod_px / 64;
@@ -89,69 +97,74 @@ PixelWindow with_margin(const PixelView& view, PixelWindow w, double lod_px) {
     return {w.x - margin, w.y - margin, w.width + 2 * margin, w.height + 2 * margin};
 }
 
-/// Walks down from some nodes.
+/// Nodes side by side, children of one parent or of some; `within`: all of their parents' balls are
+/// seen, so that nothing below needs a test of the volume.
+struct Family {
+    std::uint32_t first, n;
+    bool within;
+};
+
+/// At the end of others, of which it may go on: less to step through than each parent's own.
+void add_family(const Family& family, std::vector<Family>& families) {
+    constexpr std::uint32_t kMost = 256;
+    if (!families.empty()) {
+        Family& last = families.back();
+        if (last.first + last.n == family.first && last.within == family.within &&
+            last.n + family.n <= kMost) {
+            last.n += family.n;
+            return;
+        }
+    }
+    families.push_back(family);
+}
+
+/// What some families add to the cut, and those below them.
+struct CutPart {
+    std::vector<std::uint32_t> cut, visited;  ///< visited: only if asked for
+    std::vector<Family> below;
+    std::uint64_t loose_hidden = 0;
+};
+
+/// A generation after the other, in the order in which files hold them: nodes and records that are
+/// read follow each other.
 class CutWalk {
 public:
     CutWalk(const SurfelTree& tree, const PixelView& view, const ViewVolume& volume,
             const CutRules& rules, bool keep_visited)
         : tree_(tree), view_(view), volume_(volume), rules_(rules), keep_visited_(keep_visited) {}
 
-    std::vector<std::uint32_t> cut, visited;  ///< visited: only if asked for
-    std::uint64_t n_visited = 0, loose_hidden = 0;
-
-    const SurfelTree& tree() const { return tree_; }
-
-    /// A node to enter; `within`: all of its parent's ball is seen,
-    /// so that no test of the volume is needed.
-    struct Node {
-        std::uint32_t index;
-        bool within;
-    };
-    /// All below a node and itself, depth first.
-    void walk(Node root) {
-        std::vector<Node> stack{root};
-        while (!stack.empty()) {
-            Node n = stack.back();
-            stack.pop_back();
-            const TreeNode& node = tree_.node(n.index);
-            if (enters(n))
-                for (std::uint32_t c = node.n_children; c-- > 0;)
-                    stack.push_back({node.first_child + c, n.within});
-        }
-    }
-    /// Takes a node to the cut, or says whether to go on to its children,
-    /// and whether those are within.
-    bool enters(Node& n) {
-        const std::uint32_t i = n.index;
-        if (n_visited >= tree_.n_nodes())
-            throw FormatError("tree node " + std::to_string(i) + ": has another parent too");
-        ++n_visited;
-        if (keep_visited_) visited.push_back(i);
-        const TreeNode& node = tree_.node(i);
-        if (n.within && node.is_leaf()) return take(i), false;
-        const Vec3d center = view_.camera_from_local(tree_.center(i));
-        const double radius = tree_.support_radius(i);
-        const double depth =
-            n.within ? std::numeric_limits<double>::infinity() : volume_.depth_within(center);
-        const double all_below = std::max<double>(node.bound_radius, radius);
-        if (depth < -all_below) return false;
-        if (node.is_leaf() ||
-            (i != 0 &&
-             is_enough(node, radius, projected_diameter(view_, center, radius), rules_.lod_px))) {
-            if (depth >= -radius) take(i);
-            return false;
-        }
-        if (node.n_children == 0) return false;
-        check_children(tree_, i);
-        n.within = depth >= all_below;
-        return true;
+    void take_families(std::span<const Family> families, CutPart& out) const {
+        for (const Family& family : families)
+            for (std::uint32_t i = family.first; i < family.first + family.n; ++i) {
+                if (keep_visited_) out.visited.push_back(i);
+                if (family.within && tree_.node(i).is_leaf()) take(i, out);
+                else
+                    enter(i, family.within, out);
+            }
     }
 
 private:
-    void take(std::uint32_t i) {
-        if (rules_.loose || !tree_.node(i).is_loose()) cut.push_back(i);
+    /// Takes a node to the cut, or its children to what is to be entered.
+    void enter(std::uint32_t i, bool within, CutPart& out) const {
+        const TreeNode& node = tree_.node(i);
+        const Vec3d center = view_.camera_from_local(tree_.center(i));
+        const double radius = tree_.support_radius(i);
+        const double depth =
+            within ? std::numeric_limits<double>::infinity() : volume_.depth_within(center);
+        const double all_below = std::max<double>(node.bound_radius, radius);
+        if (depth < -all_below) return;
+        if (node.is_leaf() || (i != 0 && is_enough(view_, node, center, radius, rules_.lod_px))) {
+            if (depth >= -radius) take(i, out);
+            return;
+        }
+        if (node.n_children == 0) return;
+        check_children(tree_, i);
+        add_family({node.first_child, node.n_children, depth >= all_below}, out.below);
+    }
+    void take(std::uint32_t i, CutPart& out) const {
+        if (rules_.loose || !tree_.node(i).is_loose()) out.cut.push_back(i);
         else
-            ++loose_hidden;
+            ++out.loose_hidden;
     }
 
     const SurfelTree& tree_;
@@ -161,37 +174,45 @@ private:
     bool keep_visited_;
 };
 
-/// A part of the walk in its place of the order: ended, or with a node that is still to be entered.
-struct Branch {
-    CutWalk walk;
-    std::optional<CutWalk::Node> node;
-};
+template <class T>
+void append(const std::vector<T>& more, std::vector<T>& to) {
+    to.insert(to.end(), more.begin(), more.end());
+}
 
-/// The root's, level by level until they are many.
-std::vector<Branch> branches_of(const CutWalk& none) {
-    constexpr std::size_t kMany = 64;
-    constexpr int kDeepest = 12;
-    std::vector<Branch> branches{{none, CutWalk::Node{0, false}}};
-    for (int level = 0; level < kDeepest && branches.size() < kMany; ++level) {
-        std::vector<Branch> below;
-        bool deeper = false;
-        for (Branch& b : branches) {
-            if (!b.node) {
-                below.push_back(std::move(b));
-                continue;
-            }
-            CutWalk::Node n = *b.node;
-            const TreeNode& node = none.tree().node(n.index);
-            const bool enters = b.walk.enters(n);
-            below.push_back({std::move(b.walk), std::nullopt});
-            for (std::uint32_t c = 0; enters && c < node.n_children; ++c)
-                below.push_back({none, CutWalk::Node{node.first_child + c, n.within}});
-            deeper = deeper || enters;
-        }
-        branches = std::move(below);
-        if (!deeper) break;
+/// What a generation of n nodes adds, in its order: large ones in parallel.
+CutPart generation(const CutWalk& walk, std::span<const Family> families, std::uint64_t n) {
+    constexpr std::size_t kGrain = 8, kFewNodes = 2048;
+    CutPart all;
+    if (n <= kFewNodes) {
+        walk.take_families(families, all);
+        return all;
     }
-    return branches;
+    std::vector<CutPart> parts((families.size() + kGrain - 1) / kGrain);
+    parallel_blocks(families.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        walk.take_families(families.subspan(begin, end - begin), parts[begin / kGrain]);
+    });
+    for (const CutPart& part : parts) {
+        append(part.cut, all.cut), append(part.visited, all.visited);
+        append(part.below, all.below);
+        all.loose_hidden += part.loose_hidden;
+    }
+    return all;
+}
+
+/// Some node is a child twice: says which.
+[[noreturn]] void throw_shared(const SurfelTree& tree) {
+    std::vector<bool> is_child(tree.n_nodes(), false);
+    for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) {
+        const TreeNode& node = tree.node(i);
+        if (node.n_children == 0) continue;
+        check_children(tree, i);
+        for (std::uint32_t c = node.first_child; c < node.first_child + node.n_children; ++c) {
+            if (is_child[c])
+                throw FormatError("tree node " + std::to_string(c) + ": has another parent too");
+            is_child[c] = true;
+        }
+    }
+    throw FormatError("tree nodes: met more often than there are");
 }
 
 }  // namespace
@@ -202,22 +223,20 @@ std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view
     std::vector<std::uint32_t> cut;
     if (tree.n_nodes() == 0) return cut;
     const ViewVolume volume(view, with_margin(view, window, rules.lod_px));
-    const CutWalk none(tree, view, volume, rules, counts.visited != nullptr);
-    std::vector<Branch> branches = branches_of(none);
-    parallel_blocks(branches.size(), 1, [&](std::size_t k, std::size_t) {
-        if (branches[k].node) branches[k].walk.walk(*branches[k].node);
-    });
+    const CutWalk walk(tree, view, volume, rules, counts.visited != nullptr);
     std::uint64_t visited = 0;
-    for (const Branch& b : branches) visited += b.walk.n_visited;
-    if (visited > tree.n_nodes()) CutWalk(none).walk({0, false});  // says which node is met twice
-    counts.nodes_visited += visited;
-    for (const Branch& b : branches) {
-        const CutWalk& walk = b.walk;
-        cut.insert(cut.end(), walk.cut.begin(), walk.cut.end());
-        counts.loose_hidden += walk.loose_hidden;
-        if (counts.visited)
-            counts.visited->insert(counts.visited->end(), walk.visited.begin(), walk.visited.end());
+    for (std::vector<Family> families{{0, 1, false}}; !families.empty();) {
+        std::uint64_t n = 0;
+        for (const Family& family : families) n += family.n;
+        visited += n;
+        if (visited > tree.n_nodes()) throw_shared(tree);
+        CutPart part = generation(walk, families, n);
+        append(part.cut, cut);
+        counts.loose_hidden += part.loose_hidden;
+        if (counts.visited) append(part.visited, *counts.visited);
+        families = std::move(part.below);
     }
+    counts.nodes_visited += visited;
     return cut;
 }
 

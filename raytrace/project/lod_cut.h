@@ -47,9 +47,9 @@ struct CutCounts {
 /// the ball of a node meets the view and its projected diameter exceeds lod_px; leaves wherever
 /// they are met, and with lod_px = 0 leaves only. An internal node drawn stands in for all below
 /// it; where that is finer than the picture, a larger one may (project/notes/0005).
-/// Order: depth first, children in order; branches in parallel. Adds to the counts. Throws
-/// FormatError on a child that does not come after its parent (a cycle) or lies outside the tree,
-/// and where nodes are met twice.
+/// Order: generation by generation, families in the order of their parents; large generations in
+/// parallel. Adds to the counts. Throws FormatError on a child that does not come after its parent
+/// (a cycle) or lies outside the tree, and where nodes are met twice.
 std::vector<std::uint32_t> lod_cut(const SurfelTree& tree, const PixelView& view,
                                    const PixelWindow& window, const CutRules& rules,
                                    CutCounts& counts);

@@ -30,6 +30,33 @@ template <class Op>
     return v[0];
 }
 
+/// Swaps the quarters off the diagonal of all squares of rows of size 2 Half.
+template <int Half>
+[[gnu::always_inline]] inline void swap_quarters(std::array<FloatV, kLanes>& v) {
+    using Raw [[gnu::vector_size(sizeof(FloatV))]] = float;
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        if (k & Half) continue;
+        const Raw a = std::bit_cast<Raw>(v[k]), b = std::bit_cast<Raw>(v[k + Half]);
+        [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+            v[k] = std::bit_cast<FloatV>(Raw(__builtin_shufflevector(
+                a, b, (Lane & Half ? kLanes + Lane - Half : Lane)...)));
+            v[k + Half] = std::bit_cast<FloatV>(Raw(__builtin_shufflevector(
+                a, b, (Lane & Half ? kLanes + Lane : Lane + Half)...)));
+        }
+        (std::make_integer_sequence<int, kLanes>{});
+    }
+}
+
+/// Lane j of row i and lane i of row j change places.
+[[gnu::always_inline]] inline void turn(std::array<FloatV, kLanes>& v) {
+    static_assert(kLanes <= 16);
+    if constexpr (kLanes >= 16) swap_quarters<8>(v);
+    if constexpr (kLanes >= 8) swap_quarters<4>(v);
+    if constexpr (kLanes >= 4) swap_quarters<2>(v);
+    if constexpr (kLanes >= 2) swap_quarters<1>(v);
+}
+
 /// Writes a[k] b[k] c[k] d[k] to to(k), a place for four floats, for every lane k.
 template <class To>
 [[gnu::always_inline]] inline void store_fours(const LanesOfDouble<float>& a,

@@ -3,7 +3,6 @@
 #include "slim/model/surfel.h"
 #include "slim/model/surfel_tree.h"
 
-#include <cmath>
 #include <cstddef>
 
 namespace slim {
@@ -21,10 +20,11 @@ inline double drawn_scale(const TreeNode& node) {
 
 /// The same surface in a ball so many times as large.
 inline Surfel in_larger_ball(Surfel s, double scale) {
-    constexpr int kDegree[] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};
+    constexpr std::size_t kDegree[] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};
+    const double factor[] = {1 / scale, 1, scale, scale * scale};
     s.support_radius *= scale;
     for (std::size_t k = 0; k < s.polynomial.a.size(); ++k)
-        s.polynomial.a[k] *= std::pow(scale, kDegree[k] - 1);
+        s.polynomial.a[k] *= factor[kDegree[k]];
     return s;
 }
 

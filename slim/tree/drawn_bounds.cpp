@@ -1,7 +1,9 @@
 #include "slim/tree/drawn_bounds.h"
 
 #include "slim/base/error.h"
+#include "slim/base/parallel.h"
 #include "slim/tree/drawn_hull.h"
+#include "slim/tree/leaf_places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +12,6 @@
 
 namespace slim {
 namespace {
-
-/// The most that a polynomial can be where |(u, v)| <= radius.
-double most_height(const Polynomial<double>& p, double radius) {
-    double height = 0, power = 1;
-    std::size_t k = 0;
-    for (std::size_t degree = 0; degree <= 3; ++degree, power *= radius)
-        for (std::size_t n = 0; n <= degree; ++n) height += power * std::abs(p.a[k++]);
-    return height;
-}
 
 /// How far what is drawn of a leaf, and the points that it covers, reach from its centre along each
 /// axis: a disc across the normal with the heights of its polynomial and its points, and no farther
@@ -155,14 +148,22 @@ private:
 void set_drawn_bounds(SurfelTreeData& data) {
     const SurfelTree tree = data.view();
     const LeafBoxes boxes(tree);
+    struct Both {
+        Bbox drawn, loose;
+    };
+    constexpr std::size_t kGrain = 4096;
+    std::vector<Both> parts((tree.n_nodes() + kGrain - 1) / kGrain);
+    parallel_blocks(tree.n_nodes(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Both& part = parts[begin / kGrain];
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!tree.node(i).is_leaf()) continue;
+            const Bbox box = boxes.shown(static_cast<std::uint32_t>(i));
+            part.loose.extend(box);
+            if (!tree.node(i).is_loose()) part.drawn.extend(box);
+        }
+    });
     Bbox drawn, loose;
-    for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) {
-        const TreeNode& node = tree.node(i);
-        if (!node.is_leaf()) continue;
-        const Bbox box = boxes.shown(i);
-        loose.extend(box);
-        if (!node.is_loose()) drawn.extend(box);
-    }
+    for (const Both& part : parts) drawn.extend(part.drawn), loose.extend(part.loose);
     const Bbox& points = tree.header().bounds;
     data.header.drawn = drawn.empty() ? points : drawn;
     data.header.drawn_loose = loose.empty() ? points : loose;

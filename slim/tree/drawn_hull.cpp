@@ -1,95 +1,31 @@
 #include "slim/tree/drawn_hull.h"
 
 #include "slim/base/parallel.h"
+#include "slim/tree/hull_directions.h"
+#include "slim/tree/leaf_places.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <numbers>
+#include <span>
 #include <tuple>
+#include <vector>
 
 namespace slim {
 namespace {
 
-/// Directions to places of a grid of 9 x 9 on each face of a cube.
-constexpr int kHalf = 4;
-constexpr std::size_t kDirections = 9 * 9 * 9 - 7 * 7 * 7;
+using Lanes = HullDirections::Lanes;
+using LanesOf3 = HullDirections::LanesOf3;
 
-struct Directions {
-    std::array<double, kDirections> x, y, z;
+/// A ball that holds all places of a leaf, or of some, moved into the box.
+struct Ball {
+    Vec3d center;
+    double radius;
 
-    Directions() {
-        std::size_t n = 0;
-        for (int i = -kHalf; i <= kHalf; ++i)
-            for (int j = -kHalf; j <= kHalf; ++j)
-                for (int k = -kHalf; k <= kHalf; ++k) {
-                    if (std::max({std::abs(i), std::abs(j), std::abs(k)}) < kHalf) continue;
-                    const double inv = 1 / std::hypot(i, j, k);
-                    x[n] = i * inv, y[n] = j * inv, z[n] = k * inv, ++n;
-                }
+    Lanes most(const LanesOf3& d) const {
+        return d.x * center.x + d.y * center.y + d.z * center.z + radius;
     }
 };
-
-/// The farthest place found in each direction.
-struct Farthest {
-    std::array<double, kDirections> reach;
-    std::array<Vec3d, kDirections> place;
-
-    Farthest() { reach.fill(-INFINITY); }
-    void add(const Directions& d, const Vec3d& p) {
-        for (std::size_t k = 0; k < kDirections; ++k)
-            if (const double r = d.x[k] * p.x + d.y[k] * p.y + d.z[k] * p.z; r > reach[k])
-                reach[k] = r, place[k] = p;
-    }
-    void add(const Farthest& other) {
-        for (std::size_t k = 0; k < kDirections; ++k)
-            if (other.reach[k] > reach[k]) reach[k] = other.reach[k], place[k] = other.place[k];
-    }
-    /// Whether a ball may reach beyond what is found.
-    bool may_grow(const Directions& d, const Vec3d& c, double radius) const {
-        int n = 0;
-        for (std::size_t k = 0; k < kDirections; ++k)
-            n += d.x[k] * c.x + d.y[k] * c.y + d.z[k] * c.z + radius > reach[k];
-        return n > 0;
-    }
-};
-
-/// The place of sheet i over (u, v), drawn towards the middle until it is in the core; relative to
-/// the centre and over rho.
-Vec3d place_in_core(const Surfel& s, std::size_t i, double& u, double& v) {
-    const auto at = [&] {
-        return s.sheet_frame(i).world_from_local({u, v, s.sheet_polynomial(i).value(u, v)});
-    };
-    Vec3d x = at();
-    constexpr int kMostPulls = 3;
-    const double trim = hit_trim(s);
-    for (int k = 0; k < kMostPulls && length(x) > trim; ++k) {
-        const double pull = trim / length(x);
-        u *= pull, v *= pull, x = at();
-    }
-    return x;
-}
-
-bool is_drawn(const Surfel& s, std::size_t sheet, const Vec3d& x, double u, double v) {
-    if (!s.sharp) return rim_share(s.rims, u, v) > 0;
-    return s.active_sheet(x) == sheet;
-}
-
-/// Places on what is drawn of a leaf, as seen from the frame's origin.
-template <class Visit>
-void for_places(const Surfel& s, const Visit& visit) {
-    const auto place = [&](std::size_t sheet, double radius, double angle) {
-        double u = radius * std::cos(angle), v = radius * std::sin(angle);
-        const Vec3d x = place_in_core(s, sheet, u, v);
-        if (is_drawn(s, sheet, x, u, v)) visit(s.center + x * s.support_radius);
-    };
-    const auto ring = [&](std::size_t sheet, double radius, int n) {
-        for (int k = 0; k < n; ++k) place(sheet, radius, 2 * std::numbers::pi * k / n);
-    };
-    for (std::size_t sheet = 0; sheet < s.n_sheets(); ++sheet)
-        ring(sheet, 0, 1), ring(sheet, hit_trim(s) / 2, 6), ring(sheet, hit_trim(s), 12);
-}
 
 Vec3d in_box(const Vec3d& p, const Bbox& box) {
     Vec3d out;
@@ -98,24 +34,170 @@ Vec3d in_box(const Vec3d& p, const Bbox& box) {
     return out;
 }
 
-Farthest search(const SurfelTree& tree, bool loose, const Bbox& box, const Directions& directions) {
-    constexpr std::size_t kGrain = 4096;
-    std::vector<Farthest> blocks((tree.n_nodes() + kGrain - 1) / kGrain);
-    parallel_blocks(tree.n_nodes(), kGrain, [&](std::size_t begin, std::size_t end) {
-        Farthest& farthest = blocks[begin / kGrain];
-        for (std::size_t i = begin; i < end; ++i) {
-            const TreeNode& node = tree.node(i);
-            if (!node.is_leaf() || node.is_loose() != loose) continue;
-            if (!farthest.may_grow(directions, tree.center(i), kHitTrim * tree.support_radius(i)))
-                continue;
-            for_places(tree.surfel(i),
-                       [&](const Vec3d& p) { farthest.add(directions, in_box(p, box)); });
+/// How far what lies within `reach` of a place along each axis moves to be in the box: down from
+/// above it, and up from below.
+struct Moves {
+    Vec3d down, up;
+
+    Moves(const Vec3d& center, const Vec3d& reach, const Bbox& box) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            down[axis] = std::max(0.0, center[axis] + reach[axis] - box.hi[axis]);
+            up[axis] = std::max(0.0, box.lo[axis] - (center[axis] - reach[axis]));
         }
-    });
-    Farthest all;
-    for (const Farthest& block : blocks) all.add(block);
-    return all;
-}
+    }
+    double farthest() const { return length(down) + length(up); }
+    Lanes most(const LanesOf3& d) const {
+        const Lanes zero(0.0);
+        return stdx::max(-d.x, zero) * down.x + stdx::max(d.x, zero) * up.x +
+               stdx::max(-d.y, zero) * down.y + stdx::max(d.y, zero) * up.y +
+               stdx::max(-d.z, zero) * down.z + stdx::max(d.z, zero) * up.z;
+    }
+};
+
+/// How far a leaf's places, moved into the box, reach at most: a tighter bound than its ball.
+class LeafBound {
+public:
+    LeafBound(const Surfel& s, const Bbox& box)
+        : center_(s.center), extent_(s), moves_(s.center, extent_.along_axes(), box) {}
+
+    Lanes most(const LanesOf3& d) const {
+        Lanes far(0.0);
+        for (std::size_t i = 0; i < extent_.n_discs; ++i) {
+            const LeafExtent::Disc& disc = extent_.disc[i];
+            const Lanes along = stdx::abs(d.x * disc.normal.x + d.y * disc.normal.y +
+                                          d.z * disc.normal.z);
+            const Lanes across = stdx::sqrt(stdx::max(1.0 - along * along, Lanes(0.0)));
+            far = stdx::max(far, across * disc.radius + along * disc.height);
+        }
+        return d.x * center_.x + d.y * center_.y + d.z * center_.z + far + moves_.most(d);
+    }
+
+private:
+    Vec3d center_;
+    LeafExtent extent_;
+    Moves moves_;
+};
+
+/// The farthest place found in each direction; of equally far ones the first by leaf and place, so
+/// that it does not matter in which order they are met.
+struct Farthest {
+    HullDirections directions = HullDirections::all();
+    std::array<Vec3d, kHullDirections> place;
+    std::array<std::uint64_t, kHullDirections> order;
+    std::uint64_t n_tests = 0;  ///< of something against a direction
+
+    void add(std::size_t k, const Vec3d& p, std::uint64_t at) {
+        add(k, p, dot(directions.at(k), p), at);
+    }
+    void add(const Farthest& other) {
+        n_tests += other.n_tests;
+        for (std::size_t k = 0; k < kHullDirections; ++k)
+            if (other.directions.reach(k) > -INFINITY)
+                add(k, other.place[k], other.directions.reach(k), other.order[k]);
+    }
+
+private:
+    void add(std::size_t k, const Vec3d& p, double reach, std::uint64_t at) {
+        const double found = directions.reach(k);
+        if (reach < found || (reach == found && at >= order[k])) return;
+        directions.set_reach(k, reach), place[k] = p, order[k] = at;
+    }
+};
+
+/// Leaves side by side in the file, which are near each other in space for the most part.
+constexpr std::size_t kBlock = 16, kBlocksAtOnce = 128;
+
+class Search {
+public:
+    Search(const SurfelTree& tree, bool loose, const Bbox& box) : tree_(tree), box_(box) {
+        for (std::uint32_t i = 0; i < tree.n_nodes(); ++i)
+            if (tree.node(i).is_leaf() && tree.node(i).is_loose() == loose) leaves_.push_back(i);
+    }
+
+    Farthest run() const {
+        Farthest all = farthest_middles();
+        std::vector<Farthest> parts(n_parts(), all);
+        for (Farthest& part : parts) part.n_tests = 0;
+        parallel_blocks(n_blocks(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) add_block(b, parts[begin / kBlocksAtOnce]);
+        });
+        for (const Farthest& part : parts) all.add(part);
+        return all;
+    }
+
+private:
+    std::size_t n_blocks() const { return (leaves_.size() + kBlock - 1) / kBlock; }
+    std::size_t n_parts() const { return (n_blocks() + kBlocksAtOnce - 1) / kBlocksAtOnce; }
+
+    /// Of the middle of one leaf of each block: what the rest has to reach beyond.
+    Farthest farthest_middles() const {
+        std::vector<LeafPlace> middles;
+        Farthest out;
+        HullDirections beyond;
+        for (std::size_t i = 0; i < leaves_.size(); i += kBlock) {
+            middles.clear();
+            append_places(tree_.surfel(leaves_[i]), middles, 1);
+            for (const LeafPlace& middle : middles) {
+                const Ball at{in_box(middle.position, box_), 0};
+                beyond.keep(out.directions, [&](const LanesOf3& d) { return at.most(d); });
+                out.n_tests += kHullDirections + beyond.size();
+                add_place(i, middle, beyond, out);
+            }
+        }
+        return out;
+    }
+    void add_place(std::size_t leaf, const LeafPlace& place, const HullDirections& some,
+                   Farthest& out) const {
+        const Vec3d at = in_box(place.position, box_);
+        for (std::size_t k = 0; k < some.size(); ++k)
+            out.add(some.id(k), at, leaf * kMostPlaces + place.number);
+    }
+
+    void add_block(std::size_t b, Farthest& out) const {
+        const std::size_t begin = b * kBlock, n = std::min(kBlock, leaves_.size() - begin);
+        std::array<Ball, kBlock> balls;
+        const Ball all = balls_of(begin, n, balls);
+        HullDirections of_block, of_leaf;
+        of_block.keep(out.directions, [&](const LanesOf3& d) { return all.most(d); });
+        out.n_tests += kHullDirections + n * of_block.size();
+        if (of_block.size() == 0) return;
+        for (std::size_t i = 0; i < n; ++i) {
+            of_leaf.keep(of_block, [&](const LanesOf3& d) { return balls[i].most(d); });
+            if (of_leaf.size() > 0) add_leaf(begin + i, of_leaf, out);
+        }
+    }
+    /// The balls of some leaves; returns one about all.
+    Ball balls_of(std::size_t begin, std::size_t n, std::array<Ball, kBlock>& balls) const {
+        Bbox centers;
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vec3d c = tree_.center(leaves_[begin + i]);
+            const double radius = radius_of_places(tree_, leaves_[begin + i]);
+            balls[i] = {c, radius + Moves(c, {radius, radius, radius}, box_).farthest()};
+            centers.extend(c);
+        }
+        Ball all{centers.center(), 0};
+        for (std::size_t i = 0; i < n; ++i)
+            all.radius =
+                std::max(all.radius, length(balls[i].center - all.center) + balls[i].radius);
+        return all;
+    }
+    void add_leaf(std::size_t i, const HullDirections& of_leaf, Farthest& out) const {
+        const Surfel leaf = tree_.surfel(leaves_[i]);
+        const LeafBound bound(leaf, box_);
+        HullDirections of_disc;
+        of_disc.keep(of_leaf, [&](const LanesOf3& d) { return bound.most(d); });
+        out.n_tests += of_leaf.size();
+        if (of_disc.size() == 0) return;
+        std::vector<LeafPlace> places;
+        append_places(leaf, places);
+        out.n_tests += places.size() * of_disc.size();
+        for (const LeafPlace& place : places) add_place(i, place, of_disc, out);
+    }
+
+    const SurfelTree& tree_;
+    const Bbox& box_;
+    std::vector<std::uint32_t> leaves_;
+};
 
 /// Along an axis of the box the place moves onto its face.
 Vec3d on_face(Vec3d p, const Vec3d& direction, const Bbox& box) {
@@ -127,15 +209,16 @@ Vec3d on_face(Vec3d p, const Vec3d& direction, const Bbox& box) {
 
 }  // namespace
 
-std::vector<Vec3d> drawn_hull(const SurfelTree& tree, bool loose, const Bbox& box) {
-    const Directions directions;
-    const Farthest farthest = search(tree, loose, box, directions);
+std::vector<Vec3d> drawn_hull(const SurfelTree& tree, bool loose, const Bbox& box,
+                              std::uint64_t* n_tests) {
+    const Farthest farthest = Search(tree, loose, box).run();
+    if (n_tests) *n_tests = farthest.n_tests;
     std::vector<Vec3d> hull;
-    for (std::size_t k = 0; k < kDirections; ++k)
-        if (farthest.reach[k] > -INFINITY) {
-            const Vec3d direction{directions.x[k], directions.y[k], directions.z[k]};
+    for (std::size_t k = 0; k < kHullDirections; ++k)
+        if (farthest.directions.reach(k) > -INFINITY) {
             // The box with loose surfels is not theirs alone.
-            hull.push_back(loose ? farthest.place[k] : on_face(farthest.place[k], direction, box));
+            hull.push_back(loose ? farthest.place[k]
+                                 : on_face(farthest.place[k], farthest.directions.at(k), box));
         }
     const auto key = [](const Vec3d& p) { return std::tie(p.x, p.y, p.z); };
     std::sort(hull.begin(), hull.end(),

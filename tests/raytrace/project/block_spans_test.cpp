@@ -27,10 +27,12 @@ BlockMask listed_blocks(const PixelView& view, const Surfel& s, std::size_t lane
     t.x0 = static_cast<int>(foot.pixel_x) - 16, t.y0 = static_cast<int>(foot.pixel_y) - 16;
     t.clip = {t.x0, t.y0, t.x0 + kTileSize, t.y0 + kTileSize};
     BlockSpans spans;
+    std::array<Footprint, kLanes> others;
     for (std::size_t k = 0; k < kLanes; ++k) {
         Surfel other = s;
         other.support_radius *= 0.3 + 0.1 * static_cast<double>(k);
-        spans.set(k, k == lane ? foot : footprint(view, other));
+        others[k] = footprint(view, other);
+        spans.set(k, k == lane ? foot : others[k]);
     }
     spans.find(t);
     return spans.blocks(lane);

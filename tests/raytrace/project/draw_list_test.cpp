@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 
 namespace slim {
 namespace {
@@ -123,6 +125,35 @@ TEST(LodCut, TakesTheLeavesThatAWindowSees) {
             EXPECT_EQ(lod_cut(tree, view, window, {0, false}, again).size(), seen.size());
             EXPECT_EQ(again.nodes_visited, met.nodes_visited);
         }
+    }
+}
+
+TEST(LodCut, OfAPartIsInTheOrderOfTheWholeAndNamesASharedChild) {
+    // Generations so large that they are gone through in parallel.
+    auto data = test::two_level_sphere(1, 60, 9000);
+    Camera camera;
+    camera.orthographic = true, camera.width = 4, camera.eye = {0, 0, 5};
+    const PixelView view = pixel_view(camera, 400, 400);
+    CutCounts met;
+    const auto whole = lod_cut(data.view(), view, {0, 0, 400, 400}, {0, false}, met);
+    EXPECT_EQ(whole.size(), 9000u);
+    EXPECT_TRUE(std::is_sorted(whole.begin(), whole.end()));  // as the file holds them
+    for (const PixelWindow window : {PixelWindow{0, 0, 150, 400}, {120, 130, 100, 60}}) {
+        const auto part = lod_cut(data.view(), view, window, {0, false}, met);
+        EXPECT_LT(part.size(), 6000u);
+        EXPECT_GT(part.size(), 100u);
+        EXPECT_TRUE(std::includes(whole.begin(), whole.end(), part.begin(), part.end()));
+    }
+    // All after the sixth's children are those of the seventh as well.
+    data.nodes[7].first_child = data.nodes[6].first_child;
+    data.nodes[7].n_children =
+        static_cast<std::uint32_t>(data.nodes.size()) - data.nodes[6].first_child;
+    try {
+        lod_cut(data.view(), view, {0, 0, 400, 400}, {0, false}, met);
+        FAIL();
+    } catch (const FormatError& e) {
+        const std::string child = std::to_string(data.nodes[6].first_child);
+        EXPECT_EQ(std::string(e.what()), "tree node " + child + ": has another parent too");
     }
 }
 
