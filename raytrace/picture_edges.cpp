@@ -1,74 +1,83 @@
 #include "raytrace/picture_edges.h"
 
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace slim {
 namespace {
 
-constexpr std::size_t kRowGrain = 32;
+constexpr std::size_t kRowGrain = 32, kChannels = 4;
+static_assert(kLanes % kChannels == 0);
 
-/// Least and most of each channel over a row and the rows beside it, with their roots taken.
-struct RowSpan {
-    std::vector<float> least, most;
-};
+/// A row's channels, with its first and last pixel once more at its ends, and room for lanes.
+using Row = std::vector<float>;
 
-void take_roots(const Picture& picture, int y, std::vector<float>& out) {
-    const float* from = picture.pixel(0, y);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::sqrt(std::max(from[i], 0.0f));
+FloatV load(const Row& row, std::size_t i) { return FloatV(&row[i], stdx::element_aligned); }
+
+/// The square roots of a row of the picture.
+void take_roots(const Picture& picture, int y, Row& out) {
+    const std::size_t n = kChannels * static_cast<std::size_t>(picture.width);
+    float* const inner = out.data() + kChannels;
+    std::copy_n(picture.pixel(0, y), n, inner);
+    std::copy_n(inner, kChannels, out.data());
+    std::copy_n(inner + n - kChannels, kChannels, inner + n);
+    for (std::size_t i = 0; i < n + 2 * kChannels; i += kLanes)
+        stdx::sqrt(stdx::max(load(out, i), FloatV(0.0f))).copy_to(&out[i], stdx::element_aligned);
 }
 
-/// The span of three rows of roots.
-void span_of(const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>& c,
-             RowSpan& out) {
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        out.least[i] = std::min(std::min(a[i], b[i]), c[i]);
-        out.most[i] = std::max(std::max(a[i], b[i]), c[i]);
-    }
-}
+/// Three rows of roots, the middle one of which is to be marked.
+struct ThreeRows {
+    Row above, own, below, least, most;
 
-/// Marks of a row: its roots against the span of three rows, at three columns.
-void mark_row(const std::vector<float>& own, const RowSpan& span, float contrast,
-              std::uint8_t* out) {
-    const std::size_t n = own.size() / 4;
-    for (std::size_t x = 0; x < n; ++x) {
-        const std::size_t left = 4 * (x > 0 ? x - 1 : 0), here = 4 * x,
-                          right = 4 * (x + 1 < n ? x + 1 : x);
-        float apart = 0;
-        for (std::size_t c = 0; c < 4; ++c) {
-            const float least = std::min({span.least[left + c], span.least[here + c],
-                                          span.least[right + c]}),
-                        most = std::max({span.most[left + c], span.most[here + c],
-                                         span.most[right + c]});
-            apart = std::max({apart, most - own[here + c], own[here + c] - least});
+    explicit ThreeRows(std::size_t n) : above(n), own(n), below(n), least(n), most(n) {}
+
+    /// Of each column.
+    void find_spans(std::size_t n) {
+        for (std::size_t i = 0; i < n; i += kLanes) {
+            const FloatV a = load(above, i), b = load(own, i), c = load(below, i);
+            stdx::min(stdx::min(a, b), c).copy_to(&least[i], stdx::element_aligned);
+            stdx::max(stdx::max(a, b), c).copy_to(&most[i], stdx::element_aligned);
         }
-        out[x] = apart > contrast;
     }
-}
+
+    /// `n` pixels; what is not marked stays as it is.
+    void mark(std::size_t n, float contrast, std::uint8_t* out) const {
+        for (std::size_t i = 0; i < kChannels * n; i += kLanes) {
+            // The columns beside a pixel begin four numbers before and after it.
+            const FloatV low = stdx::min(stdx::min(load(least, i), load(least, i + kChannels)),
+                                         load(least, i + 2 * kChannels));
+            const FloatV high = stdx::max(stdx::max(load(most, i), load(most, i + kChannels)),
+                                          load(most, i + 2 * kChannels));
+            const FloatV at = load(own, i + kChannels);
+            std::uint64_t bits = lane_bits(stdx::max(high - at, at - low) > contrast);
+            for (std::size_t x = i / kChannels; bits != 0 && x < n; ++x, bits >>= kChannels)
+                if (bits & ((1u << kChannels) - 1)) out[x] = 1;
+        }
+    }
+};
 
 }  // namespace
 
 std::vector<std::uint8_t> edge_pixels(const Picture& picture, float contrast) {
     std::vector<std::uint8_t> marks(picture.n_pixels());
-    const std::size_t n = 4 * static_cast<std::size_t>(picture.width);
-    parallel_blocks(
-        static_cast<std::size_t>(picture.height), kRowGrain,
-        [&](std::size_t begin, std::size_t end) {
-            std::vector<float> above(n), own(n), below(n);
-            RowSpan span{std::vector<float>(n), std::vector<float>(n)};
-            const int first = static_cast<int>(begin), last = picture.height - 1;
-            take_roots(picture, std::max(0, first - 1), above);
-            take_roots(picture, first, own);
-            for (int y = first; y < static_cast<int>(end); ++y) {
-                take_roots(picture, std::min(last, y + 1), below);
-                span_of(above, own, below, span);
-                mark_row(own, span, contrast, &marks[picture.index(0, y)]);
-                above.swap(own), own.swap(below);
-            }
-        });
+    const auto width = static_cast<std::size_t>(picture.width);
+    const std::size_t n = kChannels * (width + 2);
+    parallel_blocks(static_cast<std::size_t>(picture.height), kRowGrain,
+                    [&](std::size_t begin, std::size_t end) {
+                        ThreeRows rows(n + 2 * kLanes);
+                        const int first = static_cast<int>(begin), last = picture.height - 1;
+                        take_roots(picture, std::max(0, first - 1), rows.above);
+                        take_roots(picture, first, rows.own);
+                        for (int y = first; y < static_cast<int>(end); ++y) {
+                            take_roots(picture, std::min(last, y + 1), rows.below);
+                            rows.find_spans(n);
+                            rows.mark(width, contrast, &marks[picture.index(0, y)]);
+                            rows.above.swap(rows.own), rows.own.swap(rows.below);
+                        }
+                    });
     return marks;
 }
 

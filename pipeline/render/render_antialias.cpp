@@ -3,8 +3,12 @@
 #include "pipeline/render/render_frames.h"
 #include "raytrace/picture_edges.h"
 #include "raytrace/sample_mask.h"
+#include "raytrace/trace/openness_filter.h"
+#include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
 
 namespace slim {
 namespace {
@@ -33,10 +37,14 @@ AovLook look_of(const RenderJob& job, const std::string& aov) {
     return found == job.looks.end() ? AovLook{} : found->second;
 }
 
+Picture painted(const RenderJob& job, const std::string& aov, const RenderedFrame& frame) {
+    return draw_aov(job.config, aov, look_of(job, aov), job.shadings, frame, job.header().bounds,
+                    job.size);
+}
+
 Picture& paint_plain(const RenderJob& job, const std::string& aov, Frames& frames) {
     if (aov == "shaded") return frames.plain.shaded;
-    return frames.smoothed[aov] = draw_aov(job.config, aov, look_of(job, aov), job.shadings,
-                                           frames.plain, job.header().bounds, job.size);
+    return frames.smoothed[aov] = painted(job, aov, frames.plain);
 }
 
 /// Marks in the margin of a part are of no use.
@@ -72,39 +80,63 @@ SampleMask all_marks(const std::vector<EdgePicture>& pictures, const PixelWindow
     return mask;
 }
 
-/// A window grown to whole tiles of samples, as far as a part goes.
-PixelWindow aligned(const PixelWindow& w, const PixelWindow& part) {
-    const auto up = [](int n) { return (n + kAlign - 1) / kAlign * kAlign; };
-    const int x = w.x / kAlign * kAlign, y = w.y / kAlign * kAlign;
-    return {x, y, std::min(up(w.x + w.width), part.x + part.width) - x,
-            std::min(up(w.y + w.height), part.y + part.height) - y};
+/// A window grown by a margin and to whole tiles of samples, as far as a part goes.
+PixelWindow with_margin(const PixelWindow& w, int margin, const PixelWindow& part) {
+    const auto down = [&](int n, int least) {
+        return std::max(n - margin, least) / kAlign * kAlign;
+    };
+    const auto up = [&](int n, int most) {
+        return std::min((n + margin + kAlign - 1) / kAlign * kAlign, most);
+    };
+    const int x = down(w.x, part.x), y = down(w.y, part.y);
+    return {x, y, up(w.x + w.width, part.x + part.width) - x,
+            up(w.y + w.height, part.y + part.height) - y};
 }
 
-/// The windows that hold all samples, in the order in which they lie.
-std::vector<PixelWindow> sample_windows(const SampleMask& mask) {
+/// A rectangle of the picture, and what is drawn for it.
+struct SampleWindow {
+    PixelWindow wanted, drawn;
+};
+
+/// Windows that hold all wanted pixels, each in one, and `margin` pixels about these.
+std::vector<SampleWindow> sample_windows(const SampleMask& mask, int margin) {
     const PixelWindow& part = mask.part();
-    std::vector<PixelWindow> out;
+    std::vector<SampleWindow> out;
     for (int y = part.y; y < part.y + part.height; y += kWindowHeight)
         for (int x = part.x; x < part.x + part.width; x += kWindowWidth) {
-            const PixelWindow about = mask.bounds_in({x, y, kWindowWidth, kWindowHeight});
-            if (about.width > 0) out.push_back(aligned(about, part));
+            const PixelWindow w = mask.bounds_in({x, y, kWindowWidth, kWindowHeight});
+            if (w.width > 0) out.push_back({w, with_margin(w, margin, part)});
         }
     return out;
 }
 
-/// Copies the marked pixels of a window's picture into that of the part.
-void copy_marked(const Picture& from, const PixelWindow& window, const PixelWindow& part,
+/// Copies the marked pixels that are wanted of a window from its picture into that of the part.
+void copy_marked(const Picture& from, const SampleWindow& window, const PixelWindow& part,
                  EdgePicture& to) {
-    const int x0 = window.x - part.x, y0 = window.y - part.y;
-    for (int y = 0; y < window.height; ++y)
-        for (int x = 0; x < window.width; ++x)
-            if (to.marks[to.picture.index(x0 + x, y0 + y)])
-                std::copy_n(from.pixel(x, y), 4, to.picture.pixel(x0 + x, y0 + y));
+    const PixelWindow& w = window.wanted;
+    for (int y = w.y; y < w.y + w.height; ++y)
+        for (int x = w.x; x < w.x + w.width; ++x)
+            if (to.marks[to.picture.index(x - part.x, y - part.y)])
+                std::copy_n(from.pixel(x - window.drawn.x, y - window.drawn.y), 4,
+                            to.picture.pixel(x - part.x, y - part.y));
 }
 
-bool looks_at_neighbours(const RenderJob& job) { return job.wants("ao") || job.config.ao; }
+/// Calls draw(i) for the windows, at the same time if all of the model may be read: else each tells
+/// what it meets.
+void for_windows(const RenderJob& job, std::size_t n,
+                 const std::function<void(std::size_t)>& draw) {
+    if (job.reads->whole())
+        return parallel_blocks(n, 1, [&](std::size_t i, std::size_t) { draw(i); });
+    for (std::size_t i = 0; i < n; ++i) draw(i);
+}
 
-/// What lies about samples: the plain frame. Nothing where it has no normals.
+/// Pixels about one that its own look at: openness is filtered over the samples about a sample.
+int reach_of(const RenderJob& job) {
+    static_assert(kOpennessReach <= SampleMask::kSide);
+    return job.wants("ao") || job.config.ao ? 1 : 0;
+}
+
+/// What lies about samples: the plain frame's surface.
 CoarsePlanes planes_around(const RenderedFrame& plain) {
     const GBuffer& b = plain.buffer;
     return {b.hit,   {b.normal[0], b.normal[1], b.normal[2]}, plain.window.x, plain.window.y,
@@ -119,22 +151,20 @@ void smooth_edges(const RenderJob& job, const PicturePart& part, Frames& frames)
     const SampleMask marked = all_marks(pictures, part.drawn);
     frames.n_smoothed = static_cast<std::uint64_t>(
         std::count(marked.wanted().begin(), marked.wanted().end(), 1));
-    // Openness is filtered over the samples about a sample.
-    const SampleMask drawn = looks_at_neighbours(job) ? marked.grown() : marked;
-    const CoarsePlanes around = planes_around(frames.plain);
-    const bool has_normals = frames.plain.buffer.has(kNormalChannel);
-    RenderedFrame samples;
-    for (const PixelWindow& window : sample_windows(drawn)) {
-        draw_samples(job, window, drawn, has_normals ? &around : nullptr, job.channels(aovs),
-                     samples);
-        frames.plain.light_counts += samples.light_counts;
+    const int reach = reach_of(job);
+    const SampleMask drawn = reach > 0 ? marked.grown() : marked;
+    const CoarsePlanes about = planes_around(frames.plain);
+    const CoarsePlanes* around = frames.plain.buffer.has(kNormalChannel) ? &about : nullptr;
+    const std::vector<SampleWindow> windows = sample_windows(marked, reach);
+    std::vector<TraceCounts> light_counts(windows.size());
+    for_windows(job, windows.size(), [&](std::size_t i) {
+        RenderedFrame samples;
+        draw_samples(job, windows[i].drawn, drawn, around, job.channels(aovs), samples);
+        light_counts[i] = samples.light_counts;
         for (EdgePicture& p : pictures)
-            copy_marked(p.aov == "shaded"
-                            ? samples.shaded
-                            : draw_aov(job.config, p.aov, look_of(job, p.aov), job.shadings,
-                                       samples, job.header().bounds, job.size),
-                        window, part.drawn, p);
-    }
+            copy_marked(painted(job, p.aov, samples), windows[i], part.drawn, p);
+    });
+    for (const TraceCounts& counts : light_counts) frames.plain.light_counts += counts;
 }
 
 std::uint64_t smoothing_bytes(const RenderJob& job) {
