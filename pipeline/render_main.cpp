@@ -5,7 +5,7 @@ int main(int argc, char** argv) {
         {"render",
          "pictures of a model: shaded, curvature maps, feature lines, data channels",
          {"slim render bunny.slim -o bunny.png",
-          "slim render bunny.slim -o pictures/ --aov shaded,mean,k1 --camera iso --antialias",
+          "slim render bunny.slim -o pictures/ --aov shaded,mean,k1 --camera iso --supersample 2",
           "slim render bunny.slim -o bunny.exr --aov all",
           "slim render bunny.slim -o bunny.png --mode raytrace --ground --ao",
           "slim render terrain.slim -o evening.png --mode raytrace --up z --camera top --light "
