@@ -55,6 +55,24 @@ void for_hits(int width, int height, const RowRange& rows, const ShadeView& view
 
 }  // namespace
 
+std::optional<Vec3f> EyeSurface::normal_near(int x, int y) const {
+    const auto read = [](const NormalPlanes& from, std::span<const std::uint8_t> covered,
+                         std::size_t i) -> std::optional<Vec3f> {
+        if (!covered[i]) return std::nullopt;
+        return Vec3f{from.x[i], from.y[i], from.z[i]};
+    };
+    if (!frame.around) {
+        if (x < 0 || y < 0 || x >= width || y >= height) return std::nullopt;
+        return read(normals, hit, index(x, y));
+    }
+    const CoarsePlanes& c = *frame.around;
+    const int left = frame.first_x + x - 2 * c.first_x, top = frame.first_y + y - 2 * c.first_y;
+    if (left < 0 || top < 0 || left >= 2 * c.width || top >= 2 * c.height) return std::nullopt;
+    return read(c.normals, c.hit,
+                static_cast<std::size_t>(top / 2) * static_cast<std::size_t>(c.width) +
+                    static_cast<std::size_t>(left / 2));
+}
+
 float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     static const std::array<std::array<float, 2>, kPlaces> disc = places_in_disc();
     const auto reach = static_cast<float>(shade_reach(frame.whole_width, frame.whole_height));
@@ -67,11 +85,9 @@ float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& towa
             return static_cast<int>(std::floor(offset + 0.5f));
         };
         const int px = x + nearest(reach * dx), py = y + nearest(reach * dy);
-        if (px < 0 || py < 0 || px >= width || py >= height) continue;
-        const std::size_t i = index(px, py);
-        if (!hit[i]) continue;
-        const Vec3f there{normals.x[i], normals.y[i], normals.z[i]};
-        ++hits, front += dot(there, eye) > 0 && dot(there, same) > kSameSurface * length(there);
+        const std::optional<Vec3f> there = normal_near(px, py);
+        if (!there) continue;
+        ++hits, front += dot(*there, eye) > 0 && dot(*there, same) > kSameSurface * length(*there);
     }
     return hits > 0 ? static_cast<float>(front) / static_cast<float>(hits) : 0;
 }

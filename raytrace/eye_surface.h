@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace slim {
@@ -22,6 +23,7 @@ struct EyeFrame {
     float half_width, half_height;
     bool orthographic;
     int first_x, first_y, whole_width, whole_height;
+    const CoarsePlanes* around;
 
     EyeFrame(const ShadeView& v, int width, int height)
         : right(to_float(v.right)),
@@ -33,7 +35,8 @@ struct EyeFrame {
           first_x(v.first_x),
           first_y(v.first_y),
           whole_width(v.whole_width > 0 ? v.whole_width : width),
-          whole_height(v.whole_height > 0 ? v.whole_height : height) {}
+          whole_height(v.whole_height > 0 ? v.whole_height : height),
+          around(v.around) {}
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
     Vec3f to_world(const Vec3f& d) const { return right * d.x + up * d.y + back * d.z; }
@@ -74,6 +77,9 @@ struct EyeSurface {
     Vec3f raw_normal(std::size_t i) const {
         return normalized(frame.from_world(Vec3f{normals.x[i], normals.y[i], normals.z[i]}));
     }
+
+    /// The normal that the planes, or those around, have at a place; null without a hit or outside.
+    std::optional<Vec3f> normal_near(int x, int y) const;
 
     /// Of the surface about a pixel whose normal n faces away, within shade_reach, the share that
     /// faces the eye with a normal less than 60 degrees from n: near one half where a front

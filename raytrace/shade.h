@@ -11,6 +11,18 @@
 
 namespace slim {
 
+/// One plane per coordinate; pixels without a hit are ignored.
+struct NormalPlanes {
+    std::span<const float> x, y, z;
+};
+
+/// The surface of a part of a picture of half the size, from pixel (first_x, first_y) on.
+struct CoarsePlanes {
+    std::span<const std::uint8_t> hit;
+    NormalPlanes normals;
+    int first_x, first_y, width, height;
+};
+
 /// What shading knows of a view: the camera's axes (unit, world) and half the picture's extent on
 /// the plane at distance 1 in front of the eye (perspective; y over x by the aspect).
 struct ShadeView {
@@ -20,11 +32,9 @@ struct ShadeView {
     /// Where the planes that are shaded begin in a larger picture, and its size; 0: they are the
     /// whole.
     int first_x = 0, first_y = 0, whole_width = 0, whole_height = 0;
-};
-
-/// One plane per coordinate; pixels without a hit are ignored.
-struct NormalPlanes {
-    std::span<const float> x, y, z;
+    /// What lies about a pixel where the planes hold only some of the picture's (SampleMask); null:
+    /// what they hold.
+    const CoarsePlanes* around = nullptr;
 };
 
 /// A directional light that stands still relative to the camera; `toward` is the direction to the

@@ -52,7 +52,7 @@ Picture shade_lit_rows(const SurfacePlanes& planes, const SceneFrame& frame, con
             lit_color(scene_rig, material, at, FloatV(1.0f), block, 0, true, all);
         const FloatV alpha = select<FloatV>(at.on, FloatV(1.0f), FloatV(0.0f));
         store_block(block, select_vec(at.on, color, LanesOfVec(Vec3f{})), alpha, out);
-    });
+    }, planes.only);
     return out;
 }
 

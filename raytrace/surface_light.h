@@ -116,6 +116,7 @@ struct SurfacePlanes {
     PixelWindow window;
     const GBuffer& buffer;                             ///< hits and positions
     const std::array<std::vector<float>, 3>& normals;  ///< turned to the eye: turned_normals
+    const SampleMask* only = nullptr;  ///< what of the window was drawn, if not all
 
     /// Some rows of them, as a part of the picture.
     PixelWindow band(const RowRange& rows) const {

@@ -3,6 +3,7 @@
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
 #include "pipeline/job/job_views.h"
+#include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_share.h"
 #include "pipeline/render/render_view.h"
 
@@ -20,6 +21,8 @@ namespace fs = std::filesystem;
 constexpr double kPixelsOfATask = 128e6;
 /// Rays against the forward renderer.
 constexpr double kRays = 8;
+/// Pixels at edges drawn again, against one sample in each.
+constexpr double kAntialias = 2;
 constexpr int kLeastRows = 256;
 constexpr int kMostShares = 256;
 
@@ -32,7 +35,8 @@ std::size_t n_aovs(const std::vector<std::string>& aovs) {
 
 double pixels_of(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const PictureSize size = parse_size(config.size);
-    const double samples = config.supersample * config.supersample;
+    const double samples =
+        antialiases(config) ? kAntialias : config.supersample * config.supersample;
     return static_cast<double>(n_aovs(aovs)) * n_frames(config) * size.width * size.height *
            samples * (config.mode == "raytrace" ? kRays : 1);
 }

@@ -16,10 +16,10 @@ struct ViewDivision {
 };
 
 /// `asked` tasks; if that is 0, as many as leave each at most 128 million pixels to draw: those of
-/// all pictures of the view, four times as many with supersampling, eight times with rays. Films
-/// are divided by pictures, single pictures by rows (256 at least); not by itself one with lines,
-/// as each task would find those of all the picture, nor part of a picture or film. ConfigError if
-/// what is asked for cannot be divided.
+/// all pictures of the view, twice as many with antialiasing, four times with supersampling, eight
+/// times with rays. Films are divided by pictures, single pictures by rows (256 at least); not by
+/// itself one with lines, as each task would find those of all the picture, nor part of a picture
+/// or film. ConfigError if what is asked for cannot be divided.
 ViewDivision division_of_view(const RenderConfig& config, const std::vector<std::string>& aovs,
                               int asked);
 

@@ -11,6 +11,12 @@ namespace slim {
 
 inline bool is_traced(const RenderConfig& config) { return config.mode == "raytrace"; }
 
+/// Whether --antialias has anything to do: --supersample 2 draws all samples, and by brute force
+/// there is one a pixel.
+inline bool antialiases(const RenderConfig& config) {
+    return config.antialias && config.supersample == 1 && config.mode != "brute";
+}
+
 /// --ground-height; none is "auto". Throws ConfigError.
 std::optional<double> ground_height(const RenderConfig& config);
 

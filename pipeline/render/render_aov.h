@@ -6,6 +6,7 @@
 #include "raytrace/frame.h"
 #include "raytrace/picture.h"
 #include "raytrace/renderer.h"
+#include "raytrace/sample_mask.h"
 #include "raytrace/trace/trace_renderer.h"
 #include "slim/base/bbox.h"
 
@@ -29,6 +30,7 @@ struct RenderedFrame {
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
     std::vector<float> ground_open;     ///< the same of the ground, where it is seen
     TraceCounts light_counts;           ///< rays for light
+    const SampleMask* only = nullptr;   ///< what of the buffer was drawn, if not all
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for
 };
 

@@ -36,6 +36,7 @@ struct RenderConfig {
     bool loose = false;
     int repeat = 1;
     int supersample = 1;
+    bool antialias = false;
     std::vector<std::string> range, same_range;
     double percentile = 95;
     bool legend = true, legend_room = false;
@@ -163,6 +164,9 @@ private:
               "draw loose surfels too: small pieces that agree with no surface about them");
         field("repeat", repeat, "draw this often and report the median time", 1, 10000);
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
+        field("antialias", antialias,
+              "pictures: pixels at edges, and where the colour changes as much, are drawn as with "
+              "--supersample 2");
     }
 
     // Ranges and legends of the maps.

@@ -1,5 +1,6 @@
 #include "pipeline/render/render_film.h"
 
+#include "pipeline/render/render_antialias.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_inputs.h"
 #include "pipeline/render/render_write.h"
@@ -89,7 +90,7 @@ std::uint64_t pixel_bytes(const RenderJob& job) {
     const auto factor = static_cast<std::uint64_t>(job.config.supersample);
     const std::uint64_t plain =
         job.finds_lines() ? search_bytes(job) : plane_bytes(job, job.channels(plain_aovs(job)));
-    return 36 + plain * (job.plan.exr.empty() ? 1 : 3) +
+    return 36 + smoothing_bytes(job) + plain * (job.plan.exr.empty() ? 1 : 3) +
            factor * factor * plane_bytes(job, job.channels(fine_aovs(job)));
 }
 
@@ -147,6 +148,7 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
         Frames frames = draw_frames(job, parts[band], context);
         add(frames.stats, outcome.stats);
         outcome.stats.covered_pixels += frames.covered;
+        outcome.smoothed_pixels += frames.n_smoothed;
         outcome.truth_unknown += frames.truth_unknown;
         outcome.frame_ms += frames.median_ms;
         outcome.light_rays += (frames.has_fine ? frames.fine : frames.plain).light_counts.rays;

@@ -1,6 +1,7 @@
 #include "pipeline/render/render_frames.h"
 
 #include "pipeline/median.h"
+#include "pipeline/render/render_antialias.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_maps.h"
 #include "raytrace/brute/brute_renderer.h"
@@ -19,9 +20,10 @@ constexpr int kReferenceSide = 1000;
 RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
                            RenderedFrame& frame) {
     if (job.traced)
-        return render_traced(job.traced->scene(), request, frame.buffer, &frame.traced);
+        return render_traced(job.traced->scene(), request, frame.buffer, &frame.traced,
+                             frame.only);
     return job.config.mode == "brute" ? render_brute(job.tree, request, frame.buffer)
-                                      : render_forward(job.tree, request, frame.buffer);
+                                      : render_forward(job.tree, request, frame.buffer, frame.only);
 }
 
 /// A frame of that size in which pixels stand for `factor` of the picture's: projection and what
@@ -47,6 +49,28 @@ std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& fra
     return search.finish();
 }
 
+/// What the pictures of a frame are painted from besides its planes: openness and shading. One
+/// pixel of the picture for `factor` x `factor` of the frame.
+void light_frame(const RenderJob& job, int factor, bool with_shading, RenderedFrame& frame) {
+    frame.light_counts = {};
+    const FrameLight light = job.light();
+    // The plain frame beside a fine one may be for ids only.
+    const bool has_surface = frame.buffer.has(kNormalChannel | kPositionChannel);
+    if (has_surface && (job.wants("ao") || (with_shading && job.config.ao)))
+        find_openness(light, frame);
+    if (with_shading) shade_frame(light, factor, frame);
+}
+
+void drop_directions(const RenderJob& job, RenderedFrame& frame) {
+    if (!(job.wants("dir1") || job.wants("dir2")) ||
+        !frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+        return;
+    drop_undefined_directions(frame.diagonals.empty()
+                                  ? PixelDiagonals(job.tree.header().diagonal)
+                                  : PixelDiagonals(frame.diagonals, frame.traced.model),
+                              frame.buffer);
+}
+
 /// Projection, shading and lines: what a frame time means.
 RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool with_shading,
                        const PicturePart& part, RenderedFrame& frame,
@@ -55,22 +79,11 @@ RenderStats draw_frame(const RenderJob& job, int factor, Channels wanted, bool w
     const RenderStats stats =
         draw_buffer(job, {job.size.width * factor, job.size.height * factor},
                     times(part.drawn, factor), job.config.lod * factor, wanted, frame);
-    frame.light_counts = {};
-    const FrameLight light = job.light();
-    // The plain frame beside a fine one may be for ids only.
-    const bool has_surface = frame.buffer.has(kNormalChannel | kPositionChannel);
-    if (has_surface && (job.wants("ao") || (with_shading && job.config.ao)))
-        find_openness(light, frame);
-    if (with_shading) shade_frame(light, factor, frame);
+    light_frame(job, factor, with_shading, frame);
     // Lines are found at the picture's own size: their strokes are smooth as they are.
     if (factor == 1 && job.finds_lines()) lines = lines_of_frame(job, frame);
     // Lines have a rule of their own for umbilics, so this comes after them.
-    if ((job.wants("dir1") || job.wants("dir2")) &&
-        frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
-        drop_undefined_directions(frame.diagonals.empty()
-                                      ? PixelDiagonals(job.tree.header().diagonal)
-                                      : PixelDiagonals(frame.diagonals, frame.traced.model),
-                                  frame.buffer);
+    drop_directions(job, frame);
     return stats;
 }
 
@@ -86,6 +99,7 @@ double draw_repeatedly(const RenderJob& job, int factor, Channels wanted, const 
         const auto start = std::chrono::steady_clock::now();
         frames.stats =
             draw_frame(job, factor, wanted, job.wants("shaded"), part, frame, frames.lines);
+        if (job.antialiases()) smooth_edges(job, part, frames);
         times.push_back(milliseconds_since(start));
     }
     return median(times);
@@ -113,16 +127,29 @@ std::vector<std::string> plain_aovs(const RenderJob& job) {
     return aovs;
 }
 
-/// What the fine frame is for: pictures, and the colour in a data file.
-std::vector<std::string> fine_aovs(const RenderJob& job) {
+std::vector<std::string> averaged_aovs(const RenderJob& job) {
     std::vector<std::string> aovs;
-    if (job.config.supersample == 1) return aovs;
     for (const std::string& aov : job.aovs) {
         const bool drawn =
             std::find(job.plan.drawn.begin(), job.plan.drawn.end(), aov) != job.plan.drawn.end();
         if (is_filterable(aov) && (drawn || is_color(aov))) aovs.push_back(aov);
     }
     return aovs;
+}
+
+std::vector<std::string> fine_aovs(const RenderJob& job) {
+    return job.config.supersample == 1 ? std::vector<std::string>() : averaged_aovs(job);
+}
+
+void draw_samples(const RenderJob& job, const PixelWindow& window, const SampleMask& only,
+                  const CoarsePlanes* around, Channels wanted, RenderedFrame& frame) {
+    constexpr int k = SampleMask::kSide;
+    frame.only = &only;
+    draw_buffer(job, {job.size.width * k, job.size.height * k}, samples_of(window),
+                job.config.lod * k, wanted, frame);
+    frame.view.around = around;
+    light_frame(job, k, job.wants("shaded"), frame);
+    drop_directions(job, frame);
 }
 
 Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {

@@ -22,6 +22,11 @@ void add_contours(const RenderJob& job, const PixelWindow& window, StageContext&
 
 double milliseconds_since(std::chrono::steady_clock::time_point start);
 
+/// Draws samples of a window of the picture, shades them and means them, pixel by pixel; pixels
+/// without samples are empty. `around`, which must outlive the frame, is what lies about them.
+void draw_samples(const RenderJob& job, const PixelWindow& window, const SampleMask& only,
+                  const CoarsePlanes* around, Channels wanted, RenderedFrame& frame);
+
 /// Draws the frames of a part, as often as the job says, and what derives from them.
 Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context);
 

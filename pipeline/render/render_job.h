@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/contains.h"
+#include "pipeline/render/ray_options.h"
 #include "pipeline/render/model_reads.h"
 #include "pipeline/render/render_aov.h"
 #include "pipeline/render/render_config.h"
@@ -73,6 +74,8 @@ struct RenderJob {
                             : std::span<const FeatureLine>(),
                 lines, size, part};
     }
+    /// Whether pixels at edges of the pictures have more samples than others (smooth_edges).
+    bool antialiases() const { return slim::antialiases(config); }
     bool wants(const char* aov) const {
         return contains(aovs, aov);
     }
@@ -88,6 +91,9 @@ struct Frames {
     double median_ms = 0;
     std::uint64_t truth_unknown = 0;  ///< hits without a distance to the truth, of the margin, too
     std::uint64_t covered = 0;  ///< of the part that is wanted, not of its margin
+    /// Pictures whose edges are antialiased, but for `shaded`, which the plain frame holds.
+    std::map<std::string, Picture> smoothed = {};
+    std::uint64_t n_smoothed = 0;  ///< pixels of the part that is wanted with more than one sample
 
     const RenderedFrame& for_aov(const std::string& aov) const {
         return has_fine && is_filterable(aov) ? fine : plain;
@@ -97,7 +103,10 @@ struct Frames {
 /// What the plain frame is for: data files take all, pictures only what is never averaged.
 std::vector<std::string> plain_aovs(const RenderJob& job);
 
-/// What the fine frame is for: pictures, and the colour in a data file.
+/// What is averaged where there are several samples: pictures, and the colour in a data file.
+std::vector<std::string> averaged_aovs(const RenderJob& job);
+
+/// What the fine frame is for: these, if the whole picture has several samples.
 std::vector<std::string> fine_aovs(const RenderJob& job);
 
 /// A window of the picture in pixels of a frame `factor` times as large.

@@ -65,6 +65,7 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
                    {"plane_bytes", outcome.plane_bytes},
                    {"frame_ms_median", outcome.frame_ms / outcome.frames},
                    {"ranges", ranges_json(job)}};
+    if (job.antialiases()) result["antialiased_pixels"] = outcome.smoothed_pixels;
     if (job.traced) {
         result["light_rays"] = outcome.light_rays;
         result["scene_ms"] = job.traced->build_ms();

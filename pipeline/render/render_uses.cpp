@@ -2,6 +2,7 @@
 
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
+#include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_view.h"
 #include "raytrace/camera.h"
 #include "slim/base/error.h"
@@ -129,6 +130,14 @@ bool takes_light_maps(const RenderConfig&, const Aovs& aovs) {
 
 bool leaves_room(const RenderConfig& config, const Aovs&) { return frames_by_name(config); }
 
+/// A picture with one sample a pixel that may have more.
+bool takes_antialias(const RenderConfig& config, const Aovs& aovs) {
+    return config.supersample == 1 && config.mode != "brute" &&
+           std::any_of(aovs.begin(), aovs.end(), [](const std::string& aov) {
+               return aov != "lines" && is_filterable(aov);
+           });
+}
+
 constexpr const char* kOpennessRemedy = ": --ao or --aov ao";
 
 constexpr OptionUse kUses[] = {
@@ -153,6 +162,8 @@ constexpr OptionUse kUses[] = {
     {"bounces", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
+    {"antialias", "a picture of one sample a pixel whose colours may be averaged",
+     " (--supersample 2 takes four everywhere; brute force takes one)", takes_antialias},
     {"range", "a map that it names", ": such as --aov mean", takes_range},
     {"percentile", "a map with a range of its own", ": such as --aov mean without --range",
      takes_percentile},

@@ -1,5 +1,6 @@
 #include "pipeline/render/render_write.h"
 
+#include "pipeline/render/render_antialias.h"
 #include "raytrace/crop.h"
 #include "raytrace/lines/stroke.h"
 #include "raytrace/scale_bar.h"
@@ -49,9 +50,7 @@ void burn_words(const RenderJob& job, const AovLook& look, const Canvas& canvas,
 Picture finished_picture(const RenderJob& job, const std::string& aov, const Frames& frames,
                          const PicturePart& part, Missing& missing) {
     const AovLook& look = job.looks.at(aov);
-    Picture picture = crop(draw_aov(job.config, aov, look, job.shadings, frames.for_aov(aov),
-                                    job.header().bounds, job.size),
-                           part.inside());
+    Picture picture = crop(painted_aov(job, aov, look, frames), part.inside());
     put_background(job, aov, part.wanted, picture);
     const Canvas canvas(picture, part.wanted.x, part.wanted.y, job.size.width, job.size.height);
     const Ink ink =
@@ -79,10 +78,7 @@ void write_data(const RenderJob& job, const Frames& frames, const PicturePart& p
     const AovLook none;
     for (const std::string& aov : job.aovs)
         if (is_color(aov))
-            colors.push_back(
-                {aov, crop(draw_aov(job.config, aov, none, job.shadings, frames.for_aov(aov),
-                                    job.header().bounds, job.size),
-                           part.inside())});
+            colors.push_back({aov, crop(painted_aov(job, aov, none, frames), part.inside())});
     const RenderedFrame data = without_margin(frames.plain, part.inside());
     std::vector<std::vector<float>> planes;
     const DrawnLines lines = job.drawn_lines(part.wanted);

@@ -38,12 +38,18 @@ struct Scene {
     const TileBins& bins;
     TileSums sums;
     bool with_directions;  ///< of the rays: the general kernels and positions need them
+    const SampleMask* only = nullptr;  ///< what of the window is drawn, if not all
 
     int first_x(std::size_t tile) const {
         return grid.x + static_cast<int>(tile) % bins.columns * kTileSize;
     }
     int first_y(std::size_t tile) const {
         return grid.y + static_cast<int>(tile) / bins.columns * kTileSize;
+    }
+    /// Whether a tile shows nothing that is wanted.
+    bool is_empty(std::size_t tile) const {
+        return bins.of(tile).empty() ||
+               (only && !only->any_sample({first_x(tile), first_y(tile), kTileSize, kTileSize}));
     }
 };
 
@@ -52,6 +58,7 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     const auto entries = scene.bins.of(tile);
     t.start(scene.view, scene.window, scene.first_x(tile), scene.first_y(tile),
             scene.list.items[entries.back()].far_blend, scene.sums);
+    if (scene.only) t.leave_out_others(*scene.only);
     fetch_tile(scene.window, scene.first_x(tile), scene.first_y(tile), out);
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
@@ -76,17 +83,18 @@ DrawTile<Degree> choose(const TileSums& sums, bool sharp) {
 struct TileRun {
     std::size_t first;
     int n;
+    bool is_empty;
 };
 
 /// Tiles to draw, one by one, and empty ones as long as they follow each other in a row.
-std::vector<TileRun> tile_runs(const TileBins& bins) {
+template <int Degree>
+std::vector<TileRun> tile_runs(const Scene<Degree>& scene) {
     std::vector<TileRun> runs;
-    for (std::size_t tile = 0; tile < bins.n_tiles(); ++tile) {
-        const bool begins_row = tile % static_cast<std::size_t>(bins.columns) == 0;
-        const bool goes_on =
-            !begins_row && bins.of(tile).empty() && bins.of(runs.back().first).empty();
-        if (goes_on) ++runs.back().n;
-        else runs.push_back({tile, 1});
+    for (std::size_t tile = 0; tile < scene.bins.n_tiles(); ++tile) {
+        const bool begins_row = tile % static_cast<std::size_t>(scene.bins.columns) == 0;
+        const bool is_empty = scene.is_empty(tile);
+        if (!begins_row && is_empty && runs.back().is_empty) ++runs.back().n;
+        else runs.push_back({tile, 1, is_empty});
     }
     return runs;
 }
@@ -95,10 +103,10 @@ template <int Degree>
 TileCounts draw_tiles(const Scene<Degree>& scene, GBuffer& out) {
     const DrawTile<Degree> draw = choose<Degree>(scene.sums, !scene.tree.sharp().empty());
     std::vector<TileCounts> counts(scene.bins.n_tiles());
-    const auto runs = tile_runs(scene.bins);
+    const auto runs = tile_runs(scene);
     parallel_blocks(runs.size(), 1, [&](std::size_t run, std::size_t) {
-        const auto [tile, n] = runs[run];
-        if (scene.bins.of(tile).empty())
+        const auto [tile, n, is_empty] = runs[run];
+        if (is_empty)
             return clear_tiles(scene.window, scene.first_x(tile), scene.first_y(tile), n, out);
         TileBuffers buffers;
         draw(scene, tile, buffers, out);
@@ -128,7 +136,8 @@ void put_counts(const TileCounts& counts, RenderStats& stats) {
 /// Draws a cut of a model of this degree.
 template <int Degree>
 void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& window,
-              std::span<const std::uint32_t> cut, Clock& clock, RenderStats& stats, GBuffer& out) {
+              std::span<const std::uint32_t> cut, const SampleMask* only, Clock& clock,
+              RenderStats& stats, GBuffer& out) {
     const PixelWindow grid = whole_tiles(window);
     const DrawList<Degree> list = draw_list<Degree>(view, grid, tree, cut);
     stats.surfels_drawn = list.order.size();
@@ -139,14 +148,16 @@ void draw_cut(const SurfelTree& tree, const PixelView& view, const PixelWindow& 
     const bool with_directions = !list.general.empty() || out.has(kPositionChannel);
     put_counts(
         draw_tiles<Degree>(
-            {tree, view, window, grid, list, bins, TileSums(out.channels), with_directions}, out),
+            {tree, view, window, grid, list, bins, TileSums(out.channels), with_directions, only},
+            out),
         stats);
     stats.draw_ms = clock.lap_ms();
 }
 
 }  // namespace
 
-RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request, GBuffer& out) {
+RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request, GBuffer& out,
+                           const SampleMask* only) {
     Clock clock;
     RenderStats stats;
     const PixelView view = pixel_view(request.camera, request.width, request.height);
@@ -162,7 +173,7 @@ RenderStats render_forward(const SurfelTree& tree, const RenderRequest& request,
     stats.cut_ms = clock.lap_ms();
     const int degree = tree.header().degree;
     const auto draw = degree <= 1 ? draw_cut<1> : degree == 2 ? draw_cut<2> : draw_cut<3>;
-    draw(tree, view, window, cut, clock, stats, out);
+    draw(tree, view, window, cut, only, clock, stats, out);
     stats.total_ms = stats.cut_ms + stats.decode_ms + stats.bin_ms + stats.draw_ms;
     return stats;
 }

@@ -55,6 +55,16 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
     counts = {};
 }
 
+void TileBuffers::leave_out_others(const SampleMask& only) {
+    constexpr int k = SampleMask::kSide;
+    static_assert(kTileSize % k == 0 && kBlockWidth % k == 0);
+    for (int y = 0; y < kTileSize; y += k)
+        for (int x = 0; x < kTileSize; x += k) {
+            if (only.has_sample(x0 + x, y0 + y)) continue;
+            for (int v = y; v < y + k; ++v) std::fill_n(&z.v[pixel_entry(x, v)], k, -kInfinity);
+        }
+}
+
 /// Offsets from the axis are taken in doubles.
 void TileBuffers::fill_directions(const PixelView& view) {
     constexpr std::size_t kHalf = DoubleV::size();

@@ -5,6 +5,7 @@
 #include "raytrace/intersect/ray_kernel.h"
 #include "raytrace/project/block_mask.h"
 #include "raytrace/project/tile_blocks.h"
+#include "raytrace/sample_mask.h"
 #include "slim/base/simd.h"
 
 #include <algorithm>
@@ -90,6 +91,8 @@ struct TileBuffers {
     /// Depths and sums of a tile before stage 1.
     void start(const PixelView& view, const PixelWindow& window, int first_x, int first_y,
                double reference_depth, const TileSums& sums);
+    /// All but some samples are as outside the window. After start.
+    void leave_out_others(const SampleMask& only);
     void fill_directions(const PixelView& view);
 
     /// The part of a rectangle of the picture on the tile and in the window,

@@ -101,7 +101,7 @@ std::vector<float> openness_plane(const TracedSurface& surface, const Openness& 
         for (int lane = 0; lane < kLanes; ++lane)
             if (const auto k = static_cast<std::size_t>(lane); s.at.on[k])
                 out[surface.planes.index(block, lane)] = open[k];
-    });
+    }, surface.planes.only);
     counts += sum_of(rows);
     return filtered_openness(surface.planes, out, openness.samples, surface.traced.position_low);
 }
@@ -132,7 +132,7 @@ std::vector<float> ground_openness_plane(const TracedSurface& surface, const Ope
             seen.position[2][i] = p.z[k];
             seen.normal[0][i] = n.x[k], seen.normal[1][i] = n.y[k], seen.normal[2][i] = n.z[k];
         }
-    });
+    }, planes.only);
     counts += sum_of(rows);
     return filtered_openness({planes.view, planes.window, seen, seen.normal}, out,
                              openness.samples);
@@ -146,7 +146,7 @@ Picture light_rows(const TracedSurface& surface, const TraceLook& look, const Op
     const LightTracer tracer(surface.scene, look);
     for_blocks(band, [&](std::size_t row, const PixelBlock& block) {
         light_block(surface, tracer, look.ground.has_value(), open, {block, row_counts[row]}, out);
-    });
+    }, surface.planes.only);
     counts += sum_of(row_counts);
     return out;
 }

@@ -149,7 +149,7 @@ void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock
 }  // namespace
 
 RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out,
-                          TracedPlanes* planes) {
+                          TracedPlanes* planes, const SampleMask* only) {
     const auto start = std::chrono::steady_clock::now();
     const PixelView view = pixel_view(request.camera, request.width, request.height);
     const PixelWindow window = request.resolved_window();
@@ -164,7 +164,7 @@ RenderStats render_traced(const TraceScene& scene, const RenderRequest& request,
     std::vector<Counts> rows(n_block_rows(window));
     for_blocks(window, [&](std::size_t row, const PixelBlock& block) {
         draw_block(scene, view, block, wanted, out, planes, rows[row]);
-    });
+    }, only);
     RenderStats stats;
     TraceCounts sum;
     for (const Counts& c : rows) {

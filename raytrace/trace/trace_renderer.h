@@ -2,6 +2,7 @@
 
 #include "raytrace/frame.h"
 #include "raytrace/renderer.h"
+#include "raytrace/sample_mask.h"
 #include "raytrace/trace/trace_scene.h"
 
 #include <array>
@@ -25,9 +26,10 @@ struct TracedPlanes {
 /// picture. lod_px and loose are not used: the scene was made with them.
 ///
 /// nodes and surfel_id are those of the model that is hit; unblended pixels keep q^, as in forward
-/// projection throws  ConfigError for the camera, the size or the window cost    O(pixels x log
+/// projection. `only`, if given: the window is of a picture of twice the size, of which these
+/// samples are drawn. throws  ConfigError for the camera, the size or the window cost    O(pixels x log
 /// surfels)
 RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out,
-                          TracedPlanes* planes = nullptr);
+                          TracedPlanes* planes = nullptr, const SampleMask* only = nullptr);
 
 }  // namespace slim

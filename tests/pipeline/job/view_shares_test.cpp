@@ -34,6 +34,7 @@ TEST(ViewShares, LargeOnesAreDividedByTheirPixels) {
     EXPECT_EQ(view_of("turntable = 72").shares.size(), 2u);
     EXPECT_EQ(view_of("turntable = 72\naovs = ['shaded', 'mean']").shares.size(), 3u);
     EXPECT_EQ(view_of("turntable = 72\nsupersample = 2").shares.size(), 5u);
+    EXPECT_EQ(view_of("turntable = 72\nantialias = true").shares.size(), 3u);
     EXPECT_EQ(view_of("turntable = 72\nmode = 'raytrace'").shares.size(), 9u);
     EXPECT_EQ(view_of("size = '16384x16384'").shares.size(), 3u);
     // No more than there are pictures, or blocks of 256 rows.

@@ -85,7 +85,9 @@ TEST_F(RenderShares, OfAPictureMakeItsBytes) {
     expect_same(c, "x.exr", 71);
     c.supersample = 2;
     expect_same(c, "x.png", 4);
-    c.supersample = 1, c.mode = "raytrace", c.ao = true, c.ground = true, c.aov = {"shaded", "ao"};
+    c.supersample = 1, c.antialias = true;
+    expect_same(c, "x.png", 4);
+    c.mode = "raytrace", c.ao = true, c.ground = true, c.aov = {"shaded", "ao"};
     expect_same(c, "x.exr", 3);
 }
 

@@ -82,6 +82,7 @@ TEST_F(RenderStage, EveryOptionChangesThePicture) {
         {"zoom, orthographic", [](RenderConfig& c) { c.ortho = true; },
          [](RenderConfig& c) { c.zoom = 2; }},
         {"aov", nothing, [](RenderConfig& c) { c.aov = {"normal"}; }},
+        {"antialias", nothing, [](RenderConfig& c) { c.antialias = true; }},
         {"supersample", nothing, [](RenderConfig& c) { c.supersample = 2; }},
         {"range", mean, [](RenderConfig& c) { c.range = {"7"}; }},
         {"range of an aov", mean, [](RenderConfig& c) { c.range = {"mean=7"}; }},

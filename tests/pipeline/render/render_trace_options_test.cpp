@@ -73,6 +73,7 @@ TEST_F(RenderTrace, EveryOptionChangesThePicture) {
         {"up", [&](RenderConfig& c) { stood(c), c.camera = "5,4,5,0,0,0,0,1,0"; },
          [](RenderConfig& c) { c.up = "x"; }},
         {"add", nothing, [&](RenderConfig& c) { c.add = {file("other.slim")}; }},
+        {"antialias", stood, [](RenderConfig& c) { c.antialias = true; }},
         {"supersample", stood, [](RenderConfig& c) { c.supersample = 2; }},
     };
     expect_each_changes(traced("before.png"), cases);
