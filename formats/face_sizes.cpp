@@ -1,6 +1,7 @@
 #include "formats/face_sizes.h"
 
 #include "formats/face_triangles.h"
+#include "slim/base/area_vector.h"
 #include "slim/base/bbox.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ constexpr double kSparseShare = 0.5;            // of a piece's area, in large f
 
 using Sides = std::span<const FaceEdges::Side>;
 
-/// Which faces are one region, or one piece (Tarjan 1975).
+/// Which faces, or vertices, are one region or one piece (Tarjan 1975).
 class Groups {
 public:
     explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -27,7 +28,7 @@ public:
         i = root(i), j = root(j);
         parent_[std::max(i, j)] = std::min(i, j);
     }
-    /// Of each face, numbered without gaps, and how many.
+    /// Of each, numbered without gaps, and how many.
     std::pair<std::vector<std::uint32_t>, std::size_t> numbered() {
         std::vector<std::uint32_t> out(parent_.size());
         std::uint32_t n = 0;
@@ -47,30 +48,51 @@ bool is_smooth(const FaceEdges& edges, const Sides& sides) {
     return sides.size() == 2 && edges.turn(sides[0], sides[1]) < kSharpTurn;
 }
 
-/// For each face, whether most of its piece is large faces.
-std::vector<bool> find_sparse(const FaceList& faces, const FaceEdges& edges, double large,
-                              double large_share) {
+/// The number of each face's piece, and how many there are.
+using Pieces = std::pair<std::vector<std::uint32_t>, std::size_t>;
+
+Pieces joined_by_vertices(const FaceList& faces) {
+    Groups groups(faces.position.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const std::uint32_t v : faces[f]) groups.join(faces[f][0], v);
+    const auto [number, n] = groups.numbered();
+    std::vector<std::uint32_t> out;
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        out.push_back(faces[f].empty() ? 0 : number[faces[f][0]]);
+    return {std::move(out), n};
+}
+
+Pieces joined_by_edges(const FaceList& faces, const FaceEdges& edges) {
     Groups groups(faces.size());
     edges.for_each_edge([&](const Sides& sides) {
         for (const auto& side : sides) groups.join(sides[0].face, side.face);
     });
-    const auto [piece, n] = groups.numbered();
+    return groups.numbered();
+}
+
+/// For each face, whether most of its piece is large faces.
+std::vector<bool> find_sparse(const FaceList& faces, const Pieces& pieces, double large,
+                              double large_share) {
+    const auto& [piece, n] = pieces;
     std::vector<Bbox> box(n);
-    std::vector<double> area(n), large_area(n);
-    for (std::size_t f = 0; f < faces.size(); ++f)
-        if (edges.area(f) > 0)
-            for (const std::uint32_t v : faces[f]) box[piece[f]].extend(faces.position[v]);
+    std::vector<double> area(n), large_area(n), area_of(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const double size = length(area_vector(faces.position, faces[f])) / 2;
+        if (!std::isfinite(size) || !(size > 0)) continue;
+        area_of[f] = size, area[piece[f]] += size;
+        for (const std::uint32_t v : faces[f]) box[piece[f]].extend(faces.position[v]);
+    }
     std::vector<Vec3d> corners;
     for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (!(area_of[f] > 0)) continue;
         corners.clear();
         for (const std::uint32_t v : faces[f]) corners.push_back(faces.position[v]);
-        area[piece[f]] += edges.area(f);
         const double least = std::min(large, large_share * box[piece[f]].diagonal());
-        if (extent_of(corners) > least) large_area[piece[f]] += edges.area(f);
+        if (extent_of(corners) > least) large_area[piece[f]] += area_of[f];
     }
     std::vector<bool> out(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f)
-        out[f] = edges.area(f) > 0 && large_area[piece[f]] > kSparseShare * area[piece[f]];
+        out[f] = area_of[f] > 0 && large_area[piece[f]] > kSparseShare * area[piece[f]];
     return out;
 }
 
@@ -96,8 +118,14 @@ double SizedEdge::distance(const Vec3d& p) const {
 }
 
 FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
+    // Pieces that share vertices are found soon, and are one in most scans.
+    std::vector<bool> sparse = find_sparse(faces, joined_by_vertices(faces), large, large_share);
+    if (std::find(sparse.begin(), sparse.end(), true) == sparse.end()) {
+        region_.resize(faces.size()), begin_.resize(2);
+        return;
+    }
     const FaceEdges edges(faces);
-    const std::vector<bool> sparse = find_sparse(faces, edges, large, large_share);
+    sparse = find_sparse(faces, joined_by_edges(faces, edges), large, large_share);
     Groups groups(faces.size());
     edges.for_each_edge([&](const Sides& sides) {
         if (is_smooth(edges, sides)) groups.join(sides[0].face, sides[1].face);

@@ -9,7 +9,7 @@
 namespace slim {
 
 /// An edge beside which a surface is so narrow or so bent; `size` (model units) at the edge, a
-/// share of the distance more farther off (graded as Ruppert 1995 and Persson 2006).
+/// share of the distance more farther off (graded, as Ruppert 1995 and Persson 2006).
 struct SizedEdge {
     static constexpr double kGrowth = 0.3;
 
