@@ -27,8 +27,7 @@ public:
     /// Whether any face is large, so that sizes of parts are worth finding.
     bool wants_sizes() const;
     /// Then, if wanted, all faces again, in the order of measure() and sample(): adds the points of
-    /// faces that are edges of something of a size (FaceSizes), as dense as a share of it; these get
-    /// no others.
+    /// faces of which a size is known (FaceSizes), as dense as a share of it; these get no others.
     void sample_sized(const FaceList& faces, std::vector<Point>& out);
     /// Then again: adds the points of a face, about one per square of the spacing, to `out`. None
     /// for faces that are small, without area, not finite, or whose outline crosses itself.

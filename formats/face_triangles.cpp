@@ -14,7 +14,7 @@ bool is_fan(std::span<const Vec3d> corners, const Vec3d& area) {
     return true;
 }
 
-/// Whether the triangle (a, b, c), which turns as the face does, holds the place of no other corner.
+/// Whether the triangle (a, b, c), which turns as the face does, holds no other corner's place.
 bool is_ear(std::span<const Vec3d> corners, std::span<const std::size_t> ring, const Corners& ear,
             const Vec3d& area) {
     const Vec3d &a = corners[ear[0]], &b = corners[ear[1]], &c = corners[ear[2]];

@@ -16,8 +16,8 @@ namespace slim {
 /// inwards  the mesh is wound inwards: its normals are turned
 /// returns  samples, area (of the faces, model units squared), missed and opposed (samples, as
 ///          measure_cloud has points), l2, max, max_at (world), p50 p90 p95 p99 (over L, of samples
-///          that are not missed; null without any), completeness (the share of the area that has the
-///          surface within `tolerance`); null if no face has an area
+///          that are not missed; null without any), completeness (the share of the area that has
+///          the surface within `tolerance`); null if no face has an area
 /// throws   as read_mesh
 /// cost     24 bytes a vertex and 28 a triangle; 0.2 s for the samples
 nlohmann::json measure_faces(const MeasuredSurface& surface, const std::string& mesh, bool inwards,

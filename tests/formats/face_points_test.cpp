@@ -243,7 +243,8 @@ TEST(FacePoints, OfASmallSolidBesideALargeOneAreAsDenseAsItAsks) {
     std::vector<FacePoints::Point> out;
     points.sample_sized(list, out);
     const std::size_t n = out.size();
-    EXPECT_GT(std::count_if(out.begin(), out.end(), [](auto& p) { return p.position.x > 35; }), 400);
+    const auto is_of_small = [](const auto& p) { return p.position.x > 35; };
+    EXPECT_GT(std::count_if(out.begin(), out.end(), is_of_small), 400);
     const std::vector<std::size_t> vertices{0, 1, 2};
     for (std::size_t f = 0; f < list.size(); ++f) points.sample(corners(f), vertices, out);
     EXPECT_EQ(out.size(), n);  // not twice
