@@ -50,11 +50,12 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
     }
 }
 
-/// Whether most points are made of a mesh's faces, without noise: what is not flat are edges.
+/// Whether most points of every input are made of a mesh's faces, without noise: what is not flat
+/// are edges.
 bool is_made_of_faces(const SlicePlan& plan) {
-    std::uint64_t n = 0;
-    for (const PlanInput& in : plan.inputs) n += in.n_face_points;
-    return 2 * n > plan.n_points;
+    return std::all_of(plan.inputs.begin(), plan.inputs.end(), [](const PlanInput& in) {
+        return 2 * in.n_face_points > in.n_points;
+    });
 }
 
 /// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job
