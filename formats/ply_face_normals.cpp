@@ -56,6 +56,16 @@ void PlyFaceNormals::add_face_points() {
     for_each_face([&](auto) { faces.measure(places); });
     faces.choose_spacing(2 * reach_, n_vertices);
     std::vector<FacePoints::Point> added;
+    if (faces.wants_sizes()) {
+        FaceList list;
+        list.position = std::span(all_.position).first(n_vertices);
+        for_each_face([&](std::span<const std::size_t> corners) {
+            for (const std::size_t v : corners)
+                list.corner.push_back(static_cast<std::uint32_t>(v));
+            list.end.push_back(list.corner.size());
+        });
+        faces.sample_sized(list, added);
+    }
     for_each_face([&](auto corners) { faces.sample(places, corners, added); });
     for (const FacePoints::Point& p : added) {
         all_.position.push_back(p.position);
@@ -63,6 +73,7 @@ void PlyFaceNormals::add_face_points() {
         if (info_.has_scan) all_.scan.push_back(all_.scan[p.vertex]);
     }
     info_.n_face_points = added.size();
+    info_.face_points_from_size = faces.least_size();
     info_.n_points = all_.size();
 }
 

@@ -25,6 +25,9 @@ struct CloudInfo {
     bool reads_color = false;  ///< opened by open_colored_cloud
     std::uint64_t n_faces = 0;  ///< as declared
     std::uint64_t n_face_points = 0;  ///< the last ones of n_points: on large faces, no vertices
+    /// parts of a mesh below that size have fewer face points than they ask for, as these would be
+    /// too many; 0: none has
+    double face_points_from_size = 0;
     bool has_faces() const { return n_faces > 0; }
     bool normals_from_faces = false;
     /// a closed mesh wound inwards: its normals were turned
@@ -76,7 +79,8 @@ protected:
 /// throws IoError if it cannot be read; FormatError for any other format, naming those that are
 /// read
 /// cost   constant memory, except for a PLY with faces and no normals: 72 bytes per vertex, with
-///        face_points 4 more a corner of its faces and 92 a point that is added
+///        face_points 4 more a corner of its faces and 92 a point that is added; while these are
+///        made some 120 a face if any is large
 /// face_points: of a PLY with faces and no normals, points on its large faces follow the vertices
 std::unique_ptr<PointSource> open_cloud(const std::string& path, bool face_points = false);
 

@@ -6,7 +6,9 @@ int main(int argc, char** argv) {
          "Distance, normals and curvature of a cloud against a model; l2 and max are the RMS and "
          "the largest distance of the points, along their normals, to the leaves as they blend "
          "(build's fit error is of each leaf alone), as shares of the model's diagonal L; "
-         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of two pictures: how they differ. "
+         "normal_rms_deg is in degrees, curvatures in 1 / unit. Of a mesh the points are its "
+         "vertices; faces has the same of 200,000 samples of its faces' area, and completeness is "
+         "the share of that area. Of two pictures: how they differ. "
          "Of a mesh and the same with its vertices moved: how far each went, and how the faces' "
          "normals turned. Of two clouds of as many points: how far each went (l2: the RMS "
          "displacement); with --two-way, of any two (of a mesh and a cloud the mesh's vertices "
@@ -25,7 +27,7 @@ int main(int argc, char** argv) {
           {"p95", "of L"},
           {"p99", "of L"},
           {"missed", "points"},
-          {"completeness", "of the points"},
+          {"completeness", "of the points (a mesh: of its faces' area)"},
           {"points", ""},
           {"opposed", "points"},
           {"astray", "points"},

@@ -87,6 +87,7 @@ private:
         input.normals_from_faces = info.normals_from_faces;
         input.faces_turned = info.faces_turned;
         input.n_face_points = info.n_face_points;
+        input.face_points_from_size = info.face_points_from_size;
         input.has_scan = info.has_scan;
         input.first_id = first_id;
         input.first_scan = end_scan_;

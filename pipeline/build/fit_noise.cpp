@@ -22,6 +22,8 @@ namespace {
 
 // of the normals: estimated ones tell nothing new of the points
 constexpr double kFewEstimated = 0.01;
+// lambda over the squared spacing, at most, of what has no noise: about what edges make of it
+constexpr double kOfEdges = 0.01;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -46,6 +48,14 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         add_log(one.at("typical_variance"), s.typical);
         s.n_sampled += n;
     }
+}
+
+/// Whether most points of every input are made of a mesh's faces, without noise: what is not flat
+/// are edges.
+bool is_made_of_faces(const SlicePlan& plan) {
+    return std::all_of(plan.inputs.begin(), plan.inputs.end(), [](const PlanInput& in) {
+        return 2 * in.n_face_points > in.n_points;
+    });
 }
 
 /// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job
@@ -94,7 +104,10 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const NormalsSaid said = read_normals_manifests(work, plan);
     GlobalNoise out;
     const NoiseVariance chosen = choose_noise(said.noise);
-    const double measured = chosen.value;
+    const double sq_spacing = chosen.spacing * chosen.spacing;
+    const double measured = is_made_of_faces(plan)
+                                ? std::min(chosen.value, kOfEdges * sq_spacing)
+                                : chosen.value;
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
     const double quantum = std::max(plan.coordinate_quantum,

@@ -21,6 +21,7 @@ struct PlanInput {
     bool normals_from_faces = false;
     bool faces_turned = false;
     std::uint64_t n_face_points = 0;  ///< of n_points: on large faces of a mesh
+    double face_points_from_size = 0; ///< as CloudInfo has it, not written
     bool has_scan = false;
     std::uint64_t first_id = 0;     ///< id of its first point
     std::uint32_t first_scan = 0;   ///< added to its own scan numbers

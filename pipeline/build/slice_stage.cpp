@@ -120,6 +120,11 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.info(fmt::format(
                 "{}: {} points added on its large faces (--face-points off: vertices alone)",
                 in.path, in.n_face_points));
+        if (in.face_points_from_size > 0)
+            reporter.warn(fmt::format(
+                "{}: parts thinner than {:.3g} ask for more points than a mesh is given ({} were "
+                "added): discs may stand out of them; thin parts in files of their own get more",
+                in.path, in.face_points_from_size, in.n_face_points));
         if (in.n_dropped > 0)
             reporter.warn(fmt::format("{}: {} of {} points are not finite and were dropped",
                                       in.path, in.n_dropped, in.n_points - in.n_face_points));

@@ -2,7 +2,9 @@
 
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/measure/measure_faces.h"
 #include "pipeline/measure/measure_points.h"
+#include "pipeline/measure/mesh_input.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 
@@ -204,7 +206,14 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
     if (sums.missed == sums.points && !corners_only)
         refuse_all_missed(surface, {files.cloud, sums.box}, sums.points);
     if (written) written->commit();
-    return summary(sums, distances, surface, truth_file.has_value(), tolerance);
+    json out = summary(sums, distances, surface, truth_file.has_value(), tolerance);
+    if (!is_mesh(files.cloud)) return out;
+    json faces =
+        measure_faces(surface, files.cloud, source->info().faces_turned, tolerance, context);
+    if (faces.is_null()) return out;
+    out["completeness"] = faces["completeness"];
+    out["faces"] = std::move(faces);
+    return out;
 }
 
 }  // namespace slim

@@ -55,7 +55,8 @@ struct MeasureConfig {
 /// where it has none). Keys: points missed l2 max max_at (the point of the cloud that is farthest,
 /// world) p50 p90 p95 p99 normal_rms_deg normal_p99_deg leaves bytes; with truth also k1_rms k2_rms
 /// mean_curvature_rms (1 / length) and the same with _x_diagonal; completeness: the share of the
-/// finite points that have the model within `tolerance`.
+/// finite points that have the model within `tolerance`; of a mesh with faces the share of their
+/// area, and `faces`, how far that lies from the model (measure_faces.h): points are its vertices.
 /// A point whose normal's line finds the surface only against the normal is counted as `opposed`,
 /// the normals compared without sign (scans hold some flipped normals). One that is supported but
 /// whose line meets nothing in reach, the normal running along the surface, is counted as `astray`

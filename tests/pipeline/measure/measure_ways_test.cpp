@@ -63,6 +63,58 @@ TEST_F(MeasureWays, FacesAreMeasuredExactly) {
                 0.006);  // samples are 0.025 apart
 }
 
+/// A box 4 x 2 x 1 of quadrangles, in text; its last face, above, only if asked for.
+std::string box(bool is_closed, bool inwards = false) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+        "property float z\nelement face " +
+        std::string(is_closed ? "6" : "5") +
+        "\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n4 0 0\n4 2 0\n0 2 0\n0 0 1\n4 0 1\n4 2 1\n0 2 1\n";
+    const std::string out =
+        "4 0 3 2 1\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n" +
+        std::string(is_closed ? "4 4 5 6 7\n" : "");
+    const std::string in =
+        "4 1 2 3 0\n4 4 5 1 0\n4 6 7 3 2\n4 5 6 2 1\n4 3 7 4 0\n" +
+        std::string(is_closed ? "4 7 6 5 4\n" : "");
+    return text + (inwards ? in : out);
+}
+
+TEST_F(MeasureWays, AFaceThatTheModelLacksIsSeen) {
+    const std::string open = folder_.write("open.ply", box(false)),
+                      closed = folder_.write("closed.ply", box(true)),
+                      inwards = folder_.write("inwards.ply", box(true, true));
+    auto config = build_config(open, "open.slim");
+    config.sharp = "on";
+    build(config);
+    for (const std::string& mesh : {open, closed, inwards}) {
+        SCOPED_TRACE(mesh);
+        const json m = measured(file("open.slim"), mesh, [](MeasureConfig&) {});
+        const double area = mesh == open ? 20 : 28;
+        EXPECT_EQ(m["points"], 8);
+        EXPECT_LT(m["max"].get<double>(), 0.01);  // the vertices are all there
+        EXPECT_NEAR(m["faces"]["area"].get<double>(), area, 1e-9);
+        EXPECT_EQ(m["faces"]["samples"], 200000);
+        EXPECT_NEAR(m["completeness"].get<double>(), 20 / area, 0.004);
+        EXPECT_EQ(m["completeness"], m["faces"]["completeness"]);
+        EXPECT_LT(m["faces"]["opposed"], 100);
+        if (mesh == open) {
+            EXPECT_LT(m["faces"]["l2"].get<double>(), 1e-3);
+        }
+    }
+}
+
+TEST_F(MeasureWays, SamplesOfFacesAreTheSameForAnyThreads) {
+    const std::string mesh = folder_.write("box.ply", box(true));
+    build(build_config(mesh, "box.slim"));
+    const json one = [&] {
+        const ThreadLimit limit(1);
+        return measured(file("box.slim"), mesh, [](MeasureConfig&) {});
+    }();
+    const json all = measured(file("box.slim"), mesh, [](MeasureConfig&) {});
+    EXPECT_EQ(one["faces"], all["faces"]);
+}
+
 TEST_F(MeasureWays, AMeshInAnotherFrameIsRefusedAlsoBothWays) {
     build_sphere();
     const std::string away =

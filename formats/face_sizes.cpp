@@ -1,0 +1,162 @@
+#include "formats/face_sizes.h"
+
+#include "formats/face_triangles.h"
+#include "slim/base/area_vector.h"
+#include "slim/base/bbox.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace slim {
+namespace {
+
+constexpr double kSharpTurn = 40 * M_PI / 180;  // more ends a region
+constexpr double kLeastTurn = 2 * M_PI / 180;   // less does not bend it
+constexpr double kSparseShare = 0.5;            // of a piece's area, in large faces
+
+using Sides = std::span<const FaceEdges::Side>;
+
+/// Which faces, or vertices, are one region or one piece (Tarjan 1975).
+class Groups {
+public:
+    explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+    void join(std::uint32_t i, std::uint32_t j) {
+        i = root(i), j = root(j);
+        parent_[std::max(i, j)] = std::min(i, j);
+    }
+    /// Of each, numbered without gaps, and how many.
+    std::pair<std::vector<std::uint32_t>, std::size_t> numbered() {
+        std::vector<std::uint32_t> out(parent_.size());
+        std::uint32_t n = 0;
+        for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = root(i) == i ? n++ : out[root(i)];
+        return {std::move(out), n};
+    }
+
+private:
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    std::vector<std::uint32_t> parent_;
+};
+
+bool is_smooth(const FaceEdges& edges, const Sides& sides) {
+    return sides.size() == 2 && edges.turn(sides[0], sides[1]) < kSharpTurn;
+}
+
+/// The number of each face's piece, and how many there are.
+using Pieces = std::pair<std::vector<std::uint32_t>, std::size_t>;
+
+Pieces joined_by_vertices(const FaceList& faces) {
+    Groups groups(faces.position.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const std::uint32_t v : faces[f]) groups.join(faces[f][0], v);
+    const auto [number, n] = groups.numbered();
+    std::vector<std::uint32_t> out;
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        out.push_back(faces[f].empty() ? 0 : number[faces[f][0]]);
+    return {std::move(out), n};
+}
+
+Pieces joined_by_edges(const FaceList& faces, const FaceEdges& edges) {
+    Groups groups(faces.size());
+    edges.for_each_edge([&](const Sides& sides) {
+        for (const auto& side : sides) groups.join(sides[0].face, side.face);
+    });
+    return groups.numbered();
+}
+
+/// For each face, whether most of its piece is large faces.
+std::vector<bool> find_sparse(const FaceList& faces, const Pieces& pieces, double large,
+                              double large_share) {
+    const auto& [piece, n] = pieces;
+    std::vector<Bbox> box(n);
+    std::vector<double> area(n), large_area(n), area_of(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const double size = length(area_vector(faces.position, faces[f])) / 2;
+        if (!std::isfinite(size) || !(size > 0)) continue;
+        area_of[f] = size, area[piece[f]] += size;
+        for (const std::uint32_t v : faces[f]) box[piece[f]].extend(faces.position[v]);
+    }
+    std::vector<Vec3d> corners;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (!(area_of[f] > 0)) continue;
+        corners.clear();
+        for (const std::uint32_t v : faces[f]) corners.push_back(faces.position[v]);
+        const double least = std::min(large, large_share * box[piece[f]].diagonal());
+        if (extent_of(corners) > least) large_area[piece[f]] += area_of[f];
+    }
+    std::vector<bool> out(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        out[f] = area_of[f] > 0 && large_area[piece[f]] > kSparseShare * area[piece[f]];
+    return out;
+}
+
+/// Twice the area over the outline of each region; infinite without one.
+std::vector<double> widths(const FaceList& faces, const FaceEdges& edges,
+                           const std::vector<std::uint32_t>& region, std::size_t n) {
+    std::vector<double> area(n), outline(n);
+    for (std::size_t f = 0; f < faces.size(); ++f) area[region[f]] += edges.area(f);
+    edges.for_each_edge([&](const Sides& sides) {
+        if (is_smooth(edges, sides)) return;
+        for (const auto& side : sides) outline[region[side.face]] += edges.length_of(side);
+    });
+    for (std::size_t r = 0; r < n; ++r) area[r] = 2 * area[r] / outline[r];
+    return area;
+}
+
+}  // namespace
+
+double SizedEdge::distance(const Vec3d& p) const {
+    const Vec3d along = to - from;
+    const double t = std::clamp(dot(p - from, along) / sq_length(along), 0.0, 1.0);
+    return length(p - from - t * along);
+}
+
+FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
+    // Pieces that share vertices are found soon, and are one in most scans.
+    std::vector<bool> sparse = find_sparse(faces, joined_by_vertices(faces), large, large_share);
+    if (std::find(sparse.begin(), sparse.end(), true) == sparse.end()) {
+        region_.resize(faces.size()), begin_.resize(2);
+        return;
+    }
+    const FaceEdges edges(faces);
+    sparse = find_sparse(faces, joined_by_edges(faces, edges), large, large_share);
+    Groups groups(faces.size());
+    edges.for_each_edge([&](const Sides& sides) {
+        if (is_smooth(edges, sides)) groups.join(sides[0].face, sides[1].face);
+    });
+    std::size_t n = 0;
+    std::tie(region_, n) = groups.numbered();
+    const std::vector<double> width = widths(faces, edges, region_, n);
+
+    std::vector<std::pair<std::uint32_t, SizedEdge>> found;  // with the region
+    const auto add = [&](const Sides& sides, double size) {
+        const SizedEdge edge{faces.position[sides[0].a], faces.position[sides[0].b], size};
+        std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
+        for (const auto& side : sides)
+            if (std::exchange(last, region_[side.face]) != region_[side.face])
+                found.emplace_back(region_[side.face], edge);
+    };
+    edges.for_each_edge([&](const Sides& sides) {
+        if (!sparse[sides[0].face]) return;
+        if (!is_smooth(edges, sides)) {
+            double size = std::numeric_limits<double>::infinity();
+            for (const auto& side : sides) size = std::min(size, width[region_[side.face]]);
+            add(sides, size);
+        } else if (const double turn = edges.turn(sides[0], sides[1]); turn > kLeastTurn) {
+            add(sides, (edges.width(sides[0]) + edges.width(sides[1])) / 2 / turn);
+        }
+    });
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    begin_.resize(n + 1);
+    for (const auto& [region, edge] : found) ++begin_[region + 1], edges_.push_back(edge);
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+}
+
+}  // namespace slim

@@ -1,0 +1,130 @@
+#include "pipeline/measure/measure_faces.h"
+
+#include "formats/face_triangles.h"
+#include "pipeline/measure/mesh_input.h"
+#include "slim/base/hash.h"
+#include "slim/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace slim {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kSamples = 200'000;
+constexpr std::size_t kGrain = 2048;
+constexpr std::uint64_t kPlaces = 0x73616d70;  // purpose of the hash
+
+/// The triangles of a mesh's faces, and which of them holds a share of the area.
+class FaceArea {
+public:
+    explicit FaceArea(const Mesh& mesh) : mesh_(mesh) {
+        std::vector<Vec3d> corners;
+        double sum = 0;
+        for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+            const auto face = mesh.face(f);
+            corners.clear();
+            for (const std::uint32_t v : face) corners.push_back(mesh.position[v]);
+            const Vec3d area = area_vector(corners);
+            if (face.size() < 3 || !std::isfinite(length(area)) || !(length(area) > 0)) continue;
+            for (const Corners& t : triangles_of(corners, area)) {
+                sum += fan_area(Triangle{corners[t[0]], corners[t[1]], corners[t[2]]});
+                triangles_.push_back({face[t[0]], face[t[1]], face[t[2]]});
+                area_until_.push_back(sum);
+            }
+        }
+    }
+    double area() const { return area_until_.empty() ? 0 : area_until_.back(); }
+
+    struct Sample {
+        Vec3d place, normal;  ///< normal: of any length
+    };
+    /// One of n, each for the same area; the same for the same i.
+    Sample sample(std::size_t i, std::size_t n) const {
+        const auto random = [&](std::uint64_t k) {
+            return unit_interval(keyed_hash(i, k, kPlaces));
+        };
+        const double share = (static_cast<double>(i) + random(0)) / static_cast<double>(n);
+        const auto found =
+            std::upper_bound(area_until_.begin(), area_until_.end() - 1, share * area());
+        const auto& t = triangles_[static_cast<std::size_t>(found - area_until_.begin())];
+        const Vec3d &a = mesh_.position[t[0]], b = mesh_.position[t[1]] - a,
+                    c = mesh_.position[t[2]] - a;
+        double u = random(1), v = random(2);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        return {a + u * b + v * c, cross(b, c)};
+    }
+
+private:
+    const Mesh& mesh_;
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+    std::vector<double> area_until_;
+};
+
+struct Found {
+    double distance = std::numeric_limits<double>::quiet_NaN();  // missed
+    bool opposed = false;
+};
+
+std::vector<Found> put_on(const MeasuredSurface& surface, const FaceArea& faces, bool inwards) {
+    std::vector<Found> found(kSamples);
+    parallel_blocks(kSamples, kGrain, [&](std::size_t begin, std::size_t end) {
+        const PutPoint put = surface.new_projector();
+        for (std::size_t i = begin; i < end; ++i) {
+            const FaceArea::Sample s = faces.sample(i, kSamples);
+            const Vec3d normal = normalized(inwards ? -s.normal : s.normal);
+            const ProjectedPoint at = put(s.place, normal, false);
+            if (at.hit) found[i] = {std::abs(at.hit->t), at.opposed};
+        }
+    });
+    return found;
+}
+
+}  // namespace
+
+json measure_faces(const MeasuredSurface& surface, const std::string& path, bool inwards,
+                   double tolerance, StageContext& context) {
+    const Mesh mesh = read_mesh(path, surface.origin);
+    const FaceArea faces(mesh);
+    if (!(faces.area() > 0) || !std::isfinite(faces.area())) return {};
+    context.check_stop();
+    const std::vector<Found> found = put_on(surface, faces, inwards);
+    std::size_t missed = 0, opposed = 0, within = 0, farthest = kSamples;
+    double sum = 0;
+    LogHistogram distances;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+        const double d = found[i].distance;
+        if (std::isnan(d)) {
+            ++missed;
+            continue;
+        }
+        opposed += found[i].opposed ? 1 : 0;
+        within += d <= tolerance * surface.diagonal ? 1 : 0;
+        sum += d * d;
+        distances.add(d);
+        if (farthest == kSamples || d > found[farthest].distance) farthest = i;
+    }
+    const auto hits = static_cast<double>(kSamples - missed);
+    json out = {{"samples", kSamples},
+                {"area", faces.area()},
+                {"missed", missed},
+                {"opposed", opposed},
+                {"l2", rms(sum, hits, surface.diagonal)},
+                {"max", json()},
+                {"max_at", json()},
+                {"completeness", static_cast<double>(within) / static_cast<double>(kSamples)}};
+    if (farthest < kSamples) {
+        const Vec3d at = faces.sample(farthest, kSamples).place + surface.origin;
+        out["max"] = found[farthest].distance / surface.diagonal;
+        out["max_at"] = {at.x, at.y, at.z};
+    }
+    put_percentiles(distances, surface.diagonal, out);
+    return out;
+}
+
+}  // namespace slim
