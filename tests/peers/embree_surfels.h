@@ -28,9 +28,9 @@ struct Packet {
     using RayHit = std::tuple_element_t<kSize, std::tuple<RTCRayHit4, RTCRayHit8, RTCRayHit16>>;
     using Ray = std::tuple_element_t<kSize, std::tuple<RTCRay4, RTCRay8, RTCRay16>>;
     static constexpr auto intersect =
-        std::get<kSize>(std::tuple(rtcIntersect4, rtcIntersect8, rtcIntersect16));
+        std::get<kSize>(std::tuple(&rtcIntersect4, &rtcIntersect8, &rtcIntersect16));
     static constexpr auto occluded =
-        std::get<kSize>(std::tuple(rtcOccluded4, rtcOccluded8, rtcOccluded16));
+        std::get<kSize>(std::tuple(&rtcOccluded4, &rtcOccluded8, &rtcOccluded16));
 };
 
 /// Surfels as Embree's user geometry; the model and its boxes must outlive it.
