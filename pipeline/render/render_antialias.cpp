@@ -14,7 +14,7 @@ namespace slim {
 namespace {
 
 /// Of windows that samples are drawn in: small ones leave out more of what shows no edge.
-constexpr int kWindowWidth = 256, kWindowHeight = 64;
+constexpr int kWindowWidth = 64, kWindowHeight = 64;
 /// Windows begin with whole tiles of the doubled picture, as parts of a picture do.
 constexpr int kAlign = 16;
 
