@@ -51,8 +51,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// A file of named arrays. Those that are asked for are mapped into memory; pages are read when they
-/// are touched.
+/// A file of named arrays. Those that are asked for are mapped into memory; pages are read when
+/// they are touched.
 ///
 /// open() checks magic, version, byte order, length and the checksums of header and table; verify()
 /// the checksum of a chunk. All throw FormatError naming the file, the place and what is wrong;

@@ -38,7 +38,8 @@ struct FitOptions {
                      {"A", "B", "C"});
         field.choice(
             "sharp", sharp,
-            "edges and corners get surfels of two or three sheets where that takes fewer bytes; auto: "
+            "edges and corners get surfels of two or three sheets where that takes fewer bytes; "
+            "auto: "
             "if about 4 % of the places that are looked at, or more, lie at edges, as of CAD parts",
             {"auto", "on", "off"});
     }

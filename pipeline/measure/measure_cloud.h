@@ -32,8 +32,8 @@ struct CloudFiles {
 };
 
 /// Measures a cloud in one pass, in chunks of 262,144 points with their truth (memory does not grow
-/// with the cloud, but with a mesh's faces: measure_faces.h); the keys of run_measure but leaves, bytes
-/// and diagonal.
+/// with the cloud, but with a mesh's faces: measure_faces.h); the keys of run_measure but leaves,
+/// bytes and diagonal.
 ///
 /// per_point  a PLY of the cloud's points, all of them and in their order, with its normals and, as
 ///            floats (CONVENTIONS 1.5): scalar_distance (signed along the normal, model units),

@@ -19,7 +19,8 @@ struct RenderOutcome {
     int factor = 1;
     int frames = 0;
     bool whole_at_once = false;    ///< whether the picture that this is (a part of) fits one band
-    std::uint64_t smoothed_pixels = 0;  ///< with more than one sample (--antialias), of all pictures
+    /// with more than one sample (--antialias), of all pictures
+    std::uint64_t smoothed_pixels = 0;
     std::uint64_t truth_unknown = 0;
     std::uint64_t plane_bytes = 0;  ///< that a pixel of the frame takes in its planes
     std::uint64_t clamped = 0;     ///< values of EXRs that halves do not hold

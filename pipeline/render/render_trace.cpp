@@ -65,7 +65,8 @@ struct FramePlanes {
     SurfacePlanes planes;
 
     explicit FramePlanes(const RenderedFrame& frame)
-        : normals(turned(frame)), planes{frame.pixels, frame.window, frame.buffer, normals, frame.only} {}
+        : normals(turned(frame)),
+          planes{frame.pixels, frame.window, frame.buffer, normals, frame.only} {}
     FramePlanes(const FramePlanes&) = delete;
     FramePlanes& operator=(const FramePlanes&) = delete;
 

@@ -27,8 +27,9 @@ struct TracedPlanes {
 ///
 /// nodes and surfel_id are those of the model that is hit; unblended pixels keep q^, as in forward
 /// projection. `only`, if given: the window is of a picture of twice the size, of which these
-/// samples are drawn. throws  ConfigError for the camera, the size or the window cost    O(pixels x log
-/// surfels)
+/// samples are drawn.
+/// throws  ConfigError for the camera, the size or the window
+/// cost    O(pixels x log surfels)
 RenderStats render_traced(const TraceScene& scene, const RenderRequest& request, GBuffer& out,
                           TracedPlanes* planes = nullptr, const SampleMask* only = nullptr);
 

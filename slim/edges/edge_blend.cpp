@@ -73,8 +73,7 @@ std::optional<BlendedEdge> EdgeBlender::blend(const Vec3d& p, const EdgeSide& si
             parts_.push_back({static_cast<std::uint32_t>(leaves_.number_of(s)),
                               static_cast<std::uint8_t>(pair)});
             (shows ? sum.shown : sum.cut) += g;
-            constexpr double kSqCore = kSharpHitTrim * kSharpHitTrim;
-            sum.in_core = sum.in_core || (shows && sq_length(own->x) < kSqCore);
+            sum.in_core = sum.in_core || (shows && sq_length(own->x) < kHitTrim * kHitTrim);
             weight += g, sum.radius += g * rho;
             sum.point += (s->center - p + own->x * rho) * g;
             for (std::size_t k = 0; k < 2; ++k) sum.normal[k] += own->normal[k] * g;

@@ -25,7 +25,7 @@ std::optional<Vec3d> place_to_start(const Surfel& s, std::size_t pair) {
     for (const double offset : {0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6}) {
         if (corner && offset == 0.0) continue;
         const auto x = nearest_on_edge(s, sheets, *middle + along * offset);
-        if (x && length(*x) < kSharpHitTrim && edge_shows(s, sheets, *x)) return x;
+        if (x && sq_length(*x) < kHitTrim * kHitTrim && edge_shows(s, sheets, *x)) return x;
     }
     return std::nullopt;
 }

@@ -121,10 +121,11 @@ TEST(Job, SaysWhatWillBeMissing) {
     };
     const std::string drawing = "lines = ['contour', 'suggestive', 'crest', 'crease']\n";
     EXPECT_EQ(missing("degree = 3\nsharp = 'on'\n", drawing), "");
-    EXPECT_EQ(missing("degree = 2\n", drawing),
-              "view v: crest lines: they need degree = 3 in [fit]\n"
-              "view v: crease lines: unless the points lie at edges enough for sharp surfels: sharp = "
-              "\"on\" in [fit] has them always\n");
+    EXPECT_EQ(
+        missing("degree = 2\n", drawing),
+        "view v: crest lines: they need degree = 3 in [fit]\n"
+        "view v: crease lines: unless the points lie at edges enough for sharp surfels: sharp = "
+        "\"on\" in [fit] has them always\n");
     EXPECT_EQ(missing("degree = 3\nsharp = 'off'\n", drawing),
               "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
     EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),
