@@ -53,8 +53,7 @@ FaceEdges::FaceEdges(const FaceList& faces) : faces_(faces) {
         }
     }
     std::sort(sides_.begin(), sides_.end(), [](const Side& s, const Side& t) {
-        return std::tuple(s.a, s.b, s.face) <
-               std::tuple(t.a, t.b, t.face);
+        return std::tuple(s.a, s.b, s.face) < std::tuple(t.a, t.b, t.face);
     });
 }
 

@@ -56,24 +56,45 @@ void FacePoints::sample_sized(const FaceList& faces, std::vector<Point>& out) {
     sizes_.emplace(faces, kLarge * median_, large_share);
     SizedSpacing spacing{kShare, diagonal_ / kFinest, spacing_};
     const double most = kMostPerVertex * std::max(static_cast<double>(n_vertices_), kFewSized);
-    n_wanted_ = count_points(faces, spacing);
-    for (double n = n_wanted_; n > most; n = count_points(faces, spacing))
-        spacing.least *= kCoarser, least_size_ = spacing.least / kShare;
+    if (!are_at_most(most, faces, spacing)) {
+        spacing.least = densest_within(most, faces, spacing);
+        least_size_ = spacing.least / kShare;
+    }
     std::vector<Vec3d> corners;
     for_each_sized_part(faces, *sizes_, spacing, [&](const SizedPart& part) {
         const auto face = faces[part.face];
         corners.clear();
         for (const std::uint32_t v : face) corners.push_back(faces.position[v]);
         sample_triangle(part.corner, part.spacing, normalized(area_vector(corners)), face[0], out);
+        return true;
     });
 }
 
-double FacePoints::count_points(const FaceList& faces, const SizedSpacing& spacing) const {
-    double sum = 0;
+/// Whether so many points are enough; does not look further than that takes.
+bool FacePoints::are_at_most(double most, const FaceList& faces,
+                             const SizedSpacing& spacing) const {
+    double n_points = 0, n_parts = 0;
     for_each_sized_part(faces, *sizes_, spacing, [&](const SizedPart& part) {
-        sum += fan_area(part.corner) / (part.spacing * part.spacing);
+        n_points += fan_area(part.corner) / (part.spacing * part.spacing), ++n_parts;
+        return n_points <= most && n_parts <= most;
     });
-    return sum;
+    return n_points <= most && n_parts <= most;
+}
+
+/// The least spacing, in steps of kCoarser from spacing.least on, that asks for at most so many
+/// points; spacing.most where none does.
+double FacePoints::densest_within(double most, const FaceList& faces,
+                                  const SizedSpacing& spacing) const {
+    const auto at_step = [&](int step) {
+        return SizedSpacing{spacing.share, spacing.least * std::pow(kCoarser, step), spacing.most};
+    };
+    int too_dense = 0, enough = 1;
+    while (at_step(enough).least < spacing.most) ++enough;
+    while (enough - too_dense > 1) {
+        const int middle = (too_dense + enough) / 2;
+        (are_at_most(most, faces, at_step(middle)) ? enough : too_dense) = middle;
+    }
+    return std::min(at_step(enough).least, spacing.most);
 }
 
 void FacePoints::sample(std::span<const Vec3d> corners, std::span<const std::size_t> vertices,

@@ -35,14 +35,13 @@ public:
                 std::vector<Point>& out);
 
     double spacing() const { return spacing_; }
-    /// What sample_sized would add without bound.
-    double n_wanted() const { return n_wanted_; }
     /// The size below which parts have fewer points than they ask for, as there would be too many;
     /// 0: none has.
     double least_size() const { return least_size_; }
 
 private:
-    double count_points(const FaceList& faces, const SizedSpacing& spacing) const;
+    bool are_at_most(double most, const FaceList& faces, const SizedSpacing& spacing) const;
+    double densest_within(double most, const FaceList& faces, const SizedSpacing& spacing) const;
     void sample_triangle(const Triangle& corner, double spacing, const Vec3d& normal,
                          std::size_t vertex, std::vector<Point>& out);
 
@@ -50,7 +49,7 @@ private:
     double area_ = 0, spacing_ = 0, median_ = 0, most_extent_ = 0, diagonal_ = 0;
     std::size_t n_vertices_ = 0;
     std::optional<FaceSizes> sizes_;
-    double least_size_ = 0, n_wanted_ = 0;
+    double least_size_ = 0;
     std::size_t n_faces_ = 0;      ///< given to sample() so far
     std::size_t n_triangles_ = 0;  ///< sampled so far
 };

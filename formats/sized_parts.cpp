@@ -1,5 +1,6 @@
 #include "formats/sized_parts.h"
 
+#include "formats/joined_edges.h"
 #include "slim/base/bbox.h"
 
 #include <algorithm>
@@ -24,11 +25,13 @@ std::vector<SizedEdge> edges_near(Edges edges, const Vec3d& center, double reach
 
 class Divider {
 public:
-    Divider(const SizedSpacing& spacing, const std::function<void(const SizedPart&)>& take)
+    Divider(const SizedSpacing& spacing, const std::function<bool(const SizedPart&)>& take)
         : spacing_(spacing), take_(take) {}
 
+    bool ended() const { return ended_; }
     /// Triangles that lie together are given the edges near them, until these are few.
-    void divide_together(std::span<SizedPart> parts, Edges edges) const {
+    void divide_together(std::span<SizedPart> parts, Edges edges) {
+        if (ended_) return;
         if (parts.size() == 1 || edges.size() <= kFewEdges) {
             for (const SizedPart& part : parts) divide(part, edges);
             return;
@@ -55,7 +58,8 @@ private:
     double most_size() const { return spacing_.most / spacing_.share; }
 
     /// In halves across the longest edge.
-    void divide(SizedPart part, Edges edges) const {
+    void divide(SizedPart part, Edges edges) {
+        if (ended_) return;
         const Triangle& corner = part.corner;
         const Vec3d center = (corner[0] + corner[1] + corner[2]) / 3;
         double reach = 0;
@@ -70,7 +74,10 @@ private:
             for (const double s : {spacing_.at(p, near), spacing_.at((p + q) / 2, near)})
                 least = std::min(least, s), most = std::max(most, s);
         }
-        if (most <= kMostRatio * least || reach < least) return take_(part);
+        if (most <= kMostRatio * least || reach < least) {
+            ended_ = !take_(part);
+            return;
+        }
         const Vec3d p = corner[a], q = corner[(a + 1) % 3], apex = corner[(a + 2) % 3],
                     middle = (p + q) / 2;
         divide({{p, middle, apex}, part.face, 0}, near);
@@ -78,7 +85,8 @@ private:
     }
 
     SizedSpacing spacing_;
-    const std::function<void(const SizedPart&)>& take_;
+    const std::function<bool(const SizedPart&)>& take_;
+    bool ended_ = false;
 };
 
 }  // namespace
@@ -91,7 +99,7 @@ double SizedSpacing::at(const Vec3d& p, std::span<const SizedEdge> edges) const 
 
 void for_each_sized_part(const FaceList& faces, const FaceSizes& sizes,
                          const SizedSpacing& spacing,
-                         const std::function<void(const SizedPart&)>& take) {
+                         const std::function<bool(const SizedPart&)>& take) {
     std::vector<std::vector<SizedPart>> parts(sizes.n_regions());
     std::vector<Vec3d> corners;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
@@ -102,9 +110,9 @@ void for_each_sized_part(const FaceList& faces, const FaceSizes& sizes,
             parts[sizes.region_of(f)].push_back(
                 {{corners[t[0]], corners[t[1]], corners[t[2]]}, f, 0});
     }
-    const Divider divider(spacing, take);
-    for (std::size_t r = 0; r < parts.size(); ++r)
-        if (!parts[r].empty()) divider.divide_together(parts[r], sizes.edges_of(r));
+    Divider divider(spacing, take);
+    for (std::size_t r = 0; r < parts.size() && !divider.ended(); ++r)
+        if (!parts[r].empty()) divider.divide_together(parts[r], joined_edges(sizes.edges_of(r)));
 }
 
 }  // namespace slim

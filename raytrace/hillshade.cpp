@@ -89,10 +89,6 @@ float contour_cover(const Relief& r, double height, float change, float width) {
                     cover_of(r.spacing * r.index_every, 2 * width));
 }
 
-}  // namespace
-
-namespace {
-
 /// What the labels of a row of the frame leave of the lines at its pixels.
 class RowOfGaps {
 public:

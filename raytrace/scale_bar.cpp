@@ -9,9 +9,10 @@
 namespace slim {
 namespace {
 
-std::string text_of(double value, int digits) {
+/// Three digits, or all before the point: "1000", not "1e+03".
+std::string text_of(double value) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    std::snprintf(text, sizeof text, value >= 999.5 && value < 1e7 ? "%.0f" : "%.3g", value);
     return text;
 }
 
@@ -36,8 +37,8 @@ struct Words {
     Words(const ScaleBar& scale, int width) {
         const std::string unit = scale.unit.empty() ? "units" : scale.unit;
         const double units = scale_bar_length(scale, width);
-        length = text_of(units, 3) + " " + unit;
-        pixel = "1 px = " + text_of(1 / scale.px_per_unit, 3) + " " + unit;
+        length = text_of(units) + " " + unit;
+        pixel = "1 px = " + text_of(1 / scale.px_per_unit) + " " + unit;
         bar = static_cast<float>(units * scale.px_per_unit);
     }
 };

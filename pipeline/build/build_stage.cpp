@@ -161,7 +161,8 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result.erase("up_to_date");
     result.erase("recorded");
     result["noise_variance"] = fit.at("noise_variance");
-    result["typical_variance"] = fit.at("typical_variance");
+    if (fit.contains("typical_variance"))
+        result["typical_variance"] = fit.at("typical_variance");
     result["noise"] = noise_over_diagonal(fit.at("noise_variance").get<double>(),
                                           stages.at("slice").at("diagonal").get<double>());
     result["dropped"] = fit.at("dropped_isolated").get<std::uint64_t>() +

@@ -15,15 +15,23 @@ nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges) {
 
 nlohmann::json sharp_of(const nlohmann::json& result) {
     nlohmann::json out = nlohmann::json::object();
-    for (const char* key : {"sharp", "edge_share", "edge_places"})
+    for (const char* key : {"sharp", "edge_share", "edge_places", "sharp_by_faces"})
         if (result.contains(key)) out[key] = result.at(key);
     return out;
 }
 
 std::string edges_text(const nlohmann::json& result) {
-    if (!result.contains("edge_share")) return "";
-    const bool sharp = result.value("sharp", false);
-    const auto places = result.value("edge_places", std::uint64_t{0});
+    const auto is_true = [&](const char* key) {
+        return result.contains(key) && result.at(key) == true;
+    };
+    if (is_true("sharp_by_faces"))
+        return "sharp edges: a mesh of large faces: with sharp surfels (--sharp off: without)";
+    // A manifest may have been edited.
+    if (!result.contains("edge_share") || !result.at("edge_share").is_number() ||
+        !result.contains("edge_places") || !result.at("edge_places").is_number_unsigned())
+        return "";
+    const bool sharp = is_true("sharp");
+    const auto places = result.at("edge_places").get<std::uint64_t>();
     if (places == 0) return "too few points to tell edges by: no sharp surfels (--sharp on: with)";
     return fmt::format("sharp edges: at {:.1f} % of the {} places looked at, {} {:.1f} %: {}",
                        100 * result.at("edge_share").get<double>(), places,

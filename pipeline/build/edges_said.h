@@ -13,7 +13,7 @@ namespace slim {
 /// of places at edges ("edge_share") and how many were looked at ("edge_places").
 nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges);
 
-/// The same keys of another result.
+/// The same keys of another result, and "sharp_by_faces" (is_sharp_by_faces).
 nlohmann::json sharp_of(const nlohmann::json& result);
 
 /// What the points decided and by which number, a line for people without its end; empty where an

@@ -50,14 +50,6 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
     }
 }
 
-/// Whether most points of every input are made of a mesh's faces, without noise: what is not flat
-/// are edges.
-bool is_made_of_faces(const SlicePlan& plan) {
-    return std::all_of(plan.inputs.begin(), plan.inputs.end(), [](const PlanInput& in) {
-        return 2 * in.n_face_points > in.n_points;
-    });
-}
-
 /// lambda at the fewest neighbours that are flat, or at the flattest, over the whole job
 /// (NUMERICS 3.2).
 NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {

@@ -30,8 +30,8 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.windows = options.radius_rule == "windows";
     rules.weight = options.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;
     rules.reading = static_cast<CoverReading>(options.cover[0] - 'A');
-    rules.sharp = options.sharp == "on";
-    rules.ask_for_edges = options.sharp == "auto" && !rules.windows;
+    rules.sharp = options.sharp == "on" || is_sharp_by_faces(options, plan);
+    rules.ask_for_edges = options.sharp == "auto" && !rules.windows && !rules.sharp;
     rules.n_points = plan.n_points;
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
@@ -41,6 +41,10 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
                    roughness > kSmooth && roughness < kNoisy;
     return rules;
+}
+
+bool is_sharp_by_faces(const FitOptions& options, const SlicePlan& plan) {
+    return options.sharp == "auto" && options.radius_rule != "windows" && is_made_of_faces(plan);
 }
 
 nlohmann::json rules_json(const CoverRules& rules) {

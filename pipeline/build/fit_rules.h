@@ -16,6 +16,10 @@ namespace slim {
 CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SlicePlan& plan,
                      const GlobalNoise& noise);
 
+/// Whether --sharp auto needs no look at the points: those of a mesh of large faces have its edges
+/// between them, whatever its thickness (slim/fit/notes/0015).
+bool is_sharp_by_faces(const FitOptions& options, const SlicePlan& plan);
+
 /// What a tree needs to know of a fit, and what all fits of a job must share.
 nlohmann::json rules_json(const CoverRules& rules);
 

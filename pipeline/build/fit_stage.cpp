@@ -184,8 +184,12 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         if (plan.slices.size() == 1) take_sharp(one, sum, context.reporter);
         up_to_date &= one.contains("up_to_date");
     }
+    if (is_sharp_by_faces(config, plan)) {
+        sum["sharp_by_faces"] = true;
+        context.reporter.info(edges_text(sum));
+    }
     sum["noise_variance"] = noise.noise_variance;
-    sum["typical_variance"] = noise.typical_variance;
+    if (!(config.lambda > 0)) sum["typical_variance"] = noise.typical_variance;
     sum["noise_variance_floored"] = noise.floored;
     sum["contrary_share"] = noise.contrary_share;
     sum["follow_normals"] = rules.follow_normals;

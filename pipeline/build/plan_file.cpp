@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -131,6 +132,12 @@ SlicePlan plan_from(const json& j) {
 int version_of(const json& j) { return j.at("version").get<int>(); }
 
 }  // namespace
+
+bool is_made_of_faces(const SlicePlan& plan) {
+    return std::all_of(plan.inputs.begin(), plan.inputs.end(), [](const PlanInput& in) {
+        return 2 * in.n_face_points > in.n_points;
+    });
+}
 
 std::filesystem::path plan_path(const std::filesystem::path& work) { return work / "plan.json"; }
 

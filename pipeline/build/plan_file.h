@@ -54,6 +54,10 @@ struct SlicePlan {
     double coordinate_quantum = 0;  ///< largest step between stored coordinates; 0: not known
 };
 
+/// Whether most points of every input are made of a mesh's faces, without noise: what is not flat
+/// are edges.
+bool is_made_of_faces(const SlicePlan& plan);
+
 /// WORK/plan.json and WORK/slice_0007/points.slice.
 std::filesystem::path plan_path(const std::filesystem::path& work);
 std::filesystem::path slice_folder(const std::filesystem::path& work, std::size_t slice);

@@ -40,13 +40,16 @@ json edges_of_build(const std::string& path) {
     json out = json::object();
     if (!manifest.is_object() || !manifest.contains("result")) return out;
     const json& result = manifest.at("result");
-    if (!result.is_object() || !result.contains("edge_share")) return out;
+    if (!result.is_object()) return out;
+    for (const char* key : {"edge_share", "edge_places", "sharp_by_faces"})
+        if (result.contains(key)) out[key] = result.at(key);
+    if (out.empty()) return out;
     const std::string hash = hash_file(path);
-    for (const json& file : manifest.value("outputs", json::array()))
-        if (file.is_object() && file.value("xxh3_128", "") == hash)
-            for (const char* key : {"edge_share", "edge_places"})
-                if (result.contains(key)) out[key] = result.at(key);
-    return out;
+    const json outputs = manifest.contains("outputs") ? manifest.at("outputs") : json::array();
+    for (const json& file : outputs)
+        if (file.is_object() && file.contains("xxh3_128") && file.at("xxh3_128") == hash)
+            return out;
+    return json::object();
 }
 
 /// Leaves that are not as asked, by cause, over all fits of the model.
@@ -141,8 +144,9 @@ json model_info(const std::string& path) {
     // Older models do not say it.
     if (rules.is_object() && rules.contains("typical_variance") &&
         rules.at("typical_variance").is_number())
-        info["noise_typical"] =
-            noise_over_diagonal(rules.at("typical_variance").get<double>(), header.diagonal);
+        info["noise_typical"] = noise_over_diagonal(
+            std::min(rules.at("typical_variance").get<double>(), header.noise_variance),
+            header.diagonal);
     return info;
 }
 

@@ -144,7 +144,7 @@ private:
         stages.estimate_normals = build.normals == "estimate";
         stages.memory = build.memory;
         stages.degree = build.degree, stages.color = build.color,
-        stages.sharp = build.sharp;
+        stages.sharp = build.radius_rule == "windows" ? "off" : build.sharp;
         for (const fs::path& cloud : clouds_) stages.slice.push_back(cloud.string());
         stages.slice.insert(stages.slice.end(), {"-o", stages.work.string()});
         append_shared<SliceConfig>(stages.slice, table, build);

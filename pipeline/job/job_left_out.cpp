@@ -50,8 +50,8 @@ std::string fit_remedy(LineKind kind, const std::string& sharp) {
 std::string left_to_the_points(const std::string& sharp) {
     if (sharp != "auto") return "";
     return fmt::format(
-        "sharp surfels: unless more than {:.1f} % of the places that the build looks at lie at "
-        "edges (sharp = \"auto\" in [fit]; the build says)",
+        "sharp surfels: unless the cloud is a mesh of large faces, or more than {:.1f} % of the "
+        "places that the build looks at lie at edges (sharp = \"auto\" in [fit]; the build says)",
         100 * kEdgeShare);
 }
 

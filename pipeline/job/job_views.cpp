@@ -93,7 +93,7 @@ void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig&
                 "have: expected degree = 3 in [fit]",
                 degree));
     }
-    if (sharp != "on" && view.lines == std::vector<std::string>{"crease"})
+    if (sharp == "off" && view.lines == std::vector<std::string>{"crease"})
         throw ConfigError(
             "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
     if (contains(aovs, "color") && !color)

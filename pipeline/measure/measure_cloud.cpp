@@ -205,11 +205,16 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
     const bool corners_only = surface.corners_may_miss && meet(sums.box, surface.file.box);
     if (sums.missed == sums.points && !corners_only)
         refuse_all_missed(surface, {files.cloud, sums.box}, sums.points);
+    json faces;
+    if (is_mesh(files.cloud)) try {
+            faces = measure_faces(surface, files.cloud, source->info().faces_turned, tolerance,
+                                  context);
+        } catch (const FormatError& error) {
+            context.reporter.warn(std::string(error.what()) +
+                                  ": figures are of the vertices, not of the faces");
+        }
     if (written) written->commit();
     json out = summary(sums, distances, surface, truth_file.has_value(), tolerance);
-    if (!is_mesh(files.cloud)) return out;
-    json faces =
-        measure_faces(surface, files.cloud, source->info().faces_turned, tolerance, context);
     if (faces.is_null()) return out;
     out["completeness"] = faces["completeness"];
     out["faces"] = std::move(faces);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 namespace slim {
@@ -68,6 +69,7 @@ private:
 
 struct Found {
     double distance = std::numeric_limits<double>::quiet_NaN();  // missed
+    double angle = 0;  ///< between the normals, without sign; degrees
     bool opposed = false;
 };
 
@@ -79,7 +81,10 @@ std::vector<Found> put_on(const MeasuredSurface& surface, const FaceArea& faces,
             const FaceArea::Sample s = faces.sample(i, kSamples);
             const Vec3d normal = normalized(inwards ? -s.normal : s.normal);
             const ProjectedPoint at = put(s.place, normal, false);
-            if (at.hit) found[i] = {std::abs(at.hit->t), at.opposed};
+            if (!at.hit) continue;
+            const double cosine = std::min(1.0, std::abs(dot(normal, at.hit->normal)));
+            found[i] = {std::abs(at.hit->t), std::acos(cosine) * 180 / std::numbers::pi,
+                        at.opposed};
         }
     });
     return found;
@@ -95,7 +100,7 @@ json measure_faces(const MeasuredSurface& surface, const std::string& path, bool
     context.check_stop();
     const std::vector<Found> found = put_on(surface, faces, inwards);
     std::size_t missed = 0, opposed = 0, within = 0, farthest = kSamples;
-    double sum = 0;
+    double sum = 0, sq_angle = 0;
     LogHistogram distances;
     for (std::size_t i = 0; i < kSamples; ++i) {
         const double d = found[i].distance;
@@ -106,6 +111,7 @@ json measure_faces(const MeasuredSurface& surface, const std::string& path, bool
         opposed += found[i].opposed ? 1 : 0;
         within += d <= tolerance * surface.diagonal ? 1 : 0;
         sum += d * d;
+        sq_angle += found[i].angle * found[i].angle;
         distances.add(d);
         if (farthest == kSamples || d > found[farthest].distance) farthest = i;
     }
@@ -115,6 +121,7 @@ json measure_faces(const MeasuredSurface& surface, const std::string& path, bool
                 {"missed", missed},
                 {"opposed", opposed},
                 {"l2", rms(sum, hits, surface.diagonal)},
+                {"normal_rms_deg", rms(sq_angle, hits)},
                 {"max", json()},
                 {"max_at", json()},
                 {"completeness", static_cast<double>(within) / static_cast<double>(kSamples)}};

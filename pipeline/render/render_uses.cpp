@@ -162,8 +162,10 @@ constexpr OptionUse kUses[] = {
     {"bounces", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
-    {"antialias", "a picture of one sample a pixel whose colours may be averaged",
-     " (--supersample 2 takes four everywhere; brute force takes one)", takes_antialias},
+    {"antialias", "shaded pictures and maps with one sample a pixel",
+     " (not for id and level, which are data, nor for lines alone, which are smooth; not with "
+     "--supersample 2, which takes four everywhere, nor with --mode brute)",
+     takes_antialias},
     {"range", "a map that it names", ": such as --aov mean", takes_range},
     {"percentile", "a map with a range of its own", ": such as --aov mean without --range",
      takes_percentile},

@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace slim {
 
@@ -93,9 +94,10 @@ private:
             for (std::size_t part = 0; part < kMembers / kLanes; ++part) {
                 std::array<FloatV, kLanes> some;
                 for (std::size_t lane = 0; lane < kLanes; ++lane)
-                    some[lane].copy_from(
-                        reinterpret_cast<const float*>(rows[lane]) + part * kLanes,
-                        stdx::element_aligned);
+                    std::memcpy(&some[lane],
+                                reinterpret_cast<const char*>(rows[lane]) +
+                                    part * sizeof(FloatV),
+                                sizeof(FloatV));
                 turn(some);
                 std::copy_n(some.begin(), kLanes, columns_.begin() + part * kLanes);
             }

@@ -1,13 +1,16 @@
 #include "formats/face_points.h"
 
 #include "formats/ply_face_normals.h"
+#include "slim/base/hash.h"
 #include "tests/formats/format_support.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slim::test {
@@ -212,6 +215,37 @@ TEST(FacePoints, PlatesThatAreTooThinHaveABoundedNumber) {
     EXPECT_LT(source->info().face_points_from_size, 0.05);
     const auto thick = open_cloud(folder.write("c.ply", cube()), true);
     EXPECT_EQ(thick->info().face_points_from_size, 0);
+}
+
+/// 12,500 strips of their own in a box, as grass has them.
+std::string strips(std::uint64_t seed) {
+    constexpr int kStrips = 12500;
+    std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(4 * kStrips) +
+                       "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                       std::to_string(kStrips) +
+                       "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (std::uint64_t i = 0; i < kStrips; ++i) {
+        const auto at = [&](std::uint64_t k) {
+            return 0.5 * unit_interval(keyed_hash(seed, i, k));
+        };
+        for (const auto& [dx, dy] : {std::pair{0.0, 0.0}, {0.6, 0.0}, {0.6, 0.012}, {0.0, 0.012}})
+            text += std::to_string(at(0) + dx) + ' ' + std::to_string(at(1) + dy) + ' ' +
+                    std::to_string(at(2)) + '\n';
+    }
+    for (int i = 0; i < kStrips; ++i) {
+        text += "4";
+        for (int k = 0; k < 4; ++k) text += ' ' + std::to_string(4 * i + k);
+        text += '\n';
+    }
+    return text;
+}
+
+TEST(FacePoints, TheSearchForTheirNumberEnds) {
+    const TempFolder folder;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const auto source = open_cloud(folder.write("s.ply", strips(seed)), true);
+        EXPECT_LT(source->info().n_face_points, 220000u) << seed;
+    }
 }
 
 TEST(FacePoints, OfASmallSolidBesideALargeOneAreAsDenseAsItAsks) {

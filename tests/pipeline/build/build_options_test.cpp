@@ -1,5 +1,6 @@
 #include "pipeline/build/build_stage.h"
 
+#include "formats/atomic_file.h"
 #include "formats/model_file.h"
 #include "formats/slice_file.h"
 #include "pipeline/build/build_summary.h"
@@ -128,6 +129,11 @@ TEST_F(BuildStage, NoiseSaysWhatEdgesMakeOfIt) {
         said(write(sampled("sphere", 20000, 1, 3e-3), "noisy.ply"));
     EXPECT_NEAR(typical_of_noisy, of_noisy, 0.3 * of_noisy);
     EXPECT_EQ(noisy.find("edges and bends"), std::string::npos) << noisy;
+    // What --lambda says is nobody's measurement.
+    auto config = build_config(file("cube.xyz"), "m.slim");
+    config.lambda = 1e-4;
+    const auto told = build_summary(config.output, config.inputs, build(config));
+    EXPECT_EQ(told.find("edges and bends"), std::string::npos) << told;
 }
 
 TEST_F(BuildStage, EveryLeafOfALowerDegreeHasACause) {
@@ -180,6 +186,32 @@ TEST_F(BuildStage, WindowsHaveNoSharpSurfelsByDefault) {
     EXPECT_FALSE(result.contains("edge_share"));
 }
 
+TEST_F(BuildStage, AMeshOfLargeFacesIsSharpHoweverThinItIs) {
+    // 100 x 60 x 10: in a ball that shows an edge the two sides are back to back.
+    const std::string box = folder_.write(
+        "box.ply",
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n100 0 0\n100 60 0\n0 60 0\n0 0 10\n100 0 10\n100 60 10\n0 60 10\n"
+        "4 0 3 2 1\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n4 4 5 6 7\n");
+    for (const int slices : {1, 3}) {
+        SCOPED_TRACE(slices);
+        auto config = build_config(box, "box.slim");
+        config.slices = slices;
+        const auto result = build(config);
+        EXPECT_EQ(result["sharp"], true);
+        EXPECT_EQ(result["sharp_by_faces"], true);
+        EXPECT_FALSE(result.contains("edge_share"));
+        EXPECT_NE(build_summary(config.output, config.inputs, result).find("mesh of large faces"),
+                  std::string::npos);
+        EXPECT_LT(measure(config.output, box)["faces"]["max"].get<double>(), 1e-3);
+        const std::string by_itself = hash_file(config.output);
+        config.sharp = "on", config.output = file("on.slim");
+        EXPECT_FALSE(build(config).contains("sharp_by_faces"));
+        EXPECT_EQ(hash_file(config.output), by_itself);
+    }
+}
+
 /// By default the points decide about sharp surfels: the model is, bit by bit, that of the option
 /// that comes to the same, and the number that decided is said.
 TEST_F(BuildStage, ThePointsDecideAboutSharpSurfels) {
@@ -206,6 +238,14 @@ TEST_F(BuildStage, ThePointsDecideAboutSharpSurfels) {
             const auto said = run_as("info", info, run_info, silent)["fit"];
             EXPECT_EQ(said["sharp"], is_part);
             EXPECT_EQ(said["edge_share"], result["edge_share"]);
+            const std::string manifest = manifest_path(config.output).string();
+            const std::string written = read_bytes(manifest);
+            std::string edited = written;
+            const std::string key = "\"xxh3_128\":";
+            edited.insert(edited.find(key, edited.find("\"outputs\"")) + key.size(), "5, \"was\":");
+            write_file_atomically(manifest, edited);
+            EXPECT_FALSE(run_as("info", info, run_info, silent)["fit"].contains("edge_share"));
+            write_file_atomically(manifest, written);
             config.t_mdl = 0.02, config.output = file("other.slim");
             build(config);
             std::filesystem::rename(file("other.slim"), file("m.slim"));

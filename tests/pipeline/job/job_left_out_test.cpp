@@ -81,7 +81,7 @@ TEST(Job, WhatLinesTakeIsNotLeftOut) {
         EXPECT_EQ(has_line(text, "curvature: "), !c.second) << c.fit << c.view << text;
         EXPECT_EQ(has_line(text, "third derivatives: "), !c.third) << c.fit << c.view << text;
     }
-    EXPECT_TRUE(has_line(left_out("", ""), "sharp surfels: unless more than 4.4 %"));
+    EXPECT_TRUE(has_line(left_out("", ""), "or more than 4.4 % of the places"));
     for (const char* sharp : {"sharp = 'on'\n", "sharp = 'off'\n"})
         EXPECT_FALSE(has_line(left_out(sharp, ""), "sharp surfels: ")) << sharp;
     EXPECT_TRUE(has_line(left_out("color = true\n", ""), "colours: no view shows them"));

@@ -118,7 +118,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
         {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
         {"[fit.more]\n", "unknown table [more]"},
-        {"[[view]]\nlines = ['crease']\n", "expected sharp = \"on\" in [fit]"},
+        {"[fit]\nsharp = 'off'\n[[view]]\nlines = ['crease']\n", "expected sharp = \"on\" in [fit]"},
         {"[input.scan]\nshape = 'torus'\n", "expected either files or a scan"},
     };
     for (const auto& [text, message] : cases) {
@@ -128,6 +128,7 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         EXPECT_NE(found.find(message), std::string::npos) << found;
         EXPECT_TRUE(found.starts_with(job_folder().string())) << found;
     }
+    EXPECT_EQ(refusal(start + "[[view]]\nlines = ['crease']\n"), "");  // the points decide
     EXPECT_EQ(refusal(start + "[fit]\nsharp = 'on'\n[[view]]\nlines = ['crease']\n"), "");
     EXPECT_NE(refusal("[fit]\ndegree = 2\n").find("no [input]"), std::string::npos);
     EXPECT_NE(refusal("degree = 2\n" + start).find(":1: unknown key 'degree'"), std::string::npos);

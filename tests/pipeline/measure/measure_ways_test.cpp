@@ -100,8 +100,27 @@ TEST_F(MeasureWays, AFaceThatTheModelLacksIsSeen) {
         EXPECT_LT(m["faces"]["opposed"], 100);
         if (mesh == open) {
             EXPECT_LT(m["faces"]["l2"].get<double>(), 1e-3);
+            // Of the vertices, whose normals are means, it is 50 degrees.
+            EXPECT_LT(m["faces"]["normal_rms_deg"].get<double>(), 2);
         }
     }
+}
+
+/// Its own normals make a cloud of it whose faces nobody reads to build it.
+TEST_F(MeasureWays, AMeshWithABadFaceIsMeasuredByItsVertices) {
+    std::string text = box(true);
+    build(build_config(folder_.write("box.ply", text), "box.slim"));
+    text.replace(text.find("4 4 5 6 7"), 9, "4 4 5 6 99");
+    text.replace(text.find("element face"), 0,
+                 "property float nx\nproperty float ny\nproperty float nz\n");
+    for (const char* vertex : {"0 0 0", "4 0 0", "4 2 0", "0 2 0"})
+        text.replace(text.find(std::string(vertex) + "\n") + 5, 0, " 0 0 -1");
+    for (const char* vertex : {"0 0 1", "4 0 1", "4 2 1", "0 2 1"})
+        text.replace(text.find(std::string(vertex) + "\n") + 5, 0, " 0 0 1");
+    const json m =
+        measured(file("box.slim"), folder_.write("bad.ply", text), [](MeasureConfig&) {});
+    EXPECT_EQ(m["points"], 8);
+    EXPECT_FALSE(m.contains("faces"));
 }
 
 TEST_F(MeasureWays, SamplesOfFacesAreTheSameForAnyThreads) {
