@@ -2,6 +2,7 @@
 
 #include "formats/chunk_layout.h"
 #include "formats/chunk_mapping.h"
+#include "formats/file_descriptor.h"
 #include "formats/message.h"
 #include "slim/base/error.h"
 
@@ -21,26 +22,9 @@
 
 namespace slim {
 
-namespace {
-
-/// Closes the descriptor however a function ends.
-struct Descriptor {
-    int fd = -1;
-
-    Descriptor() = default;
-    explicit Descriptor(int opened) : fd(opened) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (fd >= 0) ::close(fd);
-    }
-};
-
-}  // namespace
-
 struct ChunkFile::State {
     std::string path;
-    Descriptor file;
+    FileDescriptor file;
     const char* what = "";
     bool by_pages = false;
     std::uint64_t size = 0;
