@@ -53,6 +53,7 @@ std::string value_text(const std::string& key, const json& value) {
     if (key.ends_with("bytes") && value.is_number_unsigned())
         return memory_size_text(value.get<std::uint64_t>());
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+    if (value.is_object() && value.empty()) return "none";
     if (!value.is_array() || std::any_of(value.begin(), value.end(), [](const json& item) {
             return item.is_structured();
         }))
@@ -95,7 +96,7 @@ void append_summary(const json& result, const std::string& indent,
         const bool is_headline = std::any_of(headlines.begin(), headlines.end(),
                                              [&](const Headline& h) { return h.key == name; });
         if (is_headline && !value.is_structured()) continue;
-        if (value.is_object()) {
+        if (value.is_object() && !value.empty()) {
             out += indent + key + "\n";
             append_summary(value, indent + "  ", {}, out);
         } else if (value.is_array() && !value.empty() && value[0].is_object()) {
