@@ -31,8 +31,8 @@ std::optional<double> fixed_spacing(const RenderConfig& config) {
     if (error == std::errc() && rest == end && value > 0 && std::isnormal(value)) return value;
     // Smaller ones are denormal: heights over them are infinite.
     throw ConfigError(
-        "contours: expected auto, none or a spacing of 2.3e-308 or more in model units, found \"" +
-        config.contours + "\"");
+        "contours: expected auto, none or a spacing above 0 in model units (2.3e-308 at least), "
+        "found \"" + config.contours + "\"");
 }
 
 std::array<Vec3f, 3> float_axes(const std::array<Vec3d, 3>& axes) {
