@@ -18,7 +18,13 @@ std::vector<HeightLabel> contour_heights(const RenderJob& job, const AovLook& lo
     if (job.config.scale_bar)
         sheet.taken.push_back(scale_bar_box({job.size.width / job.camera.width, job.config.unit},
                                             job.size.width, job.size.height));
-    return place_height_labels({reference.buffer, reference.pixels}, relief, sheet);
+    const LineScene view{.buffer = reference.buffer, .view = reference.pixels};
+    std::vector<HeightLabel> labels = place_height_labels(view, relief, sheet);
+    if (!labels.empty()) return labels;
+    // No heavy line has room for its height, or there is none: then any line's.
+    Relief every_line = relief;
+    every_line.index_every = 1;
+    return place_height_labels(view, every_line, sheet);
 }
 
 float contour_width(int picture_height) {

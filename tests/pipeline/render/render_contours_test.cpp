@@ -86,6 +86,19 @@ TEST_F(RenderContours, HeightsAreThoseOfTheWorld) {
     EXPECT_NE(drawing(c).find(">400.5</text>"), std::string::npos);
 }
 
+TEST_F(RenderContours, WithoutAHeavyLineOthersHaveHeights) {
+    SurfelTreeData model = test::sphere_model(1, 600);
+    model.header.origin = {0, 0, 0.5};
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = relief("x.png");
+    c.contours = "0.4";  // heavy ones at 0 and 2 m; from above 0.5 to 1.5 m are seen
+    EXPECT_NE(drawing(c).find(">0.8 m</text>"), std::string::npos);
+    c.contours = "0.2";  // and at 1 m
+    const std::string svg = drawing(c);
+    EXPECT_NE(svg.find(">1 m</text>"), std::string::npos);
+    EXPECT_EQ(svg.find(">0.8 m</text>"), std::string::npos);
+}
+
 TEST_F(RenderContours, WithoutContoursThereIsNoDrawing) {
     RenderConfig c = relief("x.png");
     c.contours = "none";
