@@ -1,7 +1,6 @@
 #include "pipeline/console.h"
 
 #include "pipeline/memory_size.h"
-#include "pipeline/peak_memory.h"
 #include "pipeline/plain_number.h"
 #include "slim/base/error.h"
 
@@ -9,11 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
-#include <vector>
-
-#include <sys/resource.h>
 
 namespace slim {
 namespace {
@@ -76,53 +71,6 @@ TEST(MemorySize, PrintsForPeople) {
     EXPECT_EQ(memory_size_text(1023 << 20), "1023 MiB");
     EXPECT_EQ(memory_size_text(1ull << 30), "1 GiB");
 }
-
-TEST(PeakMemory, TheOuterMeterSeesWhatTheInnerOneSaw) {
-    constexpr std::size_t kBytes = std::size_t{64} << 20;
-    const PeakMeter outer;
-    {
-        const PeakMeter inner;
-        const std::vector<char> block(kBytes, 1);
-        EXPECT_EQ(block[kBytes / 2], 1);
-        EXPECT_GE(inner.bytes(), kBytes);
-    }
-    const PeakMeter later;  // starts anew where the kernel allows it
-    EXPECT_GE(outer.bytes(), kBytes);
-    EXPECT_LE(later.bytes(), outer.bytes());
-}
-
-/// Pages taken anew by a slice that uses one block of so many bytes.
-long new_pages_of_slice(FreedBetweenSlices& freed, std::size_t bytes) {
-    const auto pages = [] {
-        rusage usage{};
-        getrusage(RUSAGE_SELF, &usage);
-        return usage.ru_minflt;
-    };
-    freed.begin_next();
-    const long before = pages();
-    const std::vector<char> block(bytes, 1);
-    EXPECT_EQ(block[bytes / 2], 1);
-    return pages() - before;
-}
-
-#ifndef __SANITIZE_ADDRESS__  // whose allocator keeps what it likes
-TEST(PeakMemory, SlicesFindThePagesOfThoseBeforeWhereThereIsRoom) {
-    constexpr std::size_t kBytes = std::size_t{64} << 20;  // more than glibc keeps by itself
-    constexpr long kPages = kBytes / 4096;
-    const PeakMeter outer;
-    for (const bool is_roomy : {true, false}) {
-        FreedBetweenSlices freed(is_roomy ? std::uint64_t{1} << 40 : kBytes, kBytes);
-        new_pages_of_slice(freed, kBytes);
-        new_pages_of_slice(freed, kBytes);
-        const long third = new_pages_of_slice(freed, kBytes);
-        if (is_roomy)
-            EXPECT_LT(third, kPages / 10);
-        else
-            EXPECT_GT(third, kPages / 600);  // huge pages at the most
-    }
-    keep_freed_memory(false);
-}
-#endif
 
 TEST(PlainNumber, IsWrittenAsPeopleDo) {
     EXPECT_EQ(plain_number(1005.4, 3), "1005");

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
@@ -16,7 +17,53 @@
 namespace slim::test {
 namespace {
 
-constexpr std::size_t kThreads = 8, kMiB = std::size_t{1} << 20;
+[[maybe_unused]] constexpr std::size_t kThreads = 8, kMiB = std::size_t{1} << 20;
+
+TEST(PeakMemory, TheOuterMeterSeesWhatTheInnerOneSaw) {
+    constexpr std::size_t kBytes = std::size_t{64} << 20;
+    const PeakMeter outer;
+    {
+        const PeakMeter inner;
+        const std::vector<char> block(kBytes, 1);
+        EXPECT_EQ(block[kBytes / 2], 1);
+        EXPECT_GE(inner.bytes(), kBytes);
+    }
+    const PeakMeter later;  // starts anew where the kernel allows it
+    EXPECT_GE(outer.bytes(), kBytes);
+    EXPECT_LE(later.bytes(), outer.bytes());
+}
+
+/// Pages taken anew by a slice that uses one block of so many bytes.
+long new_pages_of_slice(FreedBetweenSlices& freed, std::size_t bytes) {
+    const auto pages = [] {
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        return usage.ru_minflt;
+    };
+    freed.begin_next();
+    const long before = pages();
+    const std::vector<char> block(bytes, 1);
+    EXPECT_EQ(block[bytes / 2], 1);
+    return pages() - before;
+}
+
+#ifndef __SANITIZE_ADDRESS__  // whose allocator keeps what it likes
+TEST(PeakMemory, SlicesFindThePagesOfThoseBeforeWhereThereIsRoom) {
+    constexpr std::size_t kBytes = std::size_t{64} << 20;  // more than glibc keeps by itself
+    constexpr long kPages = kBytes / 4096;
+    const PeakMeter outer;
+    for (const bool is_roomy : {true, false}) {
+        FreedBetweenSlices freed(is_roomy ? std::uint64_t{1} << 40 : kBytes, kBytes);
+        new_pages_of_slice(freed, kBytes);
+        new_pages_of_slice(freed, kBytes);
+        const long third = new_pages_of_slice(freed, kBytes);
+        if (is_roomy)
+            EXPECT_LT(third, kPages / 10);
+        else
+            EXPECT_GT(third, kPages / 600);  // huge pages at the most
+    }
+    keep_freed_memory(false);
+}
 
 /// Addresses that this process has in use, as `ulimit -v` counts them.
 std::size_t address_space() {
@@ -57,6 +104,7 @@ TEST(PeakMemoryDeathTest, ThreadsShareOneHeapUnderALimitOnAddresses) {
     EXPECT_EXIT(end_by_addresses(true), testing::ExitedWithCode(0), "");
     EXPECT_EXIT(end_by_addresses(false), testing::ExitedWithCode(1), "");  // each has its own
 }
+#endif
 
 }  // namespace
 }  // namespace slim::test
