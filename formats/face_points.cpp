@@ -1,5 +1,6 @@
 #include "formats/face_points.h"
 
+#include "slim/base/area_vector.h"
 #include "slim/base/hash.h"
 
 #include <algorithm>
@@ -60,12 +61,10 @@ void FacePoints::sample_sized(const FaceList& faces, std::vector<Point>& out) {
         spacing.least = densest_within(most, faces, spacing);
         least_size_ = spacing.least / kShare;
     }
-    std::vector<Vec3d> corners;
     for_each_sized_part(faces, *sizes_, spacing, [&](const SizedPart& part) {
         const auto face = faces[part.face];
-        corners.clear();
-        for (const std::uint32_t v : face) corners.push_back(faces.position[v]);
-        sample_triangle(part.corner, part.spacing, normalized(area_vector(corners)), face[0], out);
+        sample_triangle(part.corner, part.spacing, normalized(area_vector(faces.position, face)),
+                        face[0], out);
         return true;
     });
 }

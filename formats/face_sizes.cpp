@@ -1,6 +1,7 @@
 #include "formats/face_sizes.h"
 
 #include "formats/face_triangles.h"
+#include "formats/joined_edges.h"
 #include "slim/base/area_vector.h"
 #include "slim/base/bbox.h"
 
@@ -134,13 +135,13 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
     std::tie(region_, n) = groups.numbered();
     const std::vector<double> width = widths(faces, edges, region_, n);
 
-    std::vector<std::pair<std::uint32_t, SizedEdge>> found;  // with the region
+    std::vector<std::vector<SizedEdge>> found(n);  // of each region
     const auto add = [&](const Sides& sides, double size) {
         const SizedEdge edge{faces.position[sides[0].a], faces.position[sides[0].b], size};
         std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
         for (const auto& side : sides)
             if (std::exchange(last, region_[side.face]) != region_[side.face])
-                found.emplace_back(region_[side.face], edge);
+                found[region_[side.face]].push_back(edge);
     };
     edges.for_each_edge([&](const Sides& sides) {
         if (!sparse[sides[0].face]) return;
@@ -152,11 +153,12 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             add(sides, (edges.width(sides[0]) + edges.width(sides[1])) / 2 / turn);
         }
     });
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    begin_.resize(n + 1);
-    for (const auto& [region, edge] : found) ++begin_[region + 1], edges_.push_back(edge);
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    begin_.push_back(0);
+    for (const std::vector<SizedEdge>& of_region : found) {
+        const std::vector<SizedEdge> few = joined_edges(of_region);
+        edges_.insert(edges_.end(), few.begin(), few.end());
+        begin_.push_back(edges_.size());
+    }
 }
 
 }  // namespace slim

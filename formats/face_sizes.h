@@ -35,7 +35,7 @@ public:
 
     std::size_t n_regions() const { return begin_.size() - 1; }
     std::uint32_t region_of(std::size_t face) const { return region_[face]; }
-    /// Empty if nothing is said of the region.
+    /// Empty if nothing is said of the region; chains of short edges are one (joined_edges.h).
     std::span<const SizedEdge> edges_of(std::size_t region) const {
         return std::span(edges_).subspan(begin_[region], begin_[region + 1] - begin_[region]);
     }

@@ -31,13 +31,6 @@ bool is_ear(std::span<const Vec3d> corners, std::span<const std::size_t> ring, c
 
 }  // namespace
 
-Vec3d area_vector(std::span<const Vec3d> corners) {
-    Vec3d sum;
-    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
-        sum += cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
-    return sum;
-}
-
 double fan_area(std::span<const Vec3d> corners) {
     double sum = 0;
     for (std::size_t k = 1; k + 1 < corners.size(); ++k)

@@ -12,9 +12,6 @@ namespace slim {
 using Corners = std::array<std::size_t, 3>;
 using Triangle = std::array<Vec3d, 3>;
 
-/// Along a face's normal, twice its area long; of one that is not flat the sum of its fan.
-Vec3d area_vector(std::span<const Vec3d> corners);
-
 /// Of all triangles of the fan, which are what gets points: of a folded face more than its vector's
 /// length.
 double fan_area(std::span<const Vec3d> corners);

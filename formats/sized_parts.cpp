@@ -1,6 +1,6 @@
 #include "formats/sized_parts.h"
 
-#include "formats/joined_edges.h"
+#include "slim/base/area_vector.h"
 #include "slim/base/bbox.h"
 
 #include <algorithm>
@@ -112,7 +112,7 @@ void for_each_sized_part(const FaceList& faces, const FaceSizes& sizes,
     }
     Divider divider(spacing, take);
     for (std::size_t r = 0; r < parts.size() && !divider.ended(); ++r)
-        if (!parts[r].empty()) divider.divide_together(parts[r], joined_edges(sizes.edges_of(r)));
+        if (!parts[r].empty()) divider.divide_together(parts[r], sizes.edges_of(r));
 }
 
 }  // namespace slim

@@ -26,8 +26,8 @@ struct SizedPart {
 
 /// Gives faces of known sizes in triangles within which the spacing differs little (by 2, or less
 /// than they are wide), until `take` returns false.
-/// cost  of n triangles with m edges about their region, joined (joined_edges.h), some n log m; n m
-///       where triangles are as large as the region
+/// cost  of n triangles with m edges about their region some n log m; n m where triangles are as
+///       large as the region
 void for_each_sized_part(const FaceList& faces, const FaceSizes& sizes,
                          const SizedSpacing& spacing,
                          const std::function<bool(const SizedPart&)>& take);

@@ -17,7 +17,7 @@ nlohmann::json sharp_json(const CoverRules& rules, const EdgeShare& edges);
 nlohmann::json sharp_of(const nlohmann::json& result);
 
 /// What the points decided and by which number, a line for people without its end; empty where an
-/// option decided. result: with the keys of sharp_json
+/// option decided. result: with the keys of sharp_of
 std::string edges_text(const nlohmann::json& result);
 
 }  // namespace slim

@@ -39,8 +39,8 @@ struct FitOptions {
         field.choice(
             "sharp", sharp,
             "edges and corners get surfels of two or three sheets where that takes fewer bytes; "
-            "auto: "
-            "if about 4 % of the places that are looked at, or more, lie at edges, as of CAD parts",
+            "auto: of a mesh of large faces, and if about 4 % of the places that are looked at, or "
+            "more, lie at edges, as of CAD parts",
             {"auto", "on", "off"});
     }
 };

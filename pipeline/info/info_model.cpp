@@ -31,9 +31,9 @@ json fit_options(const json& provenance) {
     return out;
 }
 
-/// By which share of places at edges the build decided about sharp surfels: of its manifest beside
-/// the model, if this is still the file that it wrote; nothing of others, and where an option
-/// decided.
+/// By which share of places at edges, or that by its large faces, the build decided about sharp
+/// surfels: of its manifest beside the model, if this is still the file that it wrote; nothing of
+/// others, and where an option decided.
 json edges_of_build(const std::string& path) {
     std::ifstream in(manifest_path(path));
     const json manifest = json_or_discarded(in);

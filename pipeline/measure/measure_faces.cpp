@@ -2,10 +2,12 @@
 
 #include "formats/face_triangles.h"
 #include "pipeline/measure/mesh_input.h"
+#include "slim/base/area_vector.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -11,10 +11,14 @@ namespace slim {
 
 inline bool is_traced(const RenderConfig& config) { return config.mode == "raytrace"; }
 
-/// Whether --antialias has anything to do: --supersample 2 draws all samples, and by brute force
-/// there is one a pixel.
+/// One sample a pixel, to which --antialias may add: --supersample 2 draws all samples, and by
+/// brute force there are no others.
+inline bool has_one_sample(const RenderConfig& config) {
+    return config.supersample == 1 && config.mode != "brute";
+}
+/// Whether --antialias has anything to do.
 inline bool antialiases(const RenderConfig& config) {
-    return config.antialias && config.supersample == 1 && config.mode != "brute";
+    return config.antialias && has_one_sample(config);
 }
 
 /// --ground-height; none is "auto". Throws ConfigError.

@@ -8,8 +8,9 @@
 
 namespace slim {
 
-/// Heights along the index contours of a relief and their places, by a frame of the whole picture
-/// (which may be smaller). None in films: they would jump from picture to picture.
+/// Heights along the index contours of a relief, along any lines if none of these has one, and
+/// their places, by a frame of the whole picture (which may be smaller). None in films: they would
+/// jump from picture to picture.
 std::vector<HeightLabel> contour_heights(const RenderJob& job, const AovLook& look,
                                          const RenderedFrame& reference);
 

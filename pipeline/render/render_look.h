@@ -22,7 +22,7 @@ struct AovLook {
     /// what the legend points to, if made for this picture
     std::shared_ptr<const ColorMap> own_map;
     LegendPlace place = LegendPlace::right;
-    std::vector<HeightLabel> heights = {};  ///< of a relief's index contours
+    std::vector<HeightLabel> heights = {};  ///< of a relief's contour lines
 
     bool on_white() const { return legend.has_value() || key.has_value(); }
 };

@@ -2,6 +2,7 @@
 
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
+#include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_view.h"
 #include "raytrace/camera.h"
@@ -132,7 +133,7 @@ bool leaves_room(const RenderConfig& config, const Aovs&) { return frames_by_nam
 
 /// A picture with one sample a pixel that may have more.
 bool takes_antialias(const RenderConfig& config, const Aovs& aovs) {
-    return config.supersample == 1 && config.mode != "brute" &&
+    return has_one_sample(config) &&
            std::any_of(aovs.begin(), aovs.end(), [](const std::string& aov) {
                return aov != "lines" && is_filterable(aov);
            });

@@ -11,7 +11,14 @@ namespace slim {
 /// Along a polygon's normal (right-handed), twice its area long: by triangles about its first
 /// corner. Zero for fewer than three corners; of a polygon that is not flat the sum of its
 /// triangles.
-/// corner  indices into `position`
+inline Vec3d area_vector(std::span<const Vec3d> corners) {
+    Vec3d sum;
+    for (std::size_t k = 2; k < corners.size(); ++k)
+        sum += cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+    return sum;
+}
+
+/// The same of corners that are indices into `position`.
 inline Vec3d area_vector(std::span<const Vec3d> position, std::span<const std::uint32_t> corner) {
     Vec3d sum;
     for (std::size_t k = 2; k < corner.size(); ++k)
