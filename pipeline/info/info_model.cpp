@@ -66,10 +66,22 @@ json fallback_sums(const json& provenance) {
     return sums;
 }
 
+/// Points that the fits left out, by cause.
+json dropped_sums(const json& provenance) {
+    std::map<std::string, std::uint64_t> sums;
+    if (provenance.is_object() && provenance.contains("fits"))
+        for (const json& fit : provenance.at("fits"))
+            for (const char* cause : {"isolated", "beside", "unexplained"})
+                sums[cause] += fit.value(std::string("dropped_") + cause, std::uint64_t{0});
+    return sums;
+}
+
 /// throws FormatError if the provenance is not what a model of this program says of itself
 json provenance_info(const std::string& path, const json& provenance) {
     try {
-        return {{"fit", fit_options(provenance)}, {"fallbacks", fallback_sums(provenance)}};
+        return {{"fit", fit_options(provenance)},
+                {"fallbacks", fallback_sums(provenance)},
+                {"dropped", dropped_sums(provenance)}};
     } catch (const json::exception& error) {
         throw FormatError(fmt::format("{}: chunk provenance: {}", path, error.what()));
     }
@@ -140,6 +152,7 @@ json model_info(const std::string& path) {
               {"radius_not_chosen", leaves.forced}}},
             {"fit", said.at("fit")},
             {"fallbacks", said.at("fallbacks")},
+            {"dropped", said.at("dropped")},
             {"provenance", provenance}};
     // Older models do not say it.
     if (rules.is_object() && rules.contains("typical_variance") &&

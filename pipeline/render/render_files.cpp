@@ -80,6 +80,13 @@ void add_color(const Picture& picture, const std::string& layer,
     }
 }
 
+/// 1 at hits: tells background from what is 0 in a file without a colour.
+void add_hits(const GBuffer& buffer, std::vector<std::vector<float>>& planes,
+              std::vector<ExrChannel>& out) {
+    planes.emplace_back(buffer.hit.begin(), buffer.hit.end());
+    out.push_back({"A", ChannelType::half_float, planes.back(), {}});
+}
+
 void add_second_direction(const GBuffer& buffer, std::vector<std::vector<float>>& planes,
                           std::vector<ExrChannel>& out) {
     const char* const names[] = {"dir2.X", "dir2.Y", "dir2.Z"};
@@ -208,9 +215,10 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      std::vector<std::vector<float>>& planes) {
     std::vector<ExrChannel> out;
     // The channels look at the planes' values, which moving a vector keeps.
-    planes.reserve(4 * colors.size() + 3 + lines.kinds.size() + 1);
+    planes.reserve(4 * colors.size() + 1 + 3 + lines.kinds.size() + 1);
     for (const ColorPlane& color : colors)
         add_color(color.picture, out.empty() ? "" : color.aov + ".", planes, out);
+    if (colors.empty()) add_hits(frame.buffer, planes, out);
     for (const std::string& aov : aovs) {
         if (aov == "dir2") add_second_direction(frame.buffer, planes, out);
         if (aov == "id")

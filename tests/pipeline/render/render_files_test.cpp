@@ -148,9 +148,23 @@ TEST_F(RenderFiles, OnlyWhatIsAskedIsInTheExr) {
     c.aov = {"depth", "k1"};
     run(c);
     const ExrImage image = read_exr(file("x.exr"));
-    EXPECT_EQ(image.channels.size(), 2u);
+    EXPECT_EQ(image.channels.size(), 3u);
     EXPECT_TRUE(image.channels.contains("Z"));
     EXPECT_TRUE(image.channels.contains("curvature.k1"));
+}
+
+// CONVENTIONS 1.1: no hit is A = 0, in files without a colour too.
+TEST_F(RenderFiles, AnExrOfDataAloneTellsBackgroundFromZero) {
+    RenderConfig c = config("x.exr");
+    c.aov = {"mean", "depth"};
+    run(c);
+    const ExrImage image = read_exr(file("x.exr"));
+    const auto& a = image.channels.at("A").floats;
+    const auto& depth = image.channels.at("Z").floats;
+    ASSERT_EQ(a.size(), depth.size());
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i], depth[i] > 0 ? 1 : 0) << i;
+    EXPECT_GT(std::count(a.begin(), a.end(), 1), 100);
+    EXPECT_GT(std::count(a.begin(), a.end(), 0), 100);
 }
 
 TEST_F(RenderFiles, DataAreNotAveragedButColourIs) {
