@@ -31,7 +31,7 @@ struct AovLook {
 /// longer side, so that all parts of a picture and all frames of a film agree.
 /// `wider`, if given, is held by the range of a map.
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const Relief& relief, const ValueRange* wider = nullptr);
+                double diagonal, const ContourLevels& contours, const ValueRange* wider = nullptr);
 
 /// A map's range by a reference frame alone.
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
