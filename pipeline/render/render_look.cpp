@@ -151,15 +151,20 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
 LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
                        const PictureSize& size) {
     if (!config.legend_room && !has_legend(config, drawn)) return {};
-    const bool all = config.legend_room || legends_of(config, drawn) == Legends::maps;
+    const auto room_of = [&](const std::vector<std::string>& aovs) {
+        RoomOfWords room(config, size);
+        for (const std::string& aov : aovs) {
+            if (const auto legend = expected_legend(config, aov)) room.add(*legend);
+            if (const auto key = expected_key(config, aov)) room.add(*key);
+        }
+        return room.room();
+    };
+    const LegendRoom own = room_of(drawn);
+    if (!config.legend_room && (own.right <= 0 || legends_of(config, drawn) != Legends::maps))
+        return own;
     RenderConfig any;
     const FieldList fields = fields_of(any);
-    RoomOfWords room(config, size);
-    for (const std::string& aov : all ? fields.find("aov")->choices : drawn) {
-        if (const auto legend = expected_legend(config, aov)) room.add(*legend);
-        if (const auto key = expected_key(config, aov)) room.add(*key);
-    }
-    return room.room();
+    return room_of(fields.find("aov")->choices);
 }
 
 }  // namespace slim

@@ -40,11 +40,16 @@ Background gradient() { return {*parse_color("#eef0f2"), *parse_color("#b4b9c1")
 
 /// A path's pictures have the legend where the first has it: at the right. At one scale for all
 /// sides a corner that is free of one's own may not be.
-LegendRoom kept_room(const RenderConfig& config, const LegendRoom& room) {
+LegendRoom kept_room(const RenderConfig& config, const PictureSize& size, const LegendRoom& room) {
     if (config.ortho_width > 0) return {};
     if (!config.path.empty()) return LegendRoom::strip_at_right(room.right);
     LegendRoom kept = room;
     if (config.same_scale) kept.corner_width = 0;
+    else if (config.scale_bar) {
+        kept.bar_width =
+            static_cast<double>(scale_bar_most(size.width, size.height)) / size.width;
+        kept.bar_height = scale_bar_share(size.width, size.height);
+    }
     return kept;
 }
 
@@ -113,7 +118,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                                                  ? scale_bar_share(size.width, size.height)
                                                  : 0};
         const Framed framed(model.bounds, model.hull);
-        const LegendRoom kept = kept_room(config, room);
+        const LegendRoom kept = kept_room(config, size, room);
         const FramedCamera named = framed_beside(config.camera, framed, aspect, framing, kept);
         camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
