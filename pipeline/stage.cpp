@@ -184,8 +184,14 @@ bool asks_json(int argc, char** argv) {
                        [](const char* a) { return std::string_view(a) == "--json"; });
 }
 
+}  // namespace
+
+bool runs_in_a_job() { return std::getenv(kErrorsByParent) != nullptr; }
+
+namespace {
+
 int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {
-    if (!as_json || !std::getenv(kErrorsByParent))
+    if (!as_json || !runs_in_a_job())
         Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
     if (as_json) {
         const json error = {{"error", {{"code", static_cast<int>(code)}, {"message", what}}}};

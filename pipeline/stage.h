@@ -93,6 +93,8 @@ struct ErasedStage {
 
 /// Set in the environment of a step that `slim run` starts: its parent says what went wrong.
 inline constexpr const char* kErrorsByParent = "SLIM_ERRORS_BY_PARENT";
+/// Whether `slim run` runs this step of a job: its reader changes keys of a job, not options.
+bool runs_in_a_job();
 
 /// A result for people: the headlines that it has first, then the rest by name.
 std::string summary_text(const nlohmann::json& result, const std::vector<Headline>& headlines);

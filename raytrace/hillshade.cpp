@@ -121,6 +121,24 @@ double contour_spacing(double low, double high) {
     return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
 }
 
+namespace {
+
+/// Multiples of a step in [low, high].
+std::int64_t n_multiples(double step, double low, double high) {
+    if (!std::isfinite(step)) return low <= 0 && high >= 0 ? 1 : 0;
+    const double n = std::floor(high / step) - std::ceil(low / step) + 1;
+    return static_cast<std::int64_t>(std::clamp(n, 0.0, 1e15));
+}
+
+}  // namespace
+
+ContourLevels contour_levels(const Relief& r, double low, double high) {
+    if (!(r.spacing > 0)) return {0, 0, low, high, 0, 0};
+    const double heavy = r.spacing * r.index_every;
+    return {r.spacing, heavy, low, high, n_multiples(r.spacing, low, high),
+            n_multiples(heavy, low, high)};
+}
+
 std::array<double, 2> height_span(const GBuffer& frame, const Relief& relief, double percent) {
     std::vector<float> heights;
     for (std::size_t i = 0; i < frame.n_pixels(); ++i)

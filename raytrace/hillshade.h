@@ -7,6 +7,7 @@
 #include "raytrace/shade.h"
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 namespace slim {
@@ -24,6 +25,15 @@ struct Relief {
 /// Spacing of the form {1, 2, 5} * 10^k that makes about 20 contour lines of the heights between
 /// `low` and `high`; 0 if these are equal.
 double contour_spacing(double low, double high);
+
+/// The contour lines of a relief among some heights.
+struct ContourLevels {
+    double spacing = 0, heavy_spacing = 0;  ///< as asked for, whether or not there are lines
+    double low = 0, high = 0;     ///< heights in the world, both included
+    /// how many lines lie there, and of these the heavier ones; 1e15 at most
+    std::int64_t lines = 0, heavy = 0;
+};
+ContourLevels contour_levels(const Relief& relief, double low, double high);
 
 /// Relief shading in grey (the cosine to the sun over a soft ambient) with contour lines in brown,
 /// of rows of a frame that holds normals, and positions for contour lines.

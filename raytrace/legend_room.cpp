@@ -83,6 +83,12 @@ bool has_free_corner(const Camera& camera, const Framed& framed, double aspect,
            apart(hull, {0, 0}, {w, h}) || (lower_left && apart(hull, {0, 1 - h}, {w, 1}));
 }
 
+bool is_clear_of_bar(const Camera& camera, const Framed& framed, double aspect,
+                     const LegendRoom& room) {
+    return apart(hull_of(seen(camera, framed, aspect)), {0, 1 - room.bar_height},
+                 {room.bar_width, 1});
+}
+
 /// What is larger is nearer to the camera, or seen by a narrower one.
 double smallness(const Camera& camera) {
     return camera.orthographic ? camera.width : length(camera.eye - camera.target);
@@ -97,10 +103,18 @@ FramedCamera framed_beside(std::string_view name, const Framed& framed, double a
         own.free_right = free_right, own.free_bottom = free_bottom;
         return framed_camera(name, framed, aspect, own);
     };
-    const FramedCamera beside = with(room.right, framing.free_bottom);
+    const auto beside_bar = [&](double free_right) {
+        if (framing.free_bottom > 0 && framing.turns <= 1 && room.bar_width > 0 &&
+            !framed.box.empty()) {
+            const FramedCamera bare = with(free_right, 0);
+            if (is_clear_of_bar(bare.camera, framed, aspect, room)) return bare;
+        }
+        return with(free_right, framing.free_bottom);
+    };
+    const FramedCamera beside = beside_bar(room.right);
     if (room.right <= 0 || framing.turns > 1) return beside;
     if (room.corner_width > 0 && !framed.box.empty()) {
-        const FramedCamera bare = with(0, framing.free_bottom);
+        const FramedCamera bare = beside_bar(0);
         if (has_free_corner(bare.camera, framed, aspect, room, framing.free_bottom <= 0))
             return bare;
     }

@@ -69,7 +69,8 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("at the place of another, left out: {}\n", counted(n, "point"));
     if (const auto n = count(result, "dropped"))
         text += fmt::format("strays, left out: {}\n", counted(n, "point"));
-    if (const std::string edges = edges_text(result); !edges.empty()) text += edges + "\n";
+    if (const std::string edges = edges_text(result, Remedies::of_a_command); !edges.empty())
+        text += edges + "\n";
     text += stretched_diagonal(result);
     if (const auto n = count(result, "loose"))
         text += fmt::format(

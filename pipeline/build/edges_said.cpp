@@ -20,24 +20,30 @@ nlohmann::json sharp_of(const nlohmann::json& result) {
     return out;
 }
 
-std::string edges_text(const nlohmann::json& result) {
+std::string edges_text(const nlohmann::json& result, Remedies remedies) {
+    const auto with = [&](const char* value, const char* comes) {
+        return remedies == Remedies::of_a_job
+                   ? fmt::format("(fit.sharp = \"{}\": {})", value, comes)
+                   : fmt::format("(--sharp {}: {})", value, comes);
+    };
     const auto is_true = [&](const char* key) {
         return result.contains(key) && result.at(key) == true;
     };
     if (is_true("sharp_by_faces"))
-        return "sharp edges: a mesh of large faces: with sharp surfels (--sharp off: without)";
+        return "sharp edges: a mesh of large faces: with sharp surfels " + with("off", "without");
     // A manifest may have been edited.
     if (!result.contains("edge_share") || !result.at("edge_share").is_number() ||
         !result.contains("edge_places") || !result.at("edge_places").is_number_unsigned())
         return "";
     const bool sharp = is_true("sharp");
     const auto places = result.at("edge_places").get<std::uint64_t>();
-    if (places == 0) return "too few points to tell edges by: no sharp surfels (--sharp on: with)";
+    if (places == 0)
+        return "too few points to tell edges by: no sharp surfels " + with("on", "with");
     return fmt::format("sharp edges: at {:.1f} % of the {} places looked at, {} {:.1f} %: {}",
                        100 * result.at("edge_share").get<double>(), places,
                        sharp ? "above" : "not above", 100 * kEdgeShare,
-                       sharp ? "with sharp surfels (--sharp off: without)"
-                             : "without sharp surfels (--sharp on: with)");
+                       sharp ? "with sharp surfels " + with("off", "without")
+                             : "without sharp surfels " + with("on", "with"));
 }
 
 }  // namespace slim

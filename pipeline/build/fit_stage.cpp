@@ -112,10 +112,14 @@ nlohmann::json fit_slice(const FitConfig& config, const SlicePlan& plan, CoverRu
     return stamp.commit(std::move(result), Outlasts::process);
 }
 
+Remedies remedies() {
+    return runs_in_a_job() ? Remedies::of_a_job : Remedies::of_a_command;
+}
+
 /// What a fit's result says of sharp surfels, for the whole job and its reader.
 void take_sharp(const nlohmann::json& one, nlohmann::json& sum, Reporter& reporter) {
     sum.update(sharp_of(one));
-    if (const std::string text = edges_text(one); !text.empty()) reporter.info(text);
+    if (const std::string text = edges_text(one, remedies()); !text.empty()) reporter.info(text);
 }
 
 /// What a usual slice of several takes.
@@ -186,7 +190,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
     }
     if (is_sharp_by_faces(config, plan)) {
         sum["sharp_by_faces"] = true;
-        context.reporter.info(edges_text(sum));
+        context.reporter.info(edges_text(sum, remedies()));
     }
     sum["noise_variance"] = noise.noise_variance;
     if (!(config.lambda > 0)) sum["typical_variance"] = noise.typical_variance;

@@ -51,6 +51,7 @@ struct Job {
     std::vector<JobStep> steps;
     BuildStages stages;
     std::vector<std::string> left_out;  ///< "curvature: no AOV and no line asks for it"
+    std::vector<std::string> uncertain;  ///< "view front: crease lines: drawn if the points ..."
     std::vector<std::string> missing;   ///< "view front: crest lines: they
                                         ///< need degree = 3 in [fit]"
 };

@@ -41,8 +41,8 @@ ViewWork work_of(const AskedView& view, const BuildStages& stages) {
 std::string fit_remedy(LineKind kind, const std::string& sharp) {
     if (!is_crease(kind)) return fmt::format("they need degree = {} in [fit]", line_degree(kind));
     if (sharp == "auto")
-        return "unless the points lie at edges enough for sharp surfels: sharp = \"on\" in [fit] "
-               "has them always";
+        return "drawn if the points lie at edges enough for sharp surfels: sharp = \"on\" in [fit] "
+               "has these always";
     return "they need sharp surfels: sharp = \"on\" in [fit]";
 }
 
@@ -99,20 +99,20 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
     return out;
 }
 
-std::vector<std::string> missing_in_views(std::span<const AskedView> views,
-                                          const BuildStages& stages) {
-    std::vector<std::string> out;
+MissingInViews missing_in_views(std::span<const AskedView> views, const BuildStages& stages) {
+    MissingInViews out;
     const int degree = model_degree(stages);
     for (const AskedView& view : views) {
         std::set<std::string> said;
         for (const LineKind kind :
              line_choice(view.render, view.aovs, degree, stages.sharp == "on").lacking)
             if (said.insert(line_word(kind)).second)
-                out.push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
+                (is_crease(kind) && stages.sharp == "auto" ? out.uncertain : out.certain)
+                    .push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
                                           fit_remedy(kind, stages.sharp)));
         for (const LeftOut& aov :
              left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
-            out.push_back(
+            out.certain.push_back(
                 fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
     }
     return out;

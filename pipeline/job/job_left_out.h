@@ -23,7 +23,10 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
 
 /// What views ask for and models of this [fit] cannot give: lines of which a picture then shows
 /// less, what "all" passes over. A line each, with the remedy.
-std::vector<std::string> missing_in_views(std::span<const AskedView> views,
-                                          const BuildStages& stages);
+struct MissingInViews {
+    std::vector<std::string> certain;
+    std::vector<std::string> uncertain;  ///< may be there: the points decide
+};
+MissingInViews missing_in_views(std::span<const AskedView> views, const BuildStages& stages);
 
 }  // namespace slim

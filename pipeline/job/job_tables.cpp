@@ -35,6 +35,27 @@ void check_tables(const TomlTable& in, const std::vector<std::string>& known,
                                           table.name, suggestion(table.name, known)));
 }
 
+TomlTable without_replaced(TomlTable table) {
+    const auto find = [&](const char* key) {
+        return std::find_if(table.values.begin(), table.values.end(),
+                            [&](const TomlValue& value) { return value.key == key; });
+    };
+    const auto is_said_later = [&](const char* key, const char* none) {
+        const auto value = find(key);
+        return value != table.values.end() && value->line == 0 &&
+               value->items != std::vector<std::string>{none};
+    };
+    const auto leave_out = [&](const char* key) {
+        const auto value = find(key);
+        if (value != table.values.end() && value->line > 0) table.values.erase(value);
+    };
+    const bool antialias = is_said_later("antialias", "false"),
+               supersample = is_said_later("supersample", "1");
+    if (antialias) leave_out("supersample");
+    if (supersample) leave_out("antialias");
+    return table;
+}
+
 void append_option(const Field& field, std::vector<std::string>& out) {
     if (field.is_flag()) {
         const bool on = field.items()[0] == "true";

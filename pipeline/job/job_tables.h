@@ -23,6 +23,10 @@ const TomlTable* find_table(const TomlTable& in, const std::string& name,
 void check_tables(const TomlTable& in, const std::vector<std::string>& known,
                   const std::filesystem::path& file);
 
+/// A table of options without those of the file that one of --set takes the place of though it is
+/// another: of supersample and antialias, which do not go together, the file's.
+TomlTable without_replaced(TomlTable table);
+
 /// A field's value as one option, or one per path.
 void append_option(const Field& field, std::vector<std::string>& out);
 

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -57,11 +58,12 @@ public:
 
     void read_views() {
         std::vector<std::string> defaults;
-        if (const TomlTable* table = find_table(root_, "render", file_)) {
+        if (const TomlTable* found = find_table(root_, "render", file_)) {
+            const TomlTable table = without_replaced(*found);
             std::set<std::string> owned = kOwnedByView;
             owned.insert("name");  // one for each view
-            defaults = read_options<RenderConfig>(*table, file_, all_views_, owned);
-            check_view(*table, render_);
+            defaults = read_options<RenderConfig>(table, file_, all_views_, owned);
+            check_view(table, render_);
             job_.unit = render_.unit;
         }
         read_lights(defaults);
@@ -75,7 +77,8 @@ public:
     void note_left_out() {
         for (std::string& line : left_out_of_views(asked_, job_.stages))
             job_.left_out.push_back(std::move(line));
-        job_.missing = missing_in_views(asked_, job_.stages);
+        MissingInViews missing = missing_in_views(asked_, job_.stages);
+        job_.missing = std::move(missing.certain), job_.uncertain = std::move(missing.uncertain);
     }
 
 private:

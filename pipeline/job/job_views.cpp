@@ -2,9 +2,9 @@
 
 #include "pipeline/config.h"
 #include "pipeline/contains.h"
+#include "pipeline/render/render_cameras.h"
 #include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
-#include "pipeline/render/render_view.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -74,7 +74,7 @@ void check_view_keys(
     model.bounds = {{-1, -1, -1}, {1, 1, 1}};
     checked("camera", [&] { make_camera(config, model, {100, 100}, {}); });
     for (const char* key : {"turntable", "path", "frames", "frame"})
-        checked(key, [&] { frame_camera(config, model, {100, 100}, {}, n_frames(config) - 1); });
+        checked(key, [&] { FilmCameras(config, model, {100, 100}, {}).at(n_frames(config) - 1); });
 }
 
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,

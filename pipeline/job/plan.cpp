@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace slim {
 
@@ -31,9 +32,17 @@ std::string last_said_text(const Job& job) {
         std::ifstream in(step.target);
         const auto manifest = json_or_discarded(in);
         if (manifest.is_object() && manifest.contains("result"))
-            text = edges_text(manifest.at("result"));
+            text = edges_text(manifest.at("result"), Remedies::of_a_job);
     }
     return text.empty() ? "" : "As the model was last built: " + text + "\n";
+}
+
+/// Reasons below their heading; nothing without any.
+std::string list_of(const char* heading, const std::vector<std::string>& reasons) {
+    if (reasons.empty()) return "";
+    std::string text = heading;
+    for (const std::string& reason : reasons) text += "  " + reason + "\n";
+    return text;
 }
 
 }  // namespace
@@ -49,8 +58,8 @@ std::string explanation_of(const Job& job) {
     text += "Left out:\n";
     for (const std::string& reason : job.left_out) text += "  " + reason + "\n";
     text += last_said_text(job);
-    if (!job.missing.empty()) text += "Asked for, but will be missing:\n";
-    for (const std::string& reason : job.missing) text += "  " + reason + "\n";
+    text += list_of("Asked for, but will be missing:\n", job.missing);
+    text += list_of("Asked for, but may be missing, as the points decide:\n", job.uncertain);
     return text;
 }
 

@@ -33,6 +33,14 @@ std::uint64_t memory_of_a_job(const PlanConfig& config, const Job& job) {
     return std::max(points + points / 4 + 256 * kMiB, kMemoryOfViews);
 }
 
+/// For people, who plan a run with it.
+std::string memory_text(const Job& job) {
+    return fmt::format(
+        "Memory: a build holds points of {} (memory in [fit]) at a time; a view's pictures and "
+        "drawings are given {}\n",
+        memory_size_text(parse_memory_size(job.stages.memory)), memory_size_text(kMemoryOfViews));
+}
+
 void check_memory(const PlanConfig& config) {
     if (config.memory.empty()) return;
     if (parse_memory_size(config.memory) < kLeastMemory)
@@ -62,8 +70,10 @@ void refuse_without_effect(const PlanConfig& config, int threads_given) {
 }
 
 std::string text_of(const PlanConfig& config, int threads_given) {
-    if (config.explain)
-        return explanation_of(read_job(job_file(config.source), job_settings(config.source)));
+    if (config.explain) {
+        const Job job = read_job(job_file(config.source), job_settings(config.source));
+        return explanation_of(job) + memory_text(job);
+    }
     const Job job =
         read_job(std::filesystem::absolute(job_file(config.source)), job_settings(config.source));
     const std::filesystem::path programs = program_folder();
@@ -94,6 +104,7 @@ nlohmann::json run_plan(const PlanConfig& config, StageContext& context) {
             {"steps", steps},
             {"left_out", job.left_out},
             {"missing", job.missing},
+            {"uncertain", job.uncertain},
             {"text", context.text}};
 }
 

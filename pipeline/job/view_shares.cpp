@@ -4,8 +4,8 @@
 #include "pipeline/contains.h"
 #include "pipeline/job/job_views.h"
 #include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_cameras.h"
 #include "pipeline/render/render_share.h"
-#include "pipeline/render/render_view.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include "formats/cloud_kind.h"
 #include "formats/ply_faces.h"
 #include "formats/ply_reader.h"
-#include "slim/base/error.h"
 
 #include <fmt/format.h>
 
@@ -25,16 +24,19 @@ bool is_mesh(const std::string& path) {
     return reader.info().has_faces() && reader.has_corner_lists();
 }
 
+DataError too_many_vertices(const std::string& path, std::uint64_t n) {
+    return DataError(fmt::format("{}: a mesh of {} vertices; at most 4294967294 are taken as one "
+                                 "(slim smooth --mode points takes more)",
+                                 path, n));
+}
+
 Mesh read_mesh(const std::string& path, const Vec3d& origin) {
     Mesh mesh;
     PlyReader vertices(path);
     for (PointChunk chunk; vertices.read(chunk, kChunk);)
         for (const Vec3d& p : chunk.position) mesh.position.push_back(p - origin);
     if (mesh.position.size() >= std::numeric_limits<std::uint32_t>::max())
-        throw DataError(
-            fmt::format("{}: a mesh of {} vertices; at most 4294967294 are taken as one (slim "
-                        "smooth --mode points takes more)",
-                        path, mesh.position.size()));
+        throw too_many_vertices(path, mesh.position.size());
     read_ply_faces(path, mesh.position.size(), [&](auto corners) { mesh.add_face(corners); });
     return mesh;
 }

@@ -2,11 +2,18 @@
 
 #include "pipeline/render/render_job.h"
 #include "raytrace/lines/height_line.h"
+#include "slim/base/reporter.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace slim {
+
+/// Chooses the spacing of a relief's contour lines where that is auto, and counts those among the
+/// heights of a frame of the whole picture, of a film among those of the models' bounds. If there
+/// are none, the relief has none, as with --contours none, and a warning says so.
+void choose_contours(RenderJob& job, const RenderedFrame& reference, Reporter& reporter);
 
 /// Heights along the index contours of a relief, along any lines if none of these has one, and
 /// their places, by a frame of the whole picture (which may be smaller). None in films: they would
@@ -28,8 +35,8 @@ public:
 
     /// What is wanted of a frame, band by band from the top. cost O(pixels)
     void add(const RenderedFrame& frame, const PicturePart& part);
-    /// x.contours.svg, of the window.
-    NamedText finish(const PixelWindow& window);
+    /// x.contours.svg, of the window; none, with a warning, where the lines are too many for one.
+    std::optional<NamedText> finish(const PixelWindow& window, Reporter& reporter);
 
 private:
     const RenderJob& job_;

@@ -166,7 +166,8 @@ PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, Sta
         const PixelWindow shown =
             job.share.of == 0 ? job.window : PixelWindow{0, 0, job.size.width, job.size.height};
         if (!in_passing) add_contours(job, shown, context, *contours);
-        files.add_text(contours->finish(shown));
+        if (const auto drawing = contours->finish(shown, context.reporter))
+            files.add_text(*drawing);
     }
     outcome.whole_at_once = fits_one_band(job);
     outcome.plane_bytes = plane_bytes(
@@ -184,8 +185,8 @@ void commit(std::vector<PictureFiles>& pictures, RenderOutcome& outcome) {
 
 }  // namespace
 
-RenderOutcome draw_film(RenderJob& job, const LegendRoom& room, const std::string& model_identity,
-                        StageContext& context) {
+RenderOutcome draw_film(RenderJob& job, const FilmCameras& cameras,
+                        const std::string& model_identity, StageContext& context) {
     const OutputPlan plan = job.plan;
     const FrameRange range = wanted_frames(job.config, job.share);
     RenderOutcome outcome;
@@ -194,7 +195,7 @@ RenderOutcome draw_film(RenderJob& job, const LegendRoom& room, const std::strin
         if (job.n_frames > 1) {
             context.reporter.progress("pictures", static_cast<std::uint64_t>(k - range.first),
                                       static_cast<std::uint64_t>(range.last - range.first + 1));
-            job.camera = frame_camera(job.config, job.header(), job.size, room, k - 1);
+            job.camera = cameras.at(k - 1);
             job.plan = plan.numbered(k);
         }
         held.push_back(draw_picture(job, model_identity, context, outcome));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/render/render_cameras.h"
 #include "pipeline/render/render_job.h"
 #include "pipeline/stage.h"
 
@@ -31,9 +32,9 @@ struct RenderOutcome {
 
 /// Draws and writes all pictures of the run; legends are those of the whole film. All files of a
 /// picture, lines and legends among them, appear together once it is whole; those of a film stay if
-/// a later picture fails. `room`: what named cameras leave free for legends.
+/// a later picture fails.
 /// Throws NumericalError where a whole picture shows nothing.
-RenderOutcome draw_film(RenderJob& job, const LegendRoom& room, const std::string& model_identity,
-                        StageContext& context);
+RenderOutcome draw_film(RenderJob& job, const FilmCameras& cameras,
+                        const std::string& model_identity, StageContext& context);
 
 }  // namespace slim

@@ -9,13 +9,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 
 namespace slim {
 namespace {
-
-/// The longer side of the frame that ranges are taken from.
-constexpr int kReferenceSide = 1000;
 
 RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
                            RenderedFrame& frame) {
@@ -26,8 +22,8 @@ RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
                                       : render_forward(job.tree, request, frame.buffer, frame.only);
 }
 
-/// A frame of that size in which pixels stand for `factor` of the picture's: projection and what
-/// derives from it.
+}  // namespace
+
 RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
                         double lod, Channels wanted, RenderedFrame& frame) {
     frame.size = size, frame.window = window;
@@ -41,6 +37,8 @@ RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const Pix
         for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
     return render_surface(job, request, frame);
 }
+
+namespace {
 
 /// The lines of a picture that the frame holds as a whole.
 std::vector<FeatureLine> lines_of_frame(const RenderJob& job, RenderedFrame& frame) {
@@ -203,96 +201,6 @@ void add_contours(const RenderJob& job, const PixelWindow& window, StageContext&
         if (parts.size() > 1) context.reporter.progress("bands for contours", band, parts.size());
         draw_buffer(job, job.size, parts[band].drawn, job.config.lod, kShape, frame);
         drawing.add(frame, parts[band]);
-    }
-}
-
-namespace {
-
-/// The size at which ranges, legends and contour spacing of a picture are decided: at most 1000
-/// pixels on the longer side.
-PictureSize reference_size(const PictureSize& size) {
-    const int longer = std::max(size.width, size.height);
-    if (longer <= kReferenceSide) return size;
-    const auto scaled = [&](int side) {
-        return std::max(1, static_cast<int>(std::int64_t{side} * kReferenceSide / longer));
-    };
-    return {scaled(size.width), scaled(size.height)};
-}
-
-/// A pixel of the picture in pixels of that frame.
-double reference_scale(const PictureSize& size) {
-    return static_cast<double>(reference_size(size).width) / size.width;
-}
-
-/// What reference pictures are drawn for: ranges, legends and contour spacing; none if it is empty.
-std::vector<std::string> reference_aovs(const RenderJob& job) {
-    std::vector<std::string> aovs;
-    for (const std::string& aov : job.plan.drawn)
-        if (needs_reference(job.config, aov)) aovs.push_back(aov);
-    // A data file shows the contours of a relief that is not its preview.
-    if (job.wants("hillshade") && job.config.contours == "auto" && !contains(aovs, "hillshade"))
-        aovs.push_back("hillshade");
-    return aovs;
-}
-
-/// A camera of same_range.
-Camera camera_of_range(const RenderJob& job, const std::string& name) {
-    RenderConfig config = job.config;
-    config.camera = name;
-    return make_camera(config, job.header(), job.size, legend_room(config, job.aovs, job.size));
-}
-
-/// For each map the union of its ranges from all cameras of same_range.
-std::map<std::string, ValueRange> ranges_of_cameras(RenderJob& job,
-                                                    const std::vector<std::string>& aovs) {
-    std::map<std::string, ValueRange> ranges;
-    if (aovs.empty()) return ranges;
-    const Camera own = job.camera;
-    const PictureSize size = reference_size(job.size);
-    for (const std::string& name : job.config.same_range) {
-        RenderConfig config = job.config;
-        config.camera = name;
-        job.camera = camera_of_range(job, name);
-        RenderedFrame frame;
-        draw_buffer(job, size, {0, 0, size.width, size.height},
-                    config.lod * reference_scale(job.size), channels_of(aovs, false), frame);
-        if (contains(aovs, "truth_distance"))
-            frame.truth_distance = truth_distances(config, job.tree.header().origin, frame.buffer);
-        for (const std::string& aov : aovs) {
-            if (!map_spec(aov)) continue;
-            const ValueRange range = range_of(config, aov, frame, job.header().diagonal);
-            const auto [at, is_new] = ranges.emplace(aov, range);
-            if (!is_new)
-                at->second.lo = std::min(at->second.lo, range.lo),
-                at->second.hi = std::max(at->second.hi, range.hi);
-        }
-    }
-    job.camera = own;
-    return ranges;
-}
-
-}  // namespace
-
-void choose_looks(RenderJob& job) {
-    RenderedFrame reference;
-    const std::vector<std::string> aovs = reference_aovs(job);
-    const auto has = [&](const char* aov) { return contains(aovs, aov); };
-    if (!aovs.empty()) {
-        const PictureSize size = reference_size(job.size);
-        draw_buffer(job, size, {0, 0, size.width, size.height},
-                    job.config.lod * reference_scale(job.size), channels_of(aovs, false),
-                    reference);
-        if (has("truth_distance"))
-            reference.truth_distance =
-                truth_distances(job.config, job.tree.header().origin, reference.buffer);
-        if (has("hillshade")) choose_contours(job.config, reference.buffer, job.shadings.relief);
-    }
-    const auto wider = ranges_of_cameras(job, aovs);
-    for (const std::string& aov : job.plan.drawn) {
-        AovLook& look = job.looks[aov];
-        look = look_of(job.config, aov, reference, job.header().diagonal, job.shadings.relief,
-                       wider.contains(aov) ? &wider.at(aov) : nullptr);
-        if (aov == "hillshade") look.heights = contour_heights(job, look, reference);
     }
 }
 

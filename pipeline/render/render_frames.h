@@ -8,8 +8,10 @@
 
 namespace slim {
 
-/// Decides what holds for the picture as a whole: ranges, legends and their places, contour lines.
-void choose_looks(RenderJob& job);
+/// A frame of that size, of the window alone: projection and what derives from it; `lod` in pixels
+/// of the frame.
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                        double lod, Channels wanted, RenderedFrame& frame);
 
 /// Finds the lines of the whole picture in bands that take at most about 384 MiB, by the bytes of a
 /// pixel.

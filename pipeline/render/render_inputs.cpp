@@ -3,10 +3,10 @@
 #include "formats/atomic_file.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_cameras.h"
 #include "pipeline/render/render_lines.h"
 #include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_shadings.h"
-#include "pipeline/render/render_view.h"
 #include "pipeline/shape_name.h"
 #include "slim/base/error.h"
 

@@ -41,6 +41,7 @@ struct RenderJob {
     const TracedModels* traced = nullptr;  ///< with --mode raytrace
     ModelReads* reads = nullptr;           ///< is told of every node before it is drawn
     RenderShare share = {};                ///< of the film or picture
+    ContourLevels contours = {};           ///< of a relief, among the heights seen
     std::map<std::string, AovLook> looks = {};
     /// those of the picture, in the order of drawing, once they are found
     std::optional<std::vector<FeatureLine>> found_lines = {};

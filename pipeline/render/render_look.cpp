@@ -29,13 +29,14 @@ AovLook look_of_levels(const GBuffer& b) {
     return look;
 }
 
-Key contour_key(const RenderConfig& config, const Relief& relief) {
+/// What of the lines is there.
+Key contour_key(const RenderConfig& config, const ContourLevels& contours) {
     const std::string unit = config.unit.empty() ? "units" : config.unit;
-    return {"contour lines",
-            {{fmt::format("every {:g} {}", relief.spacing, unit), false, {}},
-             {fmt::format("heavy every {:g} {}", relief.spacing * relief.index_every, unit),
-              false,
-              {}}}};
+    Key key{"contour lines", {{fmt::format("every {:g} {}", contours.spacing, unit), false, {}}}};
+    if (contours.heavy > 0)
+        key.rows.push_back(
+            {fmt::format("heavy every {:g} {}", contours.heavy_spacing, unit), false, {}});
+    return key;
 }
 
 /// The reference's hits, as an object over transparent.
@@ -59,8 +60,8 @@ std::optional<Legend> expected_legend(const RenderConfig& config, const std::str
 std::optional<Key> expected_key(const RenderConfig& config, const std::string& aov) {
     if (aov == "dir1" || aov == "dir2") return direction_key(aov == "dir2");
     if (aov != "hillshade" || config.contours == "none") return std::nullopt;
-    Relief usual;
-    usual.spacing = 2500;
+    ContourLevels usual;
+    usual.spacing = 2500, usual.heavy_spacing = 12500, usual.lines = usual.heavy = 1;
     return contour_key(config, usual);
 }
 
@@ -116,7 +117,7 @@ PixelBox taken_by_scale_bar(const RenderConfig& config, const RenderedFrame& fra
 }  // namespace
 
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const Relief& relief, const ValueRange* wider) {
+                double diagonal, const ContourLevels& contours, const ValueRange* wider) {
     const GBuffer& b = reference.buffer;
     AovLook look;
     if (aov == "level") look = look_of_levels(b);
@@ -128,7 +129,7 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
         look.legend = make_legend(config, aov, range, values.span(), b.hit);
     }
     if (aov == "dir1" || aov == "dir2") look.key = direction_key(aov == "dir2");
-    if (aov == "hillshade" && relief.spacing > 0) look.key = contour_key(config, relief);
+    if (aov == "hillshade" && contours.lines > 0) look.key = contour_key(config, contours);
     const PixelBox taken = taken_by_scale_bar(config, reference);
     if (look.legend && config.legend)
         look.place = best_legend_place(*look.legend, silhouette_of(b), taken);
@@ -150,15 +151,20 @@ bool needs_reference(const RenderConfig& config, const std::string& aov) {
 LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
                        const PictureSize& size) {
     if (!config.legend_room && !has_legend(config, drawn)) return {};
-    const bool all = config.legend_room || legends_of(config, drawn) == Legends::maps;
+    const auto room_of = [&](const std::vector<std::string>& aovs) {
+        RoomOfWords room(config, size);
+        for (const std::string& aov : aovs) {
+            if (const auto legend = expected_legend(config, aov)) room.add(*legend);
+            if (const auto key = expected_key(config, aov)) room.add(*key);
+        }
+        return room.room();
+    };
+    const LegendRoom own = room_of(drawn);
+    if (!config.legend_room && (own.right <= 0 || legends_of(config, drawn) != Legends::maps))
+        return own;
     RenderConfig any;
     const FieldList fields = fields_of(any);
-    RoomOfWords room(config, size);
-    for (const std::string& aov : all ? fields.find("aov")->choices : drawn) {
-        if (const auto legend = expected_legend(config, aov)) room.add(*legend);
-        if (const auto key = expected_key(config, aov)) room.add(*key);
-    }
-    return room.room();
+    return room_of(fields.find("aov")->choices);
 }
 
 }  // namespace slim

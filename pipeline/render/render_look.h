@@ -31,7 +31,7 @@ struct AovLook {
 /// longer side, so that all parts of a picture and all frames of a film agree.
 /// `wider`, if given, is held by the range of a map.
 AovLook look_of(const RenderConfig& config, const std::string& aov, const RenderedFrame& reference,
-                double diagonal, const Relief& relief, const ValueRange* wider = nullptr);
+                double diagonal, const ContourLevels& contours, const ValueRange* wider = nullptr);
 
 /// A map's range by a reference frame alone.
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
@@ -41,10 +41,10 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
 /// What legends take at the right, below or in a corner; nothing where none of the AOVs drawn has
-/// one (unless --legend-room wants it) or the picture is too small for one. Beside a map, and with
-/// --legend-room, it is what the largest of all AOVs would take, the same whatever else is asked
-/// for, so that pictures of one camera overlay; keys alone (of contour lines and directions) take
-/// what they need. The numbers are not known yet: assumed to be of a usual length.
+/// one (unless --legend-room wants it) or the picture is too small for all that they have. Beside a
+/// map, and with --legend-room, it is what the largest of all AOVs would take, the same whatever
+/// else is asked for, so that pictures of one camera overlay; keys alone (of contour lines and
+/// directions) take what they need. The numbers are not known yet: assumed to be of a usual length.
 LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
                    const PictureSize& size);
 

@@ -120,12 +120,6 @@ ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::s
     return inputs;
 }
 
-void choose_contours(const RenderConfig& config, const GBuffer& reference, Relief& relief) {
-    if (fixed_spacing(config)) return;
-    const auto [low, high] = height_span(reference, relief, 2);
-    relief.spacing = contour_spacing(low, high);
-}
-
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,
                       const RenderedFrame& frame, const RowRange& rows,
                       std::span<const HeightLabel> heights, int factor) {

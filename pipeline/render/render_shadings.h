@@ -40,10 +40,6 @@ ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::s
 /// Of load_shadings what needs no model: before anything is opened.
 void check_shadings(const RenderConfig& config);
 
-/// The spacing of contour lines of a view: as configured, or by the heights of a frame with
-/// positions.
-void choose_contours(const RenderConfig& config, const GBuffer& reference, Relief& relief);
-
 /// Some rows of a frame as that AOV shows them, over transparent. A relief leaves gaps for heights
 /// that will be written (pixels of a picture whose pixels are `factor` of the frame's wide).
 Picture paint_shading(const std::string& aov, const ShadingInputs& inputs,

@@ -1,6 +1,6 @@
 #include "pipeline/render/render_share.h"
 
-#include "pipeline/render/render_view.h"
+#include "pipeline/render/render_cameras.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>

@@ -8,10 +8,12 @@
 #include "pipeline/render/join_shares.h"
 #include "pipeline/render/model_reads.h"
 #include "pipeline/render/ray_options.h"
+#include "pipeline/render/render_cameras.h"
 #include "pipeline/render/render_edges.h"
 #include "pipeline/render/render_film.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_inputs.h"
+#include "pipeline/render/render_reference.h"
 #include "pipeline/render/render_summary.h"
 #include "pipeline/render/render_trace.h"
 #include "raytrace/font.h"
@@ -43,6 +45,14 @@ Json ranges_json(const RenderJob& job) {
     return ranges;
 }
 
+/// Spacing as asked for, the heights that it was held against, and how many lines lie there.
+Json contours_json(const ContourLevels& c) {
+    return {{"spacing", c.spacing},
+            {"heights", {c.low, c.high}},
+            {"lines", c.lines},
+            {"heavy", c.heavy}};
+}
+
 Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
     Json files = Json::array();
     for (const auto& file : outcome.files) files.push_back(file.string());
@@ -65,6 +75,8 @@ Json make_result(const RenderJob& job, const RenderOutcome& outcome) {
                    {"plane_bytes", outcome.plane_bytes},
                    {"frame_ms_median", outcome.frame_ms / outcome.frames},
                    {"ranges", ranges_json(job)}};
+    if (job.wants("hillshade") && job.config.contours != "none")
+        result["contours"] = contours_json(job.contours);
     if (job.antialiases()) result["antialiased_pixels"] = outcome.smoothed_pixels;
     if (job.traced) {
         result["light_rays"] = outcome.light_rays;
@@ -190,7 +202,6 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     ModelReads reads(model, takes_all_leaves(config, aovs), contains(aovs, "color"));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
-    const LegendRoom room = legend_room(config, aovs, size);
     std::optional<TracedModels> traced;
     if (is_traced(config)) traced.emplace(config, tree);
     const std::vector<ScenePart> parts = scene_parts(tree, traced);
@@ -199,18 +210,19 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
-    RenderJob job{config, tree, aovs, plan, size, frame_camera(config, header, size, room, 0),
+    const FilmCameras cameras(config, header, size, legend_room(config, aovs, size));
+    RenderJob job{config, tree, aovs, plan, size, cameras.at(0),
                   lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
                   frames, header, traced ? &*traced : nullptr, &reads, share};
     if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
     check_job(job, context.reporter);
     make_folder(job.plan);
-    choose_looks(job);
+    choose_looks(job, context.reporter);
     if (std::any_of(lines.begin(), lines.end(), is_crease))
         job.edges = edges_of(parts, config.loose, context.reporter);
     // What a picture took serves the next one: 9,000 pages of happy_stand_raw's at 1000 x 1000.
     if (frames > 1 || config.repeat > 1) keep_freed_memory(true);
-    const RenderOutcome outcome = draw_film(job, room, model.identity(), context);
+    const RenderOutcome outcome = draw_film(job, cameras, model.identity(), context);
     say_of_outcome(job, outcome, context.reporter);
     Json result = make_result(job, outcome);
     add_model_figures(config, model, reads, result);

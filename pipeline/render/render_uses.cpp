@@ -4,7 +4,7 @@
 #include "pipeline/contains.h"
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_asked.h"
-#include "pipeline/render/render_view.h"
+#include "pipeline/render/render_cameras.h"
 #include "raytrace/camera.h"
 #include "slim/base/error.h"
 

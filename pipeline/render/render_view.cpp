@@ -1,7 +1,5 @@
 #include "pipeline/render/render_view.h"
 
-#include "pipeline/option_names.h"
-#include "raytrace/camera_path.h"
 #include "raytrace/scale_bar.h"
 #include "slim/base/error.h"
 
@@ -11,7 +9,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -43,11 +40,16 @@ Background gradient() { return {*parse_color("#eef0f2"), *parse_color("#b4b9c1")
 
 /// A path's pictures have the legend where the first has it: at the right. At one scale for all
 /// sides a corner that is free of one's own may not be.
-LegendRoom kept_room(const RenderConfig& config, const LegendRoom& room) {
+LegendRoom kept_room(const RenderConfig& config, const PictureSize& size, const LegendRoom& room) {
     if (config.ortho_width > 0) return {};
     if (!config.path.empty()) return LegendRoom::strip_at_right(room.right);
     LegendRoom kept = room;
     if (config.same_scale) kept.corner_width = 0;
+    else if (config.scale_bar) {
+        kept.bar_width =
+            static_cast<double>(scale_bar_most(size.width, size.height)) / size.width;
+        kept.bar_height = scale_bar_share(size.width, size.height);
+    }
     return kept;
 }
 
@@ -116,7 +118,7 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
                                                  ? scale_bar_share(size.width, size.height)
                                                  : 0};
         const Framed framed(model.bounds, model.hull);
-        const LegendRoom kept = kept_room(config, room);
+        const LegendRoom kept = kept_room(config, size, room);
         const FramedCamera named = framed_beside(config.camera, framed, aspect, framing, kept);
         camera = named.camera, to_middle = named.to_middle;
         if (config.same_scale)
@@ -146,85 +148,6 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
     return camera;
 }
 
-std::vector<std::string> keyframes_of(const RenderConfig& config) {
-    std::vector<std::string> keys;
-    for (std::size_t begin = 0; begin <= config.path.size();) {
-        const std::size_t end = std::min(config.path.find(';', begin), config.path.size());
-        keys.push_back(config.path.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return keys;
-}
-
-namespace {
-
-/// "iso zoom 2" as a configuration of its own.
-RenderConfig keyframe_of(const RenderConfig& config, std::string text) {
-    RenderConfig key = config;
-    if (const std::size_t at = text.find("zoom"); at != std::string::npos) {
-        const std::vector<double> zoom = parse_numbers(text.substr(at + 4));
-        if (zoom.size() != 1 || !(zoom[0] > 0))
-            throw ConfigError("path: expected a number > 0 after zoom, found \"" + text + "\"");
-        key.zoom = zoom[0];
-        text.resize(at);
-    }
-    const std::size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
-    if (first == std::string::npos) throw ConfigError("path: a keyframe without a camera");
-    key.camera = text.substr(first, last - first + 1);
-    return key;
-}
-
-std::vector<Camera> path_of(const RenderConfig& config, const ModelHeader& model,
-                            const PictureSize& size, const LegendRoom& room) {
-    std::vector<Camera> keys;
-    for (const std::string& key : keyframes_of(config)) {
-        const RenderConfig frame = keyframe_of(config, key);
-        try {
-            keys.push_back(make_camera(frame, model, size, room));
-        } catch (const ConfigError& error) {  // said of --camera, which is not given
-            const std::string text = error.what(), blamed = "camera: ";
-            throw ConfigError(
-                fmt::format("path: keyframe {} \"{}\": {}", keys.size() + 1, frame.camera,
-                            text.starts_with(blamed) ? text.substr(blamed.size()) : text));
-        }
-    }
-    return keys;
-}
-
-}  // namespace
-
-int n_frames(const RenderConfig& config) {
-    if (config.turntable > 0 && !config.path.empty())
-        throw ConfigError("turntable and " + quoted_key("path") +
-                          " both move the camera: give one");
-    if (config.path.empty() != (config.frames == 0))
-        throw ConfigError(config.path.empty()
-                              ? "frames is for a " + quoted_key("path") + ", which is not given"
-                              : "path: say how many pictures with " + quoted_key("frames"));
-    const int n = config.turntable > 0 ? config.turntable : config.path.empty() ? 1 : config.frames;
-    const bool film = config.turntable > 0 || !config.path.empty();
-    if (config.frame > (film ? n : 0))
-        throw ConfigError(film ? fmt::format("frame: expected 1 to {}, found {}", n, config.frame)
-                               : "frame is for a " + quoted_key("turntable") + " or a " +
-                                     quoted_key("path") + ", which are not given");
-    return n;
-}
-
-Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                    const LegendRoom& room, int frame) {
-    if (!config.path.empty()) {
-        const std::vector<Camera> keys = path_of(config, model, size, room);
-        const double t = config.frames > 1 ? static_cast<double>(frame) / (config.frames - 1) : 0;
-        return camera_on_path(keys, t * static_cast<double>(keys.size() - 1));
-    }
-    const Camera camera = make_camera(config, model, size, room);
-    if (config.turntable == 0) return camera;
-    const Vec3d center = is_camera_name(config.camera) && !model.bounds.empty()
-                             ? model.bounds.center()
-                             : camera.target;
-    return turned(camera, center, up_vector(up_axis(config)), 360.0 * frame / config.turntable);
-}
-
 UpAxis up_axis(const RenderConfig& config) {
     const char letter = config.up.back();
     if (config.up.size() == 1)
@@ -240,14 +163,6 @@ std::string view_name(const RenderConfig& config) {
 bool is_folder_output(const std::filesystem::path& output) {
     return std::filesystem::is_directory(output) || !output.has_filename() ||
            !output.has_extension();
-}
-
-std::vector<std::string> cameras_of(const RenderConfig& config) {
-    if (config.path.empty()) return {config.camera};
-    std::vector<std::string> cameras;
-    for (const std::string& key : keyframes_of(config))
-        cameras.push_back(keyframe_of(config, key).camera);
-    return cameras;
 }
 
 void check_view_name(const std::string& name) {

@@ -37,25 +37,11 @@ UpAxis up_axis(const RenderConfig& config);
 Camera make_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
                    const LegendRoom& room);
 
-/// How many pictures: of --turntable or --frames, 1 without either. Throws ConfigError where they,
-/// --path and --frame do not fit together.
-int n_frames(const RenderConfig& config);
-
-/// The camera of picture `frame` (from 0) of a turntable or path; of the one picture make_camera's.
-Camera frame_camera(const RenderConfig& config, const ModelHeader& model, const PictureSize& size,
-                    const LegendRoom& room, int frame);
-
 /// The view's name in file names: config.name, else the named camera, else "view".
 std::string view_name(const RenderConfig& config);
 
 /// Whether an output is a folder, that is or is meant.
 bool is_folder_output(const std::filesystem::path& output);
-
-/// The keyframes of --path, "iso zoom 2" each; a single empty one without it.
-std::vector<std::string> keyframes_of(const RenderConfig& config);
-
-/// The cameras of the run, as named or in numbers: --camera, or those of --path's keyframes.
-std::vector<std::string> cameras_of(const RenderConfig& config);
 
 /// Throws ConfigError on a name that would lead out of the output's folder.
 void check_view_name(const std::string& name);

@@ -1,5 +1,7 @@
 #include "raytrace/lines/height_line.h"
 
+#include "slim/base/check.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,10 +15,10 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostSteps = 1e15;  ///< beyond, a double no longer tells a line from the next
 constexpr double kMostInCell = 8;
 constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kColumns = std::uint64_t{1} << 20;  ///< more than a picture has
+constexpr std::uint32_t kMostSide = 1u << 15;
 
-std::uint64_t edge_of(std::uint64_t x, std::uint64_t y, bool down) {
-    return (y * kColumns + x) * 2 + (down ? 1 : 0);
+std::uint32_t edge_of(std::uint32_t x, std::uint32_t y, bool down) {
+    return (y * kMostSide + x) * 2 + (down ? 1 : 0);
 }
 
 /// Where a level lies between the left or upper end of an edge, 0, and the other, 1.
@@ -32,13 +34,13 @@ double first_level(double above, double every) { return (std::floor(above / ever
 /// Heights of a row of pixels in steps of the spacing; none where nothing is hit.
 struct HeightLineSearch::Row {
     std::size_t first;  ///< entry of the planes
-    std::uint64_t x, y;  ///< of its first pixel in the picture
+    std::uint32_t x, y;  ///< of its first pixel in the picture
     std::vector<double> steps;
 
     Row(const HeightLineSearch& search, const LineScene& s, int row, int first_column)
         : first(s.buffer.index(0, row)),
-          x(static_cast<std::uint64_t>(first_column)),
-          y(static_cast<std::uint64_t>(row + s.rows.top)),
+          x(static_cast<std::uint32_t>(first_column)),
+          y(static_cast<std::uint32_t>(row + s.rows.top)),
           steps(static_cast<std::size_t>(s.buffer.width), kNone) {
         for (std::size_t k = 0; k < steps.size(); ++k) {
             if (!s.hit(first + k)) continue;
@@ -49,13 +51,24 @@ struct HeightLineSearch::Row {
     }
 };
 
-HeightLineSearch::HeightLineSearch(const Relief& relief, double spacing)
+/// Pixel centres at +0.5.
+PicturePoint HeightLineSearch::End::at() const {
+    const auto x = static_cast<float>(edge / 2 % kMostSide) + 0.5f,
+               y = static_cast<float>(edge / 2 / kMostSide) + 0.5f;
+    return edge % 2 == 0 ? PicturePoint{x + along, y} : PicturePoint{x, y + along};
+}
+
+HeightLineSearch::HeightLineSearch(const Relief& relief, double spacing, std::size_t most)
     : up_(relief.axes[1]),
       base_(relief.base),
       spacing_(spacing),
-      index_every_(relief.index_every) {}
+      index_every_(relief.index_every),
+      most_(most) {}
 
 void HeightLineSearch::add(const LineScene& scene, int first_column) {
+    if (n_pieces_ > most_) return;
+    SLIM_CHECK(first_column + scene.buffer.width, <=, static_cast<int>(kMostSide));
+    SLIM_CHECK(scene.picture_height(), <=, static_cast<int>(kMostSide));
     const int last = std::min(static_cast<int>(scene.end_row()), scene.buffer.height - 1);
     Row upper(*this, scene, scene.rows.begin, first_column);
     for (int y = scene.rows.begin; y < last; ++y) {
@@ -68,6 +81,7 @@ void HeightLineSearch::add(const LineScene& scene, int first_column) {
         }
         upper = std::move(lower);
     }
+    if (n_pieces_ > most_) segments_.clear();
 }
 
 void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const Row& lower,
@@ -82,17 +96,17 @@ void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const 
     const auto [lo, hi] = std::minmax({a, b, c, d});
     const double every = hi - lo <= kMostInCell ? 1 : index_every_;
     if (hi - lo > kMostInCell * every) return;
-    const std::uint64_t px = upper.x + x, py = upper.y;
-    const auto left = static_cast<float>(px) + 0.5f, top = static_cast<float>(py) + 0.5f;
+    const std::uint32_t px = upper.x + static_cast<std::uint32_t>(x), py = upper.y;
     for (double level = first_level(lo, every); level <= hi; level += every) {
         std::array<End, 4> ends;  // in turn: top, right, bottom, left
         std::array<bool, 4> has{(a >= level) != (b >= level), (b >= level) != (c >= level),
                                 (d >= level) != (c >= level), (a >= level) != (d >= level)};
-        ends[0] = {edge_of(px, py, false), {left + crossing(a, b, level), top}};
-        ends[1] = {edge_of(px + 1, py, true), {left + 1, top + crossing(b, c, level)}};
-        ends[2] = {edge_of(px, py + 1, false), {left + crossing(d, c, level), top + 1}};
-        ends[3] = {edge_of(px, py, true), {left, top + crossing(a, d, level)}};
-        std::vector<Segment>& found = segments_[static_cast<std::int64_t>(level)];
+        ends[0] = {edge_of(px, py, false), crossing(a, b, level)};
+        ends[1] = {edge_of(px + 1, py, true), crossing(b, c, level)};
+        ends[2] = {edge_of(px, py + 1, false), crossing(d, c, level)};
+        ends[3] = {edge_of(px, py, true), crossing(a, d, level)};
+        if (++n_pieces_ > most_) return;
+        Segments& found = segments_[static_cast<std::int64_t>(level)];
         if (has[0] && has[1] && has[2] && has[3]) {
             const bool joins_a = ((a + b + c + d) / 4 >= level) == (a >= level);
             found.push_back(joins_a ? Segment{ends[0], ends[1]} : Segment{ends[3], ends[0]});
@@ -107,35 +121,49 @@ void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const 
     }
 }
 
-std::vector<HeightLine> HeightLineSearch::finish() {
+std::optional<std::vector<HeightLine>> HeightLineSearch::finish() {
+    if (n_pieces_ > most_) return std::nullopt;
     std::vector<HeightLine> lines;
-    for (const auto& [level, segments] : segments_) link(level, segments, lines);
-    segments_.clear();
+    while (!segments_.empty()) {
+        const auto level = segments_.extract(segments_.begin());
+        link(level.key(), level.mapped(), lines);
+    }
+    n_pieces_ = 0;
     return lines;
 }
 
-/// Each edge is an end of at most two segments: chains from their free ends first, then rings.
-void HeightLineSearch::link(std::int64_t level, const std::vector<Segment>& segments,
-                            std::vector<HeightLine>& out) {
-    const auto end_of = [&](std::uint32_t e) -> const End& {
-        return e % 2 == 0 ? segments[e / 2].from : segments[e / 2].to;
+/// Of each end (twice a segment's number, one more of its `to`) the other one at its edge, which is
+/// an end of at most two segments.
+std::vector<std::uint32_t> HeightLineSearch::partners(const Segments& segments) {
+    const auto edge_at = [&](std::uint32_t e) {
+        return e % 2 == 0 ? segments[e / 2].from.edge : segments[e / 2].to.edge;
     };
     std::vector<std::uint32_t> order(2 * segments.size()), partner(order.size(), kNobody);
     for (std::uint32_t e = 0; e < order.size(); ++e) order[e] = e;
     std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
-        return std::pair(end_of(p).edge, p) < std::pair(end_of(q).edge, q);
+        return std::pair(edge_at(p), p) < std::pair(edge_at(q), q);
     });
     for (std::size_t i = 0; i + 1 < order.size(); ++i)
-        if (end_of(order[i]).edge == end_of(order[i + 1]).edge)
+        if (edge_at(order[i]) == edge_at(order[i + 1]))
             partner[order[i]] = order[i + 1], partner[order[i + 1]] = order[i];
+    return partner;
+}
+
+/// Chains from their free ends first, then rings.
+void HeightLineSearch::link(std::int64_t level, const Segments& segments,
+                            std::vector<HeightLine>& out) {
+    const auto point_at = [&](std::uint32_t e) {
+        return (e % 2 == 0 ? segments[e / 2].from : segments[e / 2].to).at();
+    };
+    const std::vector<std::uint32_t> partner = partners(segments);
     std::vector<char> used(segments.size(), 0);
     const auto walk = [&](std::uint32_t from, bool closed) {
-        HeightLine line{level, closed, {end_of(from).at}};
+        HeightLine line{level, closed, {point_at(from)}};
         for (std::uint32_t e = from;;) {
             used[e / 2] = 1;
             const std::uint32_t far = e ^ 1, next = partner[far];
             if (next == from) break;  // round
-            line.points.push_back(end_of(far).at);
+            line.points.push_back(point_at(far));
             if (next == kNobody) break;
             e = next;
         }

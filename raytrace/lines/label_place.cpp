@@ -96,7 +96,7 @@ public:
         HeightLineSearch search(relief_, step_);
         search.add(frame_, 0);
         std::vector<MeasuredLine> lines;
-        for (const HeightLine& line : search.finish())
+        for (const HeightLine& line : search.finish().value_or(std::vector<HeightLine>{}))
             if (line.points.size() > 2) lines.emplace_back(line, scale_);
         if (lines.empty() || lines.back().level - lines.front().level > kMostLevels) return {};
         for (std::int64_t k = lines.front().level; k <= lines.back().level; ++k)

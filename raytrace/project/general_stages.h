@@ -32,7 +32,7 @@ template <int Degree>
 [[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim,
                                                 float entry, float base, int row, int column,
                                                 const TileSums& sums, TileBuffers& t) {
-    const double trim = s.n_sheets > 1 ? kSharpHitTrim : kHitTrim;
+    const double trim = hit_trim(s.n_sheets > 1);
     const auto sq_trim = static_cast<float>(trim * trim);
     const DrawRecord& r = s.sheet[0];
     const std::size_t i = block_start(row, column);

@@ -74,7 +74,8 @@ inline constexpr double kHitTrim = 0.72;
 /// out of the outline; nearer, gaps open in faces (slim/fit/notes/0014).
 inline constexpr double kSharpHitTrim = 0.7;
 /// The one of the two that a surfel has.
-inline double hit_trim(const Surfel& s) { return s.sharp ? kSharpHitTrim : kHitTrim; }
+inline double hit_trim(bool is_sharp) { return is_sharp ? kSharpHitTrim : kHitTrim; }
+inline double hit_trim(const Surfel& s) { return hit_trim(s.sharp != nullptr); }
 /// The share of rho up to which a point belongs to a surfel: one farther off is neither covered by
 /// it nor blended with it, however poor its fit.
 inline constexpr double kBelongs = 0.3;

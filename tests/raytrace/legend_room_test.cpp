@@ -97,6 +97,32 @@ TEST(LegendRoom, ALowerLeftCornerIsTheScaleBars) {
     EXPECT_GT(width(1e-9), 2.3);
 }
 
+TEST(LegendRoom, AScaleBarsCornerThatIsFreeAnywayTakesNoStrip) {
+    // All corners but the lower right are free in the one, all but the lower left in the other.
+    const std::vector<Vec3d> clear{{1, -1, 0}, {-1, 1, 0}, {1, 1, 0}},
+        taken{{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
+    Bbox box;
+    for (const Vec3d& p : clear) box.extend(p);
+    const Framing framing{.orthographic = true, .free_bottom = 0.11};
+    const LegendRoom bar{0, 0, 0, 0, 0.34, 0.11};
+    const auto width = [&](const std::vector<Vec3d>& places, Framing with, const LegendRoom& room) {
+        return framed_beside("front", {box, places}, 1, with, room).camera.width;
+    };
+    EXPECT_LT(width(clear, framing, bar), 2.1);
+    EXPECT_GT(width(clear, framing, {}), 2.2);
+    EXPECT_EQ(width(taken, framing, bar), width(taken, framing, {}));
+    // Films turn what is free.
+    Framing turning = framing;
+    turning.turns = 12;
+    EXPECT_EQ(width(clear, turning, bar), width(clear, turning, {}));
+    // A legend has another corner, or its strip.
+    LegendRoom both = bar;
+    both.right = both.corner_width = 0.22, both.corner_height = 0.3;
+    EXPECT_GT(width(clear, framing, both), 2.3);
+    const std::vector<Vec3d> lozenge{{-1, 0, 0}, {1, 0, 0}, {0, -0.6, 0}, {0, 0.6, 0}};
+    EXPECT_EQ(width(lozenge, framing, both), width(lozenge, {.orthographic = true}, {}));
+}
+
 TEST(LegendRoom, TurntablesAndStripsAtTheRightKeepThat) {
     const Framed wide = box_of(1.2, 1, 0.05);
     EXPECT_LE(seen(wide, 1, {.orthographic = true, .turns = 12}).right, 0.78);

@@ -9,6 +9,23 @@
 
 namespace slim::test {
 
+/// A cube's surface on a grid; vertices of edges and corners have the mean normal of their faces.
+inline std::string cube_text(int n) {
+    std::string text;
+    for (int x = 0; x <= n; ++x)
+        for (int y = 0; y <= n; ++y)
+            for (int z = 0; z <= n; ++z) {
+                const auto side = [n](int k) { return k == 0 ? -1.0 : k == n ? 1.0 : 0.0; };
+                const Vec3d normal = normalized(Vec3d{side(x), side(y), side(z)});
+                if (!(sq_length(normal) > 0)) continue;
+                for (const double v :
+                     {double(x), double(y), double(z), normal.x, normal.y, normal.z})
+                    text += std::to_string(v) + ' ';
+                text += '\n';
+            }
+    return text;
+}
+
 /// Builds of scanned spheres.
 class BuildStage : public FitStages {
 protected:

@@ -104,7 +104,7 @@ TEST(Job, SaysWhatThePointsDecidedWhenTheModelWasLastBuilt) {
         R"({"result": {"sharp": true, "edge_share": 0.25, "edge_places": 32}})";
     EXPECT_EQ(said("", built),
               "As the model was last built: sharp edges: at 25.0 % of the 32 places looked at, "
-              "above 4.4 %: with sharp surfels (--sharp off: without)");
+              "above 4.4 %: with sharp surfels (fit.sharp = \"off\": without)");
     EXPECT_EQ(said("sharp = 'on'\n", built), "");
     EXPECT_EQ(said("", R"({"result": {"sharp": true}})"), "");
     EXPECT_EQ(said("", "half a manif"), "");
@@ -114,9 +114,13 @@ TEST(Job, SaysWhatWillBeMissing) {
     const auto missing = [](const std::string& fit, const std::string& view) {
         const Job job = read_job(write_job("[input]\nfiles = ['a.ply']\n[fit]\n" + fit +
                                            "[[view]]\nname = 'v'\n" + view));
+        const std::string text = explanation_of(job);
+        EXPECT_EQ(text.find("will be missing:\n") != std::string::npos, !job.missing.empty());
+        EXPECT_EQ(text.find("may be missing, as the points decide:\n") != std::string::npos,
+                  !job.uncertain.empty());
         std::string all;
         for (const std::string& reason : job.missing) all += reason + "\n";
-        EXPECT_EQ(explanation_of(job).find("will be missing") != std::string::npos, !all.empty());
+        for (const std::string& reason : job.uncertain) all += "may be: " + reason + "\n";
         return all;
     };
     const std::string drawing = "lines = ['contour', 'suggestive', 'crest', 'crease']\n";
@@ -124,8 +128,8 @@ TEST(Job, SaysWhatWillBeMissing) {
     EXPECT_EQ(
         missing("degree = 2\n", drawing),
         "view v: crest lines: they need degree = 3 in [fit]\n"
-        "view v: crease lines: unless the points lie at edges enough for sharp surfels: sharp = "
-        "\"on\" in [fit] has them always\n");
+        "may be: view v: crease lines: drawn if the points lie at edges enough for sharp surfels: "
+        "sharp = \"on\" in [fit] has these always\n");
     EXPECT_EQ(missing("degree = 3\nsharp = 'off'\n", drawing),
               "view v: crease lines: they need sharp surfels: sharp = \"on\" in [fit]\n");
     EXPECT_EQ(missing("degree = 1\nsharp = 'on'\n", drawing),

@@ -43,6 +43,26 @@ TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     EXPECT_FALSE(has(job.steps[2], "--truth-shape=torus"));
 }
 
+TEST(Job, WhatIsSetTakesThePlaceOfTheFilesOtherWayToSmoothEdges) {
+    const auto view_of = [](const std::string& render, std::vector<std::string> settings) {
+        return read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render +
+                                  "[[view]]\nname = 'a'\n"),
+                        settings)
+            .steps[1];
+    };
+    const JobStep once = view_of("supersample = 2\n", {"render.antialias=true"});
+    EXPECT_TRUE(has(once, "--antialias"));
+    EXPECT_FALSE(has(once, "--supersample=2"));
+    const JobStep twice = view_of("antialias = true\n", {"render.supersample=2"});
+    EXPECT_TRUE(has(twice, "--supersample=2"));
+    EXPECT_FALSE(has(twice, "--antialias"));
+    // What changes nothing takes no place; what is said in one place contradicts itself.
+    EXPECT_TRUE(has(view_of("supersample = 2\n", {"render.antialias=false"}), "--supersample=2"));
+    EXPECT_TRUE(has(view_of("antialias = true\n", {"render.supersample=1"}), "--antialias"));
+    EXPECT_THROW(view_of("supersample = 2\nantialias = true\n", {}), ConfigError);
+    EXPECT_THROW(view_of("", {"render.supersample=2", "render.antialias=true"}), ConfigError);
+}
+
 TEST(Job, LightTablesBecomeOneOption) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"

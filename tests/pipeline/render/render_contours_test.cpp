@@ -112,6 +112,82 @@ TEST_F(RenderContours, WithoutContoursThereIsNoDrawing) {
     EXPECT_TRUE(exists("x.contours.svg"));
 }
 
+/// What a run warns of.
+class Warnings : public Reporter {
+public:
+    void warn(const std::string& text) override { text_ += text + "\n"; }
+    std::string text_;
+};
+
+TEST_F(RenderContours, ASpacingWithoutALineIsSaidAndHasNoLegendAndNoDrawing) {
+    SurfelTreeData model = test::sphere_model(1, 600);
+    model.header.origin = {0, 0, 400.5};  // 400.5 to 401.5 m are seen
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = relief("x.png");
+    c.legend = true, c.contours = "1000";
+    c.camera = "0,0,410,0,0,400.5,0,1,0", c.ortho_width = 3;
+    Warnings said;
+    const auto result = run(c, false, said);
+    for (const char* word : {"every 1000 m", "400.49 to 401.50 m", "every 0.05"})
+        EXPECT_NE(said.text_.find(word), std::string::npos) << word << ": " << said.text_;
+    EXPECT_EQ(result["contours"]["lines"], 0);
+    EXPECT_EQ(result["contours"]["spacing"], 1000);
+    EXPECT_NEAR(result["contours"]["heights"][1].get<double>(), 401.5, 1e-3);
+    EXPECT_EQ(result["files"].size(), 1u) << result["files"];  // no legend, no lines
+    const auto drawn = read_png(c.output).rgba;
+    c.contours = "none";
+    EXPECT_EQ(draw(c).rgba, drawn);
+}
+
+TEST_F(RenderContours, TheLegendNamesHeavyLinesWhereThereAreSome) {
+    RenderConfig c = relief("x.png");
+    c.legend = true;
+    Warnings said;
+    const auto legend_with = [&](const char* spacing) {
+        c.contours = spacing;
+        run(c, false, said);
+        return bytes("x.hillshade.legend.svg");
+    };
+    const std::string with = legend_with("0.1");  // heavy at 0 and 0.5
+    EXPECT_NE(with.find("every 0.1 m"), std::string::npos);
+    EXPECT_NE(with.find("heavy every 0.5 m"), std::string::npos);
+    SurfelTreeData model = test::sphere_model(1, 600);
+    model.header.origin = {0, 0, 0.5};  // 0.5 to 1.5 m are seen
+    write_model(file("m.slim"), model, "{}");
+    const std::string without = legend_with("0.4");  // heavy at 0 and 2 m
+    EXPECT_NE(without.find("every 0.4 m"), std::string::npos);
+    EXPECT_EQ(without.find("heavy"), std::string::npos) << without;
+    EXPECT_EQ(said.text_, "");
+}
+
+TEST_F(RenderContours, LinesTooManyForADrawingAreSaidAndPainted) {
+    RenderConfig c = relief("x.png");
+    c.size = "2000x2000", c.contours = "0.0003";  // a third of a pixel apart and less
+    Warnings said;
+    EXPECT_EQ(run(c, false, said)["files"].size(), 1u);
+    for (const char* word : {"x.contours.svg: not written", "0.0003 m", "8 million"})
+        EXPECT_NE(said.text_.find(word), std::string::npos) << word << ": " << said.text_;
+}
+
+TEST_F(RenderContours, AFilmsLinesAreHeldAgainstAllOfTheModel) {
+    RenderConfig c = relief("film.png");
+    c.turntable = 2, c.legend = true;
+    c.contours = "0.9";  // 0.9 is seen from above, -0.9 and 0 are not
+    EXPECT_EQ(run(c)["contours"]["lines"], 3);
+    EXPECT_TRUE(exists("film.hillshade.legend.svg"));
+}
+
+TEST_F(RenderContours, ADataFilesReliefIsHeldAgainstItsSpacing) {
+    SurfelTreeData model = test::sphere_model(1, 600);
+    model.header.origin = {0, 0, 1.5};
+    write_model(file("m.slim"), model, "{}");
+    RenderConfig c = relief("x.exr");
+    c.aov = {"shaded", "hillshade"}, c.contours = "1000";
+    Warnings said;
+    EXPECT_EQ(run(c, false, said)["contours"]["lines"], 0);
+    EXPECT_NE(said.text_.find("1000 m"), std::string::npos);
+}
+
 TEST_F(RenderContours, FilmsHaveLinesWithoutHeights) {
     RenderConfig c = relief("film.png");
     c.turntable = 2;

@@ -83,6 +83,17 @@ std::pair<int, int> drawn_columns(const PngImage& image) {
     return {first, last};
 }
 
+TEST_F(RenderLegends, ALegendThatDoesNotFitTakesNoRoom) {
+    RenderConfig c = config("x.png");
+    c.size = "300x240";  // a key of words would fit
+    const auto covered = [&](const char* aov) {
+        c.aov = {aov};
+        return run(c)["covered_pixels"].get<int>();
+    };
+    EXPECT_EQ(covered("mean"), covered("shaded"));
+    EXPECT_LT(covered("dir1"), covered("shaded"));
+}
+
 TEST_F(RenderLegends, WithoutALegendTheModelFillsThePictureFromTheMiddle) {
     RenderConfig c = config("x.png");
     c.size = "500x500", c.background = "white";

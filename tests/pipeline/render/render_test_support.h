@@ -47,9 +47,10 @@ protected:
         return c;
     }
 
-    nlohmann::json run(RenderConfig c, bool force = false) {
+    nlohmann::json run(RenderConfig c, bool force = false) { return run(c, force, reporter_); }
+    nlohmann::json run(RenderConfig c, bool force, Reporter& reporter) {
         const FieldList fields = fields_of(c);
-        StageContext context{reporter_,        1,  force, "render", canonical_config(fields),
+        StageContext context{reporter,        1,  force, "render", canonical_config(fields),
                              print_config(fields), ""};
         return run_render(c, context);
     }

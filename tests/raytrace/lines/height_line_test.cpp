@@ -18,7 +18,7 @@ using test::ReliefScene;
 std::vector<HeightLine> lines_of(const ReliefScene& s, double spacing) {
     HeightLineSearch search(s.relief, spacing);
     search.add(s.scene(), 0);
-    return search.finish();
+    return search.finish().value();
 }
 
 TEST(HeightLine, OfAConeAreItsCircles) {
@@ -49,6 +49,17 @@ TEST(HeightLine, CountsHeightsFromTheWorldsZero) {
     EXPECT_EQ(lines.back().level, 1002);
 }
 
+TEST(HeightLine, OfMorePiecesThanAllowedThereIsNone) {
+    const ReliefScene s(60, 60, [](double x, double) { return x / 10; });
+    // Heights -2.95 to 2.95: 5 lines of 59 pieces.
+    HeightLineSearch enough(s.relief, 1, 295), few(s.relief, 1, 294);
+    enough.add(s.scene(), 0), few.add(s.scene(), 0);
+    EXPECT_EQ(enough.finish().value().size(), 5u);
+    EXPECT_FALSE(few.finish());
+    few.add(s.scene(), 0);  // nor of what comes then
+    EXPECT_FALSE(few.finish());
+}
+
 TEST(HeightLine, BandsMakeThoseOfTheWhole) {
     const ReliefScene s(90, 70, [](double x, double y) {
         return 5 * std::sin(x / 7) * std::cos(y / 9) + 0.1 * x;
@@ -63,7 +74,7 @@ TEST(HeightLine, BandsMakeThoseOfTheWhole) {
         band.buffer = crop(s.buffer, {0, top, 90, bottom - top});
         search.add(band.scene({top, 70, begin - top, end - top}), 0);
     }
-    const auto banded = search.finish();
+    const auto banded = search.finish().value();
     ASSERT_EQ(banded.size(), whole.size());
     for (std::size_t i = 0; i < whole.size(); ++i) {
         EXPECT_EQ(banded[i].level, whole[i].level);
@@ -103,7 +114,8 @@ TEST(HeightLine, EdgesHaveTheirPlacesInTheWholePicture) {
     const ReliefScene s(40, 40, [](double x, double) { return x + 0.25; });
     HeightLineSearch search(s.relief, 10);
     search.add(s.scene({100, 900, 0, 0}), 7);
-    for (const HeightLine& line : search.finish())
+    const auto lines = search.finish().value();
+    for (const HeightLine& line : lines)
         for (const PicturePoint& p : line.points) {
             EXPECT_GT(p.y, 100);
             EXPECT_NEAR(std::remainder(static_cast<double>(p.x) - 27 + 0.25, 10.0), 0, 1e-4);
