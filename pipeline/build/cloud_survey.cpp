@@ -72,11 +72,19 @@ public:
         if (end_scan_ > 0x10000u)
             throw DataError(fmt::format("{}: the scans of all inputs together are more than 65536",
                                         input.path));
-        survey_.coordinate_quantum =
-            std::max(survey_.coordinate_quantum, coordinate_quantum(info, box));
     }
 
-    void finish() { survey_.strays = strays_.find(survey_.n_points); }
+    void finish() {
+        survey_.strays = strays_.find(survey_.n_points);
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
+            // The strays' own steps say nothing of the others'.
+            const Bbox counts = survey_.strays.n > 0
+                                    ? survey_.boxes[i].intersection(survey_.strays.box)
+                                    : survey_.boxes[i];
+            survey_.coordinate_quantum =
+                std::max(survey_.coordinate_quantum, coordinate_quantum(infos_[i], counts));
+        }
+    }
 
 private:
     void begin_input(std::uint64_t first_id, const CloudInfo& info) {
@@ -96,6 +104,7 @@ private:
         survey_.is_float32 |= info.coordinates == CoordinateType::float32;
         survey_.inputs.push_back(input);
         survey_.boxes.emplace_back();
+        infos_.push_back(info);
     }
 
     /// What was gathered is counted; a cloud that says that it is too large is not gathered first.
@@ -149,6 +158,7 @@ private:
     bool is_gathering_;
     Bbox first_box_;  // of the first chunk with finite points: cells start from it
     std::uint32_t end_scan_ = 0;
+    std::vector<CloudInfo> infos_;  // of the inputs
 };
 
 /// A file that is not there has no size; the reader says so.

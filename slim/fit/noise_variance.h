@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/vec.h"
+#include "slim/fit/variance_bins.h"
 #include "slim/neighbors/nearest.h"
 
 #include <cstddef>
@@ -25,6 +26,7 @@ struct NoiseVariance {
     double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
+    VarianceBins bins;  ///< of the samples that `value` is the mean of
 };
 
 /// The numbers of neighbours tried, and the flatness at which the search among them ends.
@@ -46,5 +48,11 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals = {},
                                       std::size_t fewest = kFewestSamples);
+
+/// lambda of a whole cloud: `value`, unless few of the samples make most of it (notes/0016). Samples
+/// that no surface of the usual spacing explains and that are far beyond nearly all others are
+/// strays and left out; noise of a part, which the median does not show, counts as far as edges
+/// would. The same as `value` where neither is so.
+double robust_variance(const NoiseVariance& noise);
 
 }  // namespace slim
