@@ -37,6 +37,17 @@ private:
     std::uint64_t total_ = 0;
 };
 
+/// What both boxes hold; empty() where that is nothing.
+Bbox common(const Bbox& a, const Bbox& b) {
+    Bbox out;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        out.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+        out.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+        if (!(out.lo[axis] <= out.hi[axis])) return {};
+    }
+    return out;
+}
+
 /// Takes the chunks of one input after another into a survey.
 class Surveyor {
 public:
@@ -79,7 +90,7 @@ public:
         for (std::size_t i = 0; i < infos_.size(); ++i) {
             // The strays' own steps say nothing of the others'.
             const Bbox counts = survey_.strays.n > 0
-                                    ? survey_.boxes[i].intersection(survey_.strays.box)
+                                    ? common(survey_.boxes[i], survey_.strays.box)
                                     : survey_.boxes[i];
             survey_.coordinate_quantum =
                 std::max(survey_.coordinate_quantum, coordinate_quantum(infos_[i], counts));

@@ -46,7 +46,8 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         add_log(one.at("spacing"), s.spacing);
         add_log(one.at("normal_variance"), s.normal);
         add_log(one.at("typical_variance"), s.typical);
-        for (const nlohmann::json& bin : one.at("bins")) s.bins.add(bin.at(0), {bin.at(1), bin.at(2)});
+        for (const nlohmann::json& bin : one.at("bins"))
+            s.bins.add(bin.at(0), {bin.at(1), bin.at(2), bin.at(3)});
         s.neighbors = std::max(s.neighbors, one.at("neighbors").get<std::size_t>());
         s.n_sampled += n;
     }
@@ -56,8 +57,10 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
 /// (NUMERICS 3.2).
 NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
     for (const NoiseVariance& n : noise)
-        if (n.flatness <= kFlat) return n;
-    const auto flatter = [](const auto& a, const auto& b) { return a.flatness < b.flatness; };
+        if (robust_noise(n).flatness <= kFlat) return n;
+    const auto flatter = [](const auto& a, const auto& b) {
+        return robust_noise(a).flatness < robust_noise(b).flatness;
+    };
     const auto best = std::min_element(noise.begin(), noise.end(), flatter);
     return best == noise.end() ? NoiseVariance{} : *best;
 }
@@ -100,7 +103,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const NoiseVariance chosen = choose_noise(said.noise);
     const double sq_spacing = chosen.spacing * chosen.spacing;
     const double most = is_made_of_faces(plan) ? kOfEdges * sq_spacing : INFINITY;
-    const double measured = std::min(robust_variance(chosen), most);
+    const double measured = std::min(robust_noise(chosen).variance, most);
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
     const double quantum = std::max(plan.coordinate_quantum,

@@ -67,9 +67,9 @@ nlohmann::json rules_json(const CoverRules& rules) {
 }
 
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}",
+    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {} refits {}",
                        rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
-                       rules.typical_variance, rules.follow_normals);
+                       rules.typical_variance, rules.follow_normals, rules.refits);
 }
 
 }  // namespace slim

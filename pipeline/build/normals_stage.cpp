@@ -76,10 +76,10 @@ void warn_of_inward(Reporter& reporter, bool flips) {
         "have the other sign, outlines are ragged else)");
 }
 
-/// [bin, samples, sum] of each
+/// [bin, samples, sum of variances, of flatness] of each
 nlohmann::json bins_json(const VarianceBins& bins) {
     nlohmann::json out = nlohmann::json::array();
-    for (const auto& [bin, b] : bins.bins()) out.push_back({bin, b.n, b.sum});
+    for (const auto& [bin, b] : bins.bins()) out.push_back({bin, b.n, b.variance, b.flatness});
     return out;
 }
 

@@ -29,14 +29,6 @@ struct Bbox {
         extend(b.lo);
         extend(b.hi);
     }
-    /// What both hold; empty() where that is nothing.
-    Bbox intersection(const Bbox& b) const {
-        Bbox out{{std::max(lo.x, b.lo.x), std::max(lo.y, b.lo.y), std::max(lo.z, b.lo.z)},
-                 {std::min(hi.x, b.hi.x), std::min(hi.y, b.hi.y), std::min(hi.z, b.hi.z)}};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            if (!(out.lo[axis] <= out.hi[axis])) return {};
-        return out;
-    }
     /// Squared distance of a point, 0 inside.
     double sq_distance(const Vec3d& p) const {
         double sq = 0;

@@ -11,7 +11,7 @@
 namespace slim {
 
 /// lambda of Ohtake 2005 eq. (3): the mean over points of the smallest eigenvalue of the covariance
-/// of their k nearest neighbours at distinct places.
+/// of their k nearest neighbours at distinct places. robust_noise() says what of it counts.
 struct NoiseVariance {
     double value = 0;     ///< length^2
     double flatness = 0;  ///< mean of smallest / middle eigenvalue; above
@@ -37,8 +37,8 @@ inline constexpr double kFlat = 0.1;
 /// Samples that every mean is over, if there are so many.
 inline constexpr std::size_t kFewestSamples = 1000;
 
-/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
-/// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points
+/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose robust flatness is at most 0.1
+/// (NUMERICS 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points
 /// with fewer than three distinct neighbours are left out; none left gives value 0. samples: points
 /// of the search by falling priority, of which the first serve where fewer do; those that lie at
 /// one place count once. normals: of the search's points; empty: none. fewest: samples, if there
@@ -49,10 +49,16 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const Vec3f> normals = {},
                                       std::size_t fewest = kFewestSamples);
 
-/// lambda of a whole cloud: `value`, unless few of the samples make most of it (notes/0016). Samples
-/// that no surface of the usual spacing explains and that are far beyond nearly all others are
-/// strays and left out; noise of a part, which the median does not show, counts as far as edges
-/// would. The same as `value` where neither is so.
-double robust_variance(const NoiseVariance& noise);
+/// What counts of a whole cloud's.
+struct RobustNoise {
+    double variance = 0;  ///< lambda
+    double flatness = 0;
+};
+
+/// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that no
+/// surface of the usual spacing explains and that are far beyond nearly all others are strays and
+/// left out. Noise of a part, more than edges show and not in the median, adds to lambda what bends
+/// and edges would, and to flatness nothing. The same where neither is so.
+RobustNoise robust_noise(const NoiseVariance& noise);
 
 }  // namespace slim

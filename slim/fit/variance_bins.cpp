@@ -12,11 +12,7 @@ constexpr int kPerOctave = 4;
 
 void VarianceBins::add(int bin, const Bin& more) {
     Bin& b = bins_[bin];
-    b.n += more.n, b.sum += more.sum;
-}
-
-void VarianceBins::add(const VarianceBins& other) {
-    for (const auto& [bin, more] : other.bins_) add(bin, more);
+    b.n += more.n, b.variance += more.variance, b.flatness += more.flatness;
 }
 
 /// From the parts of the number, which scaling by a power of two leaves as they are.
@@ -47,8 +43,11 @@ double VarianceBins::quantile(double share) const {
 VarianceBins::Bin VarianceBins::mean_up_to(double most) const {
     Bin mean;
     for (const auto& [bin, b] : bins_)
-        if (begin_of(bin) <= most) mean.n += b.n, mean.sum += b.sum;
-    if (mean.n > 0) mean.sum /= static_cast<double>(mean.n);
+        if (begin_of(bin) <= most)
+            mean.n += b.n, mean.variance += b.variance, mean.flatness += b.flatness;
+    if (mean.n == 0) return mean;
+    mean.variance /= static_cast<double>(mean.n);
+    mean.flatness /= static_cast<double>(mean.n);
     return mean;
 }
 

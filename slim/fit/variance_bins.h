@@ -12,18 +12,18 @@ class VarianceBins {
 public:
     struct Bin {
         std::uint64_t n = 0;
-        double sum = 0;
+        double variance = 0, flatness = 0;  ///< sums
     };
 
-    void add(double variance) { add(bin_of(variance), {1, variance}); }
+    /// flatness: of the same neighbourhood
+    void add(double variance, double flatness) { add(bin_of(variance), {1, variance, flatness}); }
     void add(int bin, const Bin& more);
-    void add(const VarianceBins& other);
     const std::map<int, Bin>& bins() const { return bins_; }
 
     /// Upper end of the bin that holds the value which a share in (0, 1] of all does not exceed; 0
     /// without values.
     double quantile(double share) const;
-    /// Mean of the bins that do not begin above `most`, and how many samples those hold.
+    /// Means over the bins that do not begin above `most`, and how many samples those hold.
     Bin mean_up_to(double most) const;
 
 private:
