@@ -104,13 +104,13 @@ std::vector<Vec3d> plane_with_strip(double sigma, double sigma_of_strip, double 
 TEST(NoiseVariance, StraysDoNotCount) {
     std::vector<Vec3d> points = sampled("bumpy", 20000, 1, 1e-3).positions;
     const RobustNoise clean = robust_noise(noise_of(points));
-    for (const std::size_t n : {4u, 40u, 400u}) {
+    for (const std::size_t n : {50u, 200u, 800u}) {
         SCOPED_TRACE(n);
         std::vector<Vec3d> soiled = points;
-        for (std::size_t i = 0; i < n; ++i) soiled.push_back(random_in_cube(8, i) * 1.1);
+        for (std::size_t i = 0; i < n; ++i) soiled.push_back(random_in_cube(8, i) * 3.0);
         const NoiseVariance noise = noise_of(soiled);
-        EXPECT_GT(noise.value, (n < 40 ? 1.2 : 3.0) * clean.variance);
-        EXPECT_NEAR(robust_noise(noise).variance, clean.variance, 0.25 * clean.variance);
+        EXPECT_GT(noise.value, 3 * clean.variance);
+        EXPECT_NEAR(robust_noise(noise).variance, clean.variance, 0.1 * clean.variance);
     }
 }
 
@@ -118,7 +118,7 @@ TEST(NoiseVariance, NoiseOfAPartCountsAsBendsAndEdgesWould) {
     // Spacing 0.01, noise of a hundredth of it; of 0.8 in a tenth of the points.
     const NoiseVariance noise = noise_of(plane_with_strip(1e-4, 8e-3, 0.8));
     EXPECT_EQ(noise.neighbors, 10u);
-    EXPECT_GT(noise.value, 3e-6);
+    EXPECT_GT(noise.value, 2e-6);
     EXPECT_DOUBLE_EQ(robust_noise(noise).variance, 0.005 * noise.spacing * noise.spacing);
 }
 
@@ -153,7 +153,7 @@ TEST(NoiseVariance, AllCountWhereNoiseIsAlike) {
 
 TEST(NoiseVariance, ScalesAsALengthSquaredBitByBit) {
     std::vector<Vec3d> points = sampled("bumpy", 3000, 1, 1e-3).positions;
-    for (std::size_t i = 0; i < 30; ++i) points.push_back(random_in_cube(8, i) * 1.1);
+    for (std::size_t i = 0; i < 30; ++i) points.push_back(random_in_cube(8, i) * 3.0);
     const NoiseVariance one = noise_of(points);
     for (Vec3d& p : points) p *= 1024.0;
     const NoiseVariance large = noise_of(points);
