@@ -38,12 +38,12 @@ inline constexpr double kFlat = 0.1;
 inline constexpr std::size_t kFewestSamples = 1000;
 
 /// With k = `neighbors`; 0: the first of kNoiseNeighbors whose robust flatness is at most 0.1
-/// (NUMERICS 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points
-/// with fewer than three distinct neighbours are left out; none left gives value 0. samples: points
-/// of the search by falling priority, of which the first serve where fewer do; those that lie at
-/// one place count once. normals: of the search's points; empty: none. fewest: samples, if there
-/// are so many; of one slice of many fewer will do. Cost: one k-NN query a sample,
-/// fewer the larger k.
+/// (NUMERICS 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer.
+/// Points with fewer than three distinct neighbours are left out; none left gives value 0. samples:
+/// points of the search by falling priority, of which the first serve where fewer do; those that
+/// lie at one place count once. normals: of the search's points; empty: none. fewest: samples, if
+/// there are so many; of one slice of many fewer will do. Cost: one k-NN query a sample, fewer the
+/// larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals = {},
@@ -55,10 +55,10 @@ struct RobustNoise {
     double flatness = 0;
 };
 
-/// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that no
-/// surface of the usual spacing explains and that are far beyond nearly all others are strays and
-/// left out. Noise of a part, more than edges show and not in the median, adds to lambda what bends
-/// and edges would, and to flatness nothing. The same where neither is so.
+/// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that
+/// no surface of the usual spacing explains and that are far beyond nearly all others are strays
+/// and left out. Noise of a part, more than edges show and not in the median, adds to lambda what
+/// bends and edges would, and to flatness nothing. The same where neither is so.
 RobustNoise robust_noise(const NoiseVariance& noise);
 
 }  // namespace slim
