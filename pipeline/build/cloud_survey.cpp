@@ -37,6 +37,17 @@ private:
     std::uint64_t total_ = 0;
 };
 
+/// What both boxes hold; empty() where that is nothing.
+Bbox common(const Bbox& a, const Bbox& b) {
+    Bbox out;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        out.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+        out.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+        if (!(out.lo[axis] <= out.hi[axis])) return {};
+    }
+    return out;
+}
+
 /// Takes the chunks of one input after another into a survey.
 class Surveyor {
 public:
@@ -72,11 +83,19 @@ public:
         if (end_scan_ > 0x10000u)
             throw DataError(fmt::format("{}: the scans of all inputs together are more than 65536",
                                         input.path));
-        survey_.coordinate_quantum =
-            std::max(survey_.coordinate_quantum, coordinate_quantum(info, box));
     }
 
-    void finish() { survey_.strays = strays_.find(survey_.n_points); }
+    void finish() {
+        survey_.strays = strays_.find(survey_.n_points);
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
+            // The strays' own steps say nothing of the others'.
+            const Bbox counts = survey_.strays.n > 0
+                                    ? common(survey_.boxes[i], survey_.strays.box)
+                                    : survey_.boxes[i];
+            survey_.coordinate_quantum =
+                std::max(survey_.coordinate_quantum, coordinate_quantum(infos_[i], counts));
+        }
+    }
 
 private:
     void begin_input(std::uint64_t first_id, const CloudInfo& info) {
@@ -96,6 +115,7 @@ private:
         survey_.is_float32 |= info.coordinates == CoordinateType::float32;
         survey_.inputs.push_back(input);
         survey_.boxes.emplace_back();
+        infos_.push_back(info);
     }
 
     /// What was gathered is counted; a cloud that says that it is too large is not gathered first.
@@ -149,6 +169,7 @@ private:
     bool is_gathering_;
     Bbox first_box_;  // of the first chunk with finite points: cells start from it
     std::uint32_t end_scan_ = 0;
+    std::vector<CloudInfo> infos_;  // of the inputs
 };
 
 /// A file that is not there has no size; the reader says so.

@@ -89,7 +89,7 @@ struct CloudSurvey {
     std::optional<CellCounts> cells;  ///< world frame; of points not gathered
     GatheredPoints gathered{0};  ///< all, or none if they are too many
     bool is_float32 = false;
-    double coordinate_quantum = 0;
+    double coordinate_quantum = 0;  ///< largest of the inputs', of points that are no strays
     Spread spread;
 };
 

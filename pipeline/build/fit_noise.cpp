@@ -46,6 +46,9 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         add_log(one.at("spacing"), s.spacing);
         add_log(one.at("normal_variance"), s.normal);
         add_log(one.at("typical_variance"), s.typical);
+        for (const nlohmann::json& bin : one.at("bins"))
+            s.bins.add(bin.at(0), {bin.at(1), bin.at(2), bin.at(3)});
+        s.neighbors = std::max(s.neighbors, one.at("neighbors").get<std::size_t>());
         s.n_sampled += n;
     }
 }
@@ -54,8 +57,10 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
 /// (NUMERICS 3.2).
 NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
     for (const NoiseVariance& n : noise)
-        if (n.flatness <= kFlat) return n;
-    const auto flatter = [](const auto& a, const auto& b) { return a.flatness < b.flatness; };
+        if (robust_noise(n).flatness <= kFlat) return n;
+    const auto flatter = [](const auto& a, const auto& b) {
+        return robust_noise(a).flatness < robust_noise(b).flatness;
+    };
     const auto best = std::min_element(noise.begin(), noise.end(), flatter);
     return best == noise.end() ? NoiseVariance{} : *best;
 }
@@ -97,15 +102,15 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     GlobalNoise out;
     const NoiseVariance chosen = choose_noise(said.noise);
     const double sq_spacing = chosen.spacing * chosen.spacing;
-    const double measured = is_made_of_faces(plan)
-                                ? std::min(chosen.value, kOfEdges * sq_spacing)
-                                : chosen.value;
+    const double most = is_made_of_faces(plan) ? kOfEdges * sq_spacing : INFINITY;
+    const double measured = std::min(robust_noise(chosen).variance, most);
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
+    out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), floor);
     out.floored = lambda <= 0 && measured < floor;
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&

@@ -37,7 +37,8 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.spacing = noise.spacing;
     rules.typical_variance = noise.typical_variance;
     rules.follow_normals = noise.normals_inform && !rules.windows;
-    const double roughness = std::sqrt(noise.noise_variance) / noise.spacing;
+    // Strays and parts with noise are no detail: a second fit would follow them point by point.
+    const double roughness = std::sqrt(noise.mean_variance) / noise.spacing;
     rules.refits = !rules.follow_normals && !rules.windows && rules.weight == FitWeight::gauss &&
                    roughness > kSmooth && roughness < kNoisy;
     return rules;
@@ -66,9 +67,9 @@ nlohmann::json rules_json(const CoverRules& rules) {
 }
 
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {}",
+    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {} refits {}",
                        rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
-                       rules.typical_variance, rules.follow_normals);
+                       rules.typical_variance, rules.follow_normals, rules.refits);
 }
 
 }  // namespace slim

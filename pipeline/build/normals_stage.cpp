@@ -76,6 +76,13 @@ void warn_of_inward(Reporter& reporter, bool flips) {
         "have the other sign, outlines are ragged else)");
 }
 
+/// [bin, samples, sum of variances, of flatness] of each
+nlohmann::json bins_json(const VarianceBins& bins) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const auto& [bin, b] : bins.bins()) out.push_back({bin, b.n, b.variance, b.flatness});
+    return out;
+}
+
 nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVariance>& noise,
                            std::size_t n) {
     nlohmann::json measured = nlohmann::json::array();
@@ -87,7 +94,8 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
                             {"typical_variance", v.typical},
                             {"normal_independence", v.independence},
                             {"neighbors", v.neighbors},
-                            {"samples", v.n_sampled}});
+                            {"samples", v.n_sampled},
+                            {"bins", bins_json(v.bins)}});
     return {{"points", n},
             {"kept", r.kept},
             {"turned", r.turned},

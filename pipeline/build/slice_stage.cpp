@@ -132,7 +132,7 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));
     }
-    if (plan.n_points > 1 && plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
+    if (plan.diagonal > 0 && plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
         reporter.warn(
             fmt::format("the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: "
                         "finer detail is "

@@ -18,6 +18,17 @@ constexpr std::size_t kFew = kFewestSamples;
 // of the squared spacing: below it a neighbourhood is flat
 constexpr double kRounding = 1e-12;
 
+// Strays are fewer, and so many times the variance that all others stay below.
+constexpr double kMostStrays = 0.05, kBeyondOthers = 32;
+// Of the squared reach of a usual neighbourhood: a ball filled evenly shows 0.2, a right angle at
+// most 0.035, corners and plates that are not told apart up to twice that.
+constexpr double kNoSurface = 0.3, kNoEdge = 0.0625;
+constexpr double kOfParts = 0.5;  // what is no edge makes more of the mean: noise of a part
+// The mean over the median where noise is the same everywhere is 1.1 to 1.7.
+constexpr double kOfMedian = 4;
+// of the squared spacing: what bends and edges make of lambda on clean scans, 0.003 to 0.008
+constexpr double kOfEdges = 0.005;
+
 /// The mean over the first n samples.
 NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
                              std::size_t k, std::size_t n, std::span<const Vec3f> normals = {}) {
@@ -50,6 +61,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
+        if (f.known) out.bins.add(f.smallest, f.ratio);
         if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
         if (f.known) log_smallest += std::log(std::max(f.smallest, kRounding * f.sq_reach));
         if (f.known && !normals.empty()) log_normal += std::log(f.normal);
@@ -79,7 +91,7 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
     for (const std::size_t k : kNoiseNeighbors) {
         if (k >= search.size()) break;
         const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
-        const double flatness = with_neighbors(search, samples, k, n).flatness;
+        const double flatness = robust_noise(with_neighbors(search, samples, k, n)).flatness;
         if (flatness < flattest) best = k, flattest = flatness;
         if (flatness <= kFlat) break;
     }
@@ -126,6 +138,23 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
         with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
         out.independence = normal_independence(search, places, normals, k);
+    return out;
+}
+
+RobustNoise robust_noise(const NoiseVariance& noise) {
+    const double sq_spacing = noise.spacing * noise.spacing;
+    const double sq_reach = static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
+    const VarianceBins& bins = noise.bins;
+    const VarianceBins::Bin others = bins.mean_up_to(
+        std::max(kBeyondOthers * bins.quantile(1 - kMostStrays), kNoSurface * sq_reach));
+    RobustNoise out{noise.value, noise.flatness};
+    if (others.n < noise.n_sampled) out = {others.variance, others.flatness};
+    const double most = std::max(kOfMedian * bins.quantile(0.5), kOfEdges * sq_spacing);
+    if (out.variance <= most) return out;
+    const VarianceBins::Bin edges = bins.mean_up_to(kNoEdge * sq_reach);
+    const double share_of_edges = edges.variance * static_cast<double>(edges.n) /
+                                  (others.variance * static_cast<double>(others.n));
+    if (share_of_edges < 1 - kOfParts) out = {most, bins.mean_up_to(most).flatness};
     return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/vec.h"
+#include "slim/fit/variance_bins.h"
 #include "slim/neighbors/nearest.h"
 
 #include <cstddef>
@@ -10,7 +11,7 @@
 namespace slim {
 
 /// lambda of Ohtake 2005 eq. (3): the mean over points of the smallest eigenvalue of the covariance
-/// of their k nearest neighbours at distinct places.
+/// of their k nearest neighbours at distinct places. robust_noise() says what of it counts.
 struct NoiseVariance {
     double value = 0;     ///< length^2
     double flatness = 0;  ///< mean of smallest / middle eigenvalue; above
@@ -25,6 +26,7 @@ struct NoiseVariance {
     double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
+    VarianceBins bins;  ///< of the samples that `value` is the mean of
 };
 
 /// The numbers of neighbours tried, and the flatness at which the search among them ends.
@@ -35,16 +37,28 @@ inline constexpr double kFlat = 0.1;
 /// Samples that every mean is over, if there are so many.
 inline constexpr std::size_t kFewestSamples = 1000;
 
-/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose flatness is at most 0.1 (NUMERICS
-/// 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer. Points
-/// with fewer than three distinct neighbours are left out; none left gives value 0. samples: points
-/// of the search by falling priority, of which the first serve where fewer do; those that lie at
-/// one place count once. normals: of the search's points; empty: none. fewest: samples, if there
-/// are so many; of one slice of many fewer will do. Cost: one k-NN query a sample,
-/// fewer the larger k.
+/// With k = `neighbors`; 0: the first of kNoiseNeighbors whose robust flatness is at most 0.1
+/// (NUMERICS 3.2), or the flattest: noise asks for more neighbours, edges and curvature for fewer.
+/// Points with fewer than three distinct neighbours are left out; none left gives value 0. samples:
+/// points of the search by falling priority, of which the first serve where fewer do; those that
+/// lie at one place count once. normals: of the search's points; empty: none. fewest: samples, if
+/// there are so many; of one slice of many fewer will do. Cost: one k-NN query a sample, fewer the
+/// larger k.
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals = {},
                                       std::size_t fewest = kFewestSamples);
+
+/// What counts of a whole cloud's.
+struct RobustNoise {
+    double variance = 0;  ///< lambda
+    double flatness = 0;
+};
+
+/// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that
+/// no surface of the usual spacing explains and that are far beyond nearly all others are strays
+/// and left out. Noise of a part, more than edges show and not in the median, adds to lambda what
+/// bends and edges would, and to flatness nothing. The same where neither is so.
+RobustNoise robust_noise(const NoiseVariance& noise);
 
 }  // namespace slim

@@ -18,6 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// n points of one place.
+Cloud cloud_at(const Vec3d& place, std::size_t n) {
+    Cloud cloud;
+    cloud.positions.assign(n, place);
+    cloud.normals.assign(n, {0, 0, 1});
+    return cloud;
+}
+
 TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
     for (const std::size_t n : {2u, 3u, 1000u}) {
         SCOPED_TRACE(n);
@@ -27,6 +35,9 @@ TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
         EXPECT_NE(message_.find("do not coincide"), std::string::npos) << message_;
         EXPECT_NE(message_.find(": " + std::to_string(n) + " points within"), std::string::npos)
             << message_;
+        const std::string floats = write_floats("same.ply", cloud_at({1, 2, 3}, n));
+        EXPECT_EQ(code_of([&] { built(floats); }), ExitCode::bad_data);
+        EXPECT_FALSE(warned_of("finer detail"));
     }
     const std::string one = write_text("one.xyz", std::vector<Vec3d>(1, {1, 2, 3}));
     EXPECT_EQ(code_of([&] { built(one); }), ExitCode::bad_data);

@@ -2,6 +2,7 @@
 
 #include "formats/fit_file.h"
 #include "pipeline/build/fit_noise.h"
+#include "pipeline/build/fit_rules.h"
 #include "pipeline/manifest.h"
 #include "slim/base/hash.h"
 #include "slim/model/surfel_tree.h"
@@ -61,6 +62,36 @@ TEST_F(FitStage, LambdaIsMeasuredFlooredOrGiven) {
     const GlobalNoise flat = read_global_noise(config.work, config.lambda, read_plan(config.work));
     EXPECT_TRUE(flat.floored);
     EXPECT_GT(flat.noise_variance, 0);
+}
+
+TEST_F(FitStage, StraysInTheCloudsBoxLeaveLambdaAndLeavesAsTheyAreInAnyNumberOfSlices) {
+    Cloud cloud = sampled("bumpy", 30000, 1, 2e-4);
+    const auto fitted = [&](int n_slices) {
+        slice(write(cloud, "c.ply"), n_slices);
+        normals();
+        const auto r = fit();
+        return std::pair(r["noise_variance"].get<double>(), r["leaves"].get<double>());
+    };
+    const auto [clean, clean_leaves] = fitted(1);
+    EXPECT_NEAR(fitted(3).first, clean, 1e-12 * clean);
+    const auto random = [](std::uint64_t n) { return 2.2 * unit_interval(keyed_hash(8, n)) - 1.1; };
+    for (std::uint64_t i = 0; i < 30; ++i)
+        cloud.positions[1000 * i] = {random(3 * i), random(3 * i + 1), random(3 * i + 2)};
+    const auto [soiled, leaves] = fitted(1);
+    EXPECT_NEAR(soiled, clean, 0.1 * clean);  // as a mean over all: 100 times that
+    EXPECT_GT(leaves, 0.9 * clean_leaves);
+    EXPECT_NEAR(fitted(3).first, soiled, 1e-9 * soiled);
+}
+
+TEST_F(FitStage, WhereStraysOrNoisyPartsMakeTheMeanLeavesAreNotFittedAgain) {
+    SlicePlan plan;
+    plan.diagonal = 1;
+    GlobalNoise noise;
+    noise.spacing = 0.01;
+    noise.noise_variance = noise.mean_variance = 25e-8;  // 0.05 spacings
+    EXPECT_TRUE(fit_rules({}, 1, plan, noise).refits);
+    noise.mean_variance = 9e-6;
+    EXPECT_FALSE(fit_rules({}, 1, plan, noise).refits);
 }
 
 TEST_F(FitStage, GivenNormalsAreFollowedWhereTheyTellMoreThanNoisyPoints) {

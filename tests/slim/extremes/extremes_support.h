@@ -56,7 +56,7 @@ inline CoverRules usual_rules(const PointBlock& block, double mdl_threshold, int
     rules.mdl_threshold = mdl_threshold;
     rules.diagonal = box_of(block).diagonal();
     rules.least_radius = rules.diagonal * epsilon;
-    const double measured = measured_noise(block.position, 0, 10000).value;
+    const double measured = robust_noise(measured_noise(block.position, 0, 10000)).variance;
     const double quantum = rules.diagonal * epsilon;
     rules.noise_variance = std::max(measured, 16 * quantum * quantum);
     return rules;

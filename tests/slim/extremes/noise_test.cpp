@@ -104,7 +104,7 @@ TEST(Extremes, Row26OutliersDoBoundedHarm) {
     const Cloud cloud = sampled("bumpy", 30000, 1, 2e-4);
     const double near = 0.005 * shape.bounds.diagonal();
     for (const auto& [share, most_astray, most_off] :
-         {Bound{0.001, 0.4, 0.015}, {0.01, 0.75, 0.4}, {0.05, 0.75, 0.6}, {0.2, 0.75, 0.65}}) {
+         {Bound{0.001, 0.4, 5e-4}, {0.01, 0.5, 1e-3}, {0.05, 0.5, 1e-3}, {0.2, 0.65, 2e-3}}) {
         SCOPED_TRACE(share);
         Cloud soiled = cloud;
         const auto n = static_cast<std::uint64_t>(share * 30000);

@@ -93,13 +93,74 @@ TEST(NoiseVariance, OfTooFewDistinctPointsIsZero) {
     EXPECT_EQ(noise_of({}).value, 0);
 }
 
+/// A plane's points with other noise beyond x = `begin`.
+std::vector<Vec3d> plane_with_strip(double sigma, double sigma_of_strip, double begin) {
+    std::vector<Vec3d> points = noisy_plane(40000, sigma);
+    for (Vec3d& p : points)
+        if (p.x > begin) p.z *= sigma_of_strip / sigma;
+    return points;
+}
+
+TEST(NoiseVariance, StraysDoNotCount) {
+    std::vector<Vec3d> points = sampled("bumpy", 20000, 1, 1e-3).positions;
+    const RobustNoise clean = robust_noise(noise_of(points));
+    for (const std::size_t n : {50u, 200u, 800u}) {
+        SCOPED_TRACE(n);
+        std::vector<Vec3d> soiled = points;
+        for (std::size_t i = 0; i < n; ++i) soiled.push_back(random_in_cube(8, i) * 3.0);
+        const NoiseVariance noise = noise_of(soiled);
+        EXPECT_GT(noise.value, 3 * clean.variance);
+        EXPECT_NEAR(robust_noise(noise).variance, clean.variance, 0.1 * clean.variance);
+    }
+}
+
+TEST(NoiseVariance, NoiseOfAPartCountsAsBendsAndEdgesWould) {
+    // Spacing 0.01, noise of a hundredth of it; of 0.8 in a tenth of the points.
+    const NoiseVariance noise = noise_of(plane_with_strip(1e-4, 8e-3, 0.8));
+    EXPECT_EQ(noise.neighbors, 10u);
+    EXPECT_GT(noise.value, 2e-6);
+    EXPECT_DOUBLE_EQ(robust_noise(noise).variance, 0.005 * noise.spacing * noise.spacing);
+}
+
+TEST(NoiseVariance, APartThatIsNotFlatAsksForNoMoreNeighbours) {
+    const std::vector<Vec3d> points = plane_with_strip(1e-4, 0.02, 0.2);
+    EXPECT_GT(noise_of(points, false).flatness, kFlat);
+    EXPECT_EQ(noise_of(points).neighbors, 10u);
+}
+
+TEST(NoiseVariance, EdgesOfACleanCubeCountAsTheyDid) {
+    std::vector<Vec3d> points;
+    for (std::uint64_t i = 0; i < 12000; ++i) {
+        Vec3d p{random_at(1, i), random_at(2, i), random_at(3, i)};
+        p[i % 3] = i / 3 % 2 == 0 ? 1.0 : -1.0;
+        points.push_back(p);
+    }
+    const NoiseVariance noise = noise_of(points);
+    EXPECT_LT(noise.typical, 1e-3 * noise.value);
+    EXPECT_EQ(robust_noise(noise).variance, noise.value);
+}
+
+TEST(NoiseVariance, AllCountWhereNoiseIsAlike) {
+    for (const auto& points :
+         {noisy_plane(10000, 0), noisy_plane(10000, 1e-3), noisy_plane(10000, 0.03),
+          plane_with_strip(1e-3, 3e-3, 0.8), sampled("bumpy", 20000).positions,
+          sampled("torus", 5000, 1, 3e-3).positions}) {
+        const NoiseVariance noise = noise_of(points);
+        EXPECT_EQ(robust_noise(noise).variance, noise.value);
+        EXPECT_EQ(robust_noise(noise).flatness, noise.flatness);
+    }
+}
+
 TEST(NoiseVariance, ScalesAsALengthSquaredBitByBit) {
     std::vector<Vec3d> points = sampled("bumpy", 3000, 1, 1e-3).positions;
+    for (std::size_t i = 0; i < 30; ++i) points.push_back(random_in_cube(8, i) * 3.0);
     const NoiseVariance one = noise_of(points);
     for (Vec3d& p : points) p *= 1024.0;
     const NoiseVariance large = noise_of(points);
     EXPECT_EQ(large.value, one.value * 1024 * 1024);
     EXPECT_EQ(large.flatness, one.flatness);
+    EXPECT_EQ(robust_noise(large).variance, robust_noise(one).variance * 1024 * 1024);
+    EXPECT_LT(robust_noise(one).variance, one.value);
 }
 
 TEST(NoiseVariance, IsOverFewerSamplesTheMoreNeighboursButNotFewerThanAsked) {
