@@ -66,8 +66,10 @@ std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& s
                                 const std::vector<bool>& own, std::size_t n_wanted) {
     if (kFew * n_wanted < points.size()) return kUsualNeighbors;
     const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
-    const NoiseVariance noise =
-        estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
+    const std::vector<std::uint32_t> samples = sample_points(points, own, kFewSamples / n_own);
+    const std::size_t fewest = neighbors_beyond_strips(search, samples, kUsualNeighbors);
+    if (fewest > kUsualNeighbors) return fewest;
+    const NoiseVariance noise = estimate_noise_variance(search, samples, 0);
     if (!(noise.spacing > 0)) return kUsualNeighbors;
     const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
     return static_cast<std::size_t>(
@@ -84,6 +86,7 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
                                      : neighbors_for_noise(points, search, own, wanted.size());
     NeighborGraph graph =
         estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
+    report.on_lines = graph.n_on_lines;
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {
@@ -174,6 +177,10 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                 true};
     const std::vector<std::uint32_t> samples = evidence_samples(points, own);
     report.evidence = evidence_of(points, search, samples);
+    if (report.evidence.is_off_surface())
+        if (const std::size_t k = neighbors_beyond_strips(search, samples, kUsualNeighbors);
+            k > kUsualNeighbors)
+            report.evidence = evidence_of(points, search, samples, k);
     report.evidence.stand_for(n_own);
     if (report.evidence.is_off_surface())
         return {
@@ -183,6 +190,16 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                             static_cast<double>(report.evidence.n_flat))};
     if (faces_sensors(points, samples, sensors)) report.evidence = {};
     return {};
+}
+
+/// What became of a cloud whose normals are not to be trusted.
+std::string estimated_anew(const OrientReport& orientation, bool they_hint) {
+    std::string text = ": all normals are estimated anew";
+    if (!they_hint || orientation.by_rule == 0) return text;
+    if (orientation.by_hints > 0) text += ", on the side that most of the given ones are on";
+    if (orientation.by_hints < orientation.by_rule)
+        text += ", as --normals estimate has it: the given ones leave in doubt which side is out";
+    return text;
 }
 
 /// --normals flip: the other side is out. What the slices before have is flipped, and known here,
@@ -235,6 +252,7 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         return report;
     }
     std::vector<Vec3f> hints;
+    std::string mistrusted;
     if (n_own > 0 && !carries) {
         if (plan.slices.size() == 1) {
             report.of_contrary_scans =
@@ -246,8 +264,8 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                                 report.of_contrary_scans));
         }
         const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
+        mistrusted = mistrust.why;
         if (!mistrust.why.empty()) {
-            reporter.warn(mistrust.why + ": all normals are estimated anew");
             report.evidence = {};
             report.turned = report.noisy = 0;
             if (mistrust.they_hint) hints = std::move(points.normal);
@@ -261,7 +279,15 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
                          seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
+        if (kFew * report.on_lines > report.estimated)
+            reporter.warn(
+                fmt::format("{} points lie on lines too far from each other for normals that say "
+                            "anything: expected lines at most some 100 points' spacing apart, or "
+                            "normals in the input",
+                            report.on_lines));
     }
+    if (!mistrusted.empty())
+        reporter.warn(mistrusted + estimated_anew(report.orientation, !hints.empty()));
     if (flips) flip_all(points.normal);
     if (flips) report.evidence.flip();
     return report;
