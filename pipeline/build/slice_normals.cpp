@@ -5,6 +5,7 @@
 #include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/normals/estimate.h"
+#include "slim/normals/patch_signs.h"
 #include "slim/normals/repair.h"
 #include "slim/normals/scan_signs.h"
 
@@ -58,6 +59,17 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
 std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
     return static_cast<std::size_t>(
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
+}
+
+std::size_t count_own(const std::vector<bool>& own, const std::vector<bool>& points) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) n += points[i] && own[i];
+    return n;
+}
+
+void turn(const std::vector<bool>& which, PointBlock& points) {
+    for (std::size_t i = 0; i < which.size(); ++i)
+        if (which[i]) points.normal[i] = -points.normal[i];
 }
 
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
@@ -162,10 +174,22 @@ struct Mistrust {
     bool they_hint = false;  ///< which side is out, most of them
 };
 
-/// Mends given normals here and there, and looks at them as a whole.
+/// Mends given normals here and there and in patches, and looks at them as a whole.
+/// turns_patches: patches are not found only, as which side has fewer points is known
 Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
-                     std::size_t n_own, const std::vector<Vec3d>& sensors, NormalsReport& report) {
-    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+                     std::size_t n_own, const std::vector<Vec3d>& sensors, bool turns_patches,
+                     NormalsReport& report) {
+    NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+    if (audit.has_seams() && !audit.has_mixed_signs()) {
+        const ContraryPatches patches = contrary_patches(points, search);
+        report.of_contrary_patches = count_own(own, patches.is_contrary);
+        if (turns_patches && patches.n > 0) {
+            turn(patches.is_contrary, points);
+            const std::size_t before = audit.contrary;
+            audit = repair_contrary_normals(points, search.boxes(), own);
+            audit.contrary += before;
+        }
+    }
     report.turned = audit.contrary;
     report.noisy = audit.noisy;
     const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
@@ -190,6 +214,16 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                             static_cast<double>(report.evidence.n_flat))};
     if (faces_sensors(points, samples, sensors)) report.evidence = {};
     return {};
+}
+
+std::string contrary_patches_text(std::size_t n, std::size_t n_own, bool are_turned) {
+    const std::string text = fmt::format(
+        "{} points, {:.1f} %, lie in patches whose normals are turned round against those about "
+        "them: ",
+        n, 100 * static_cast<double>(n) / static_cast<double>(n_own));
+    if (are_turned) return text + "turned";
+    return text + "which are right is not known of a slice, they are kept. Build in one slice, or "
+                  "with --normals estimate";
 }
 
 /// What became of a cloud whose normals are not to be trusted.
@@ -263,7 +297,11 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                                 "others': turned",
                                 report.of_contrary_scans));
         }
-        const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
+        const bool is_whole = plan.slices.size() == 1;
+        const Mistrust mistrust =
+            audit_given(points, search, own, n_own, sensors, is_whole, report);
+        if (report.of_contrary_patches > 0)
+            reporter.warn(contrary_patches_text(report.of_contrary_patches, n_own, is_whole));
         mistrusted = mistrust.why;
         if (!mistrust.why.empty()) {
             report.evidence = {};

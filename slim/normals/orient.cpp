@@ -19,8 +19,8 @@ constexpr double kClearFlux = 0.15;
 // |sum of normals| over their number of a shape that is closed but for small holes: of a bowl 0.5
 constexpr double kSmallHole = 0.25;
 // hints on a component's side less those on the other, of all: enough to outweigh a closed shape
-// (three of four are on one side), or where the shape says little
-constexpr double kSureHints = 0.5, kFairHints = 0.1;
+// (85 % are on one side), or where the shape says little
+constexpr double kSureHints = 0.7, kFairHints = 0.1;
 
 /// The parts of the cloud whose signs hang together: which one each point is in, and whether its
 /// normal opposes the part's.

@@ -37,7 +37,7 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// is of those points; empty: of all. seen_from_above: these rules, which found the known signs in
 /// a slice before, saw an airborne scan there: it is one here too, where slopes might look like an
 /// outside. hints: normals that are wrong here and there: a component's
-/// side is theirs where three of four agree or, unless its shape is closed, by more than chance
+/// side is theirs where 85 % agree or, unless its shape is closed, by more than chance
 /// (notes/0006). Own code, not CGAL's mst_orient_normals, whose spanning tree a
 /// single pair at a crease can mislead (notes/0002); deterministic, no search anew. Cost: 0.7
 /// to 1.2 us a point on two threads, 3 in thick noise; 40 to 150 bytes a point.
