@@ -5,6 +5,7 @@
 #include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/normals/estimate.h"
+#include "slim/normals/patch_signs.h"
 #include "slim/normals/repair.h"
 #include "slim/normals/scan_signs.h"
 
@@ -60,14 +61,27 @@ std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint3
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
+std::size_t count_own(const std::vector<bool>& own, const std::vector<bool>& points) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) n += points[i] && own[i];
+    return n;
+}
+
+void turn(const std::vector<bool>& which, PointBlock& points) {
+    for (std::size_t i = 0; i < which.size(); ++i)
+        if (which[i]) points.normal[i] = -points.normal[i];
+}
+
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
 /// to be estimated.
 std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
                                 const std::vector<bool>& own, std::size_t n_wanted) {
     if (kFew * n_wanted < points.size()) return kUsualNeighbors;
     const double n_own = static_cast<double>(std::count(own.begin(), own.end(), true));
-    const NoiseVariance noise =
-        estimate_noise_variance(search, sample_points(points, own, kFewSamples / n_own), 0);
+    const std::vector<std::uint32_t> samples = sample_points(points, own, kFewSamples / n_own);
+    const std::size_t fewest = neighbors_beyond_strips(search, samples, kUsualNeighbors);
+    if (fewest > kUsualNeighbors) return fewest;
+    const NoiseVariance noise = estimate_noise_variance(search, samples, 0);
     if (!(noise.spacing > 0)) return kUsualNeighbors;
     const double k = 2 * std::numbers::pi * noise.typical / (noise.spacing * noise.spacing);
     return static_cast<std::size_t>(
@@ -84,6 +98,7 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
                                      : neighbors_for_noise(points, search, own, wanted.size());
     NeighborGraph graph =
         estimate_normals(points, search, wanted, report.neighbors, report.degenerate, own);
+    report.on_lines = graph.n_on_lines;
     report.estimated = count_own(own, wanted);
     std::vector<bool> known(points.size(), true);
     for (const std::uint32_t i : wanted) {
@@ -159,10 +174,22 @@ struct Mistrust {
     bool they_hint = false;  ///< which side is out, most of them
 };
 
-/// Mends given normals here and there, and looks at them as a whole.
+/// Mends given normals here and there and in patches, and looks at them as a whole.
+/// turns_patches: patches are not found only, as which side has fewer points is known
 Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
-                     std::size_t n_own, const std::vector<Vec3d>& sensors, NormalsReport& report) {
-    const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+                     std::size_t n_own, const std::vector<Vec3d>& sensors, bool turns_patches,
+                     NormalsReport& report) {
+    NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
+    if (audit.has_seams() && !audit.has_mixed_signs()) {
+        const ContraryPatches patches = contrary_patches(points, search);
+        report.of_contrary_patches = count_own(own, patches.is_contrary);
+        if (turns_patches && patches.n > 0) {
+            turn(patches.is_contrary, points);
+            const std::size_t before = audit.contrary;
+            audit = repair_contrary_normals(points, search.boxes(), own);
+            audit.contrary += before;
+        }
+    }
     report.turned = audit.contrary;
     report.noisy = audit.noisy;
     const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
@@ -174,6 +201,10 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                 true};
     const std::vector<std::uint32_t> samples = evidence_samples(points, own);
     report.evidence = evidence_of(points, search, samples);
+    if (report.evidence.is_off_surface())
+        if (const std::size_t k = neighbors_beyond_strips(search, samples, kUsualNeighbors);
+            k > kUsualNeighbors)
+            report.evidence = evidence_of(points, search, samples, k);
     report.evidence.stand_for(n_own);
     if (report.evidence.is_off_surface())
         return {
@@ -183,6 +214,26 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
                             static_cast<double>(report.evidence.n_flat))};
     if (faces_sensors(points, samples, sensors)) report.evidence = {};
     return {};
+}
+
+std::string contrary_patches_text(std::size_t n, std::size_t n_own, bool are_turned) {
+    const std::string text = fmt::format(
+        "{} points, {:.1f} %, lie in patches whose normals are turned round against those about "
+        "them: ",
+        n, 100 * static_cast<double>(n) / static_cast<double>(n_own));
+    if (are_turned) return text + "turned";
+    return text + "which are right is not known of a slice, they are kept. Build in one slice, or "
+                  "with --normals estimate";
+}
+
+/// What became of a cloud whose normals are not to be trusted.
+std::string estimated_anew(const OrientReport& orientation, bool they_hint) {
+    std::string text = ": all normals are estimated anew";
+    if (!they_hint || orientation.by_rule == 0) return text;
+    if (orientation.by_hints > 0) text += ", on the side that most of the given ones are on";
+    if (orientation.by_hints < orientation.by_rule)
+        text += ", as --normals estimate has it: the given ones leave in doubt which side is out";
+    return text;
 }
 
 /// --normals flip: the other side is out. What the slices before have is flipped, and known here,
@@ -235,6 +286,7 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         return report;
     }
     std::vector<Vec3f> hints;
+    std::string mistrusted;
     if (n_own > 0 && !carries) {
         if (plan.slices.size() == 1) {
             report.of_contrary_scans =
@@ -245,9 +297,13 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                                 "others': turned",
                                 report.of_contrary_scans));
         }
-        const Mistrust mistrust = audit_given(points, search, own, n_own, sensors, report);
+        const bool is_whole = plan.slices.size() == 1;
+        const Mistrust mistrust =
+            audit_given(points, search, own, n_own, sensors, is_whole, report);
+        if (report.of_contrary_patches > 0)
+            reporter.warn(contrary_patches_text(report.of_contrary_patches, n_own, is_whole));
+        mistrusted = mistrust.why;
         if (!mistrust.why.empty()) {
-            reporter.warn(mistrust.why + ": all normals are estimated anew");
             report.evidence = {};
             report.turned = report.noisy = 0;
             if (mistrust.they_hint) hints = std::move(points.normal);
@@ -261,7 +317,15 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
                          seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
+        if (kFew * report.on_lines > report.estimated)
+            reporter.warn(
+                fmt::format("{} points lie on lines too far from each other for normals that say "
+                            "anything: expected lines at most some 100 points' spacing apart, or "
+                            "normals in the input",
+                            report.on_lines));
     }
+    if (!mistrusted.empty())
+        reporter.warn(mistrusted + estimated_anew(report.orientation, !hints.empty()));
     if (flips) flip_all(points.normal);
     if (flips) report.evidence.flip();
     return report;

@@ -17,6 +17,15 @@ constexpr std::size_t kFew = kFewestSamples;
 
 // of the squared spacing: below it a neighbourhood is flat
 constexpr double kRounding = 1e-12;
+// of the largest eigenvalue: below it a neighbourhood is a line, which is flat whatever the noise
+constexpr double kLine = 1.0 / 8;
+constexpr double kThin = 1.0 / 16, kOff = 0.7071;  // of the middle one; cosine
+
+/// 0 of a plane, 1 of a ball and of a line of a scan whose next ones are far (normals notes/0005).
+double flatness_of(const Spread& s) {
+    if (!(s.largest > 0)) return 0;
+    return s.middle > kLine * s.largest ? s.smallest / s.middle : 1;
+}
 
 // Strays are fewer, and so many times the variance that all others stay below.
 constexpr double kMostStrays = 0.05, kBeyondOthers = 32;
@@ -40,6 +49,11 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         bool known = false;
     };
     std::vector<Flatness> found(n);
+    // A noisy scan line is flat in the plane of its noise, which is not that of the normals.
+    const auto is_strip = [&](const Spread& s, std::uint32_t i) {
+        return !normals.empty() && s.smallest < kThin * s.middle &&
+               std::abs(dot(s.normal, to_double(normals[i]))) < kOff;
+    };
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
         if (neighbors.size() < 3) return;
         const Spread s = spread_of(search.positions(), neighbors);
@@ -47,7 +61,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         for (const std::uint32_t i : neighbors)
             sq_reach = std::max(sq_reach, sq_length(search.positions()[i] -
                                                     search.positions()[wanted[w]]));
-        found[w] = {s.smallest, s.middle > 0 ? s.smallest / s.middle : 0,
+        found[w] = {s.smallest, is_strip(s, wanted[w]) ? 1 : flatness_of(s),
                     sq_reach / static_cast<double>(neighbors.size()),
                     normals.empty()
                         ? 0
@@ -85,13 +99,15 @@ std::size_t enough_samples(std::size_t n, std::size_t k, std::size_t fewest) {
 
 /// The first k whose neighbourhoods are flat, which shows on a tenth of the samples;
 /// else the flattest.
-std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples) {
+std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
+                           std::span<const Vec3f> normals) {
     std::size_t best = kNoiseNeighbors[0];
     double flattest = INFINITY;
     for (const std::size_t k : kNoiseNeighbors) {
         if (k >= search.size()) break;
         const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
-        const double flatness = robust_noise(with_neighbors(search, samples, k, n)).flatness;
+        const double flatness =
+            robust_noise(with_neighbors(search, samples, k, n, normals)).flatness;
         if (flatness < flattest) best = k, flattest = flatness;
         if (flatness <= kFlat) break;
     }
@@ -133,7 +149,7 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals, std::size_t fewest) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
-    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places);
+    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places, normals);
     NoiseVariance out =
         with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))

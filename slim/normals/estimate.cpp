@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 namespace slim {
 namespace {
@@ -12,8 +13,78 @@ namespace {
 // middle / largest eigenvalue below which the points lie on a line
 constexpr double kSpansPlane = 1e-10;
 
+// Below it they lie on a scan line whose next ones are far: of scans spaced alike one in a thousand
+// is, and of its neighbours not even half are (notes/0005).
+constexpr double kLine = 1.0 / 8;
+constexpr std::size_t kFewLines = 100;  // less than one in so many points is let be
+// From here on more neighbours are a patch.
+constexpr double kPatch = 1.0 / 4;
+constexpr std::size_t kMostOfPatch = 512;
+
+// A noisy scan line is a strip, flat in its noise's plane: many more neighbours lie in another.
+constexpr double kFlat = 1.0 / 16, kOff = 0.7071;  // variances across and along; cosine
+constexpr std::size_t kManyMore = 16, kStripSamples = 300;
+
 // neighbours of a point that the graph lists of more, evenly: what signs are voted by
 constexpr std::size_t kListed = 16;
+
+/// What the neighbours of a point are.
+enum class Kind : std::uint8_t { unknown, patch, line };
+
+Kind kind_of(const Spread& spread, double least) {
+    return spread.middle > least * spread.largest ? Kind::patch : Kind::line;
+}
+
+/// Lists some of a point's neighbours, evenly; of fewer the rest of the row is the point itself.
+void list_neighbors(NeighborGraph& graph, std::size_t row, std::span<const std::uint32_t> found) {
+    const std::size_t n = std::min(graph.k, found.size());
+    for (std::size_t i = 0; i < graph.k; ++i)
+        graph.neighbors[row * graph.k + i] =
+            i < n ? found[i * found.size() / n] : graph.points[row];
+}
+
+/// The rows most of whose neighbours have theirs on a line: it is not a thin spot, nor a line whose
+/// noise makes it a patch here and there. None if they are few, all if most are.
+std::vector<std::uint32_t> rows_on_lines(const NeighborGraph& graph,
+                                         std::span<const std::uint32_t> rows,
+                                         const std::vector<Kind>& kinds) {
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t row : rows) {
+        std::ptrdiff_t lines_less_patches = 0;
+        for (const std::uint32_t i : graph.of(row))
+            lines_less_patches += kinds[i] == Kind::line ? 1 : kinds[i] == Kind::patch ? -1 : 0;
+        if (lines_less_patches > 0) out.push_back(row);
+    }
+    if (2 * out.size() > rows.size()) return {rows.begin(), rows.end()};
+    if (kFewLines * out.size() < rows.size()) out.clear();
+    return out;
+}
+
+/// Estimates the normals of rows whose neighbours lie on a line from more of them: twice as many
+/// until they are a patch. Returns the rows that never have one; they are as they were.
+std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search,
+                                 NeighborGraph& graph, std::vector<std::uint32_t> rows,
+                                 std::size_t k) {
+    const std::size_t most = std::min(kMostOfPatch, points.size());
+    while (!rows.empty() && k < most) {
+        k = std::min(2 * k, most);
+        std::vector<std::uint32_t> wanted;
+        for (const std::uint32_t row : rows) wanted.push_back(graph.points[row]);
+        std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
+        search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
+            const Spread spread = spread_of(points.position, neighbors);
+            is_left[r] = kind_of(spread, kPatch) == Kind::line;
+            if (is_left[r] != 0) return;
+            points.normal[wanted[r]] = normalized(to_float(spread.normal));
+            list_neighbors(graph, rows[r], neighbors);
+        });
+        std::size_t n_left = 0;
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            if (is_left[r] != 0) rows[n_left++] = rows[r];
+        rows.resize(n_left);
+    }
+    return rows;
+}
 
 /// Repeats take the normal of the point before, which is their only neighbour.
 void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlock& points) {
@@ -26,7 +97,48 @@ void copy_to_repeats(const NearestSearch& search, NeighborGraph& graph, PointBlo
     }
 }
 
+/// How many of the samples' neighbours lie in a plane, and of how many it is another one than that
+/// of many more neighbours.
+struct Strips {
+    std::size_t n_flat = 0, n_off = 0;
+};
+
+Strips strips_of(const NearestSearch& search, std::span<const std::uint32_t> wanted,
+                 std::size_t k) {
+    std::vector<Spread> few(wanted.size()), many(wanted.size());
+    const auto spreads = [&](std::size_t n, std::vector<Spread>& out) {
+        search.for_each(wanted, n, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
+            out[w] = spread_of(search.positions(), neighbors);
+        });
+    };
+    spreads(k, few);
+    spreads(std::min(kManyMore * k, kMostOfPatch), many);
+    Strips found;
+    for (std::size_t w = 0; w < wanted.size(); ++w) {
+        const Spread& s = few[w];
+        if (kind_of(s, kLine) == Kind::line || s.smallest > kFlat * s.middle) continue;
+        ++found.n_flat;
+        found.n_off += std::abs(dot(s.normal, many[w].normal)) < kOff;
+    }
+    return found;
+}
+
 }  // namespace
+
+std::size_t neighbors_beyond_strips(const NearestSearch& search,
+                                    std::span<const std::uint32_t> samples, std::size_t k) {
+    std::vector<std::uint32_t> wanted(samples.begin(),
+                                      samples.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                            samples.size(), kStripSamples)));
+    std::sort(wanted.begin(), wanted.end());
+    std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
+    while (kManyMore * k <= search.size() && 2 * k <= kMostOfPatch) {
+        const Strips found = strips_of(search, wanted, k);
+        if (2 * found.n_flat < wanted.size() || 2 * found.n_off < found.n_flat) break;
+        k *= 2;
+    }
+    return k;
+}
 
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,
@@ -41,19 +153,22 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         rows.push_back(row);
         searched.push_back(wanted[row]);
     }
+    std::vector<Kind> kinds(points.size());
     std::atomic<std::size_t> lines{0};
     search.for_each(searched, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
         const Spread spread = spread_of(points.position, neighbors);
         const bool counts = counted.empty() || counted[searched[r]];
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
+        kinds[searched[r]] = kind_of(spread, kLine);
         points.normal[searched[r]] = normalized(to_float(spread.normal));
-        const auto row = graph.neighbors.begin() + static_cast<std::ptrdiff_t>(rows[r] * graph.k);
-        // Fewer distinct places than k: the rest of the row is the point itself.
-        const std::size_t n = std::min(graph.k, neighbors.size());
-        for (std::size_t i = 0; i < graph.k; ++i)
-            row[static_cast<std::ptrdiff_t>(i)] =
-                i < n ? neighbors[i * neighbors.size() / n] : searched[r];
+        list_neighbors(graph, rows[r], neighbors);
     });
+    const std::vector<std::uint32_t> on_lines = rows_on_lines(graph, rows, kinds);
+    const std::vector<std::uint32_t> left = widen(points, search, graph, on_lines, k);
+    graph.n_on_lines = static_cast<std::size_t>(
+        std::count_if(left.begin(), left.end(), [&](std::uint32_t row) {
+            return counted.empty() || counted[graph.points[row]];
+        }));
     degenerate = lines;
     copy_to_repeats(search, graph, points);
     return graph;

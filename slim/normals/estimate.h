@@ -15,6 +15,8 @@ struct NeighborGraph {
     std::size_t k = 0;
     std::vector<std::uint32_t> points;     ///< rising
     std::vector<std::uint32_t> neighbors;  ///< k a point
+    /// points that have no patch of neighbours, but a line of them: their normals say nothing
+    std::size_t n_on_lines = 0;
 
     std::span<const std::uint32_t> of(std::size_t row) const {
         return {neighbors.data() + row * k, k};
@@ -27,9 +29,18 @@ struct NeighborGraph {
 /// are counted in `degenerate` (of those with counted[i]; empty: all). The block must be in Morton
 /// order (sort_along_curve): a repeat takes the normal of the point before it, which is its only
 /// neighbour in the graph returned. search: over the block's positions
-/// The graph lists 16 of the k at most. Cost: 0.8 us a point and core at k = 16; 76 bytes a point.
+/// Where neighbours lie on a scan line whose next ones are far, twice as many are taken until they
+/// are a patch, up to 512 (notes/0005); not where such points are one in a hundred or fewer.
+/// The graph lists 16 of the k at most. Cost: 0.8 us a point and core at k = 16, of a point on a
+/// line up to 15; 78 bytes a point.
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
                                std::span<const std::uint32_t> wanted, std::size_t k,
                                std::size_t& degenerate, const std::vector<bool>& counted = {});
+
+/// k, or twice as many and so on where the neighbours of most samples lie in a plane that is not
+/// that of many more: scan lines far from each other whose noise is thick within their own plane.
+/// samples: by falling priority; 300 serve. Cost: 10 us a sample.
+std::size_t neighbors_beyond_strips(const NearestSearch& search,
+                                    std::span<const std::uint32_t> samples, std::size_t k);
 
 }  // namespace slim

@@ -9,10 +9,10 @@
 namespace slim {
 namespace {
 
-constexpr std::size_t kNeighbors = 16;
+constexpr std::size_t kFewestNeighbors = 16;
 // Variances of neighbours of a plane: across it over along it, and along its two directions (scan
 // lines are none).
-constexpr double kFlat = 1.0 / 16, kWide = 1.0 / 16;
+constexpr double kFlat = 1.0 / 16, kWide = 1.0 / 4;
 constexpr double kOff = 0.7071;            // cosine
 constexpr std::size_t kFewestFlat = 50;
 constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in a hundred is flat
@@ -35,7 +35,7 @@ NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
     one.moment = one.area * p;
     one.area_vector = one.area * normal;
     const Spread spread = spread_of(points.position, neighbors);
-    if (neighbors.size() < kNeighbors || !(spread.middle > kWide * spread.largest) ||
+    if (neighbors.size() < kFewestNeighbors || !(spread.middle > kWide * spread.largest) ||
         spread.smallest > kFlat * spread.middle)
         return one;
     one.n_flat = 1;
@@ -87,12 +87,12 @@ bool NormalEvidence::is_inward() const {
 }
 
 NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search,
-                           std::span<const std::uint32_t> samples) {
+                           std::span<const std::uint32_t> samples, std::size_t n_neighbors) {
     std::vector<std::uint32_t> wanted(samples.begin(), samples.end());
     std::sort(wanted.begin(), wanted.end());
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
     std::vector<NormalEvidence> each(wanted.size());
-    search.for_each(wanted, kNeighbors,
+    search.for_each(wanted, n_neighbors,
                     [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
                         each[w] = evidence_of_one(points, wanted[w], neighbors);
                     });

@@ -36,10 +36,12 @@ struct NormalEvidence {
     bool is_inward() const;
 };
 
-/// Evidence of some points, from 16 neighbours each. Normals are unit vectors or zero.
+/// Evidence of some points, from 16 neighbours each, or from more where these would be strips of
+/// scan lines (neighbors_beyond_strips). Normals are unit vectors or zero.
 /// points: in Morton order; search: over their positions; samples: any order, without repeats
 /// Cost: 1.5 us a sample. Deterministic.
 NormalEvidence evidence_of(const PointBlock& points, const NearestSearch& search,
-                           std::span<const std::uint32_t> samples);
+                           std::span<const std::uint32_t> samples,
+                           std::size_t neighbors = 16);
 
 }  // namespace slim

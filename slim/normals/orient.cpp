@@ -16,6 +16,11 @@ constexpr float kSteep = 0.5f;  // |n_z| of a slope of 60 degrees
 constexpr double kMostlyFlat = 0.8;
 // |sum (p - c) . n| / sum |p - c| of a shape that has an outside
 constexpr double kClearFlux = 0.15;
+// |sum of normals| over their number of a shape that is closed but for small holes: of a bowl 0.5
+constexpr double kSmallHole = 0.25;
+// hints on a component's side less those on the other, of all: enough to outweigh a closed shape
+// (85 % are on one side), or where the shape says little
+constexpr double kSureHints = 0.7, kFairHints = 0.1;
 
 /// The parts of the cloud whose signs hang together: which one each point is in, and whether its
 /// normal opposes the part's.
@@ -44,12 +49,15 @@ struct Components {
 /// What a component looks like.
 struct Shape {
     Vec3d centroid;
-    double n = 0, flux = 0, reach = 0, up = 0;
+    Vec3d normals;  ///< their sum
+    double n = 0, flux = 0, reach = 0;
     double hints = 0;  ///< of the normals that hint, and how many
     double n_hints = 0;
 
-    /// Unlike coins that are thrown (four standard deviations).
-    bool has_clear_hints() const { return std::abs(hints) > 4 * std::sqrt(n_hints); }
+    /// Unlike coins that are thrown (four standard deviations), and clear enough.
+    bool has_hints(double least) const {
+        return std::abs(hints) > std::max(4 * std::sqrt(n_hints), least * n_hints);
+    }
 };
 
 std::vector<Shape> shapes_of(const PointBlock& points, const Components& components,
@@ -69,7 +77,7 @@ std::vector<Shape> shapes_of(const PointBlock& points, const Components& compone
         const Vec3d n = to_double(points.normal[i]) * sign;
         s.flux += dot(arm, n);
         s.reach += length(arm);
-        s.up += n.z;
+        s.normals += n;
         if (!hints.empty() && sq_length(hints[i]) > 0) {
             s.hints += dot(to_double(hints[i]), n) < 0 ? -1 : 1;
             s.n_hints += 1;
@@ -79,6 +87,8 @@ std::vector<Shape> shapes_of(const PointBlock& points, const Components& compone
 }
 
 bool has_outside(const Shape& s) { return std::abs(s.flux) > kClearFlux * s.reach; }
+
+bool is_closed(const Shape& s) { return has_outside(s) && length(s.normals) < kSmallHole * s.n; }
 
 /// A scene whose main part has no outside is a terrain or a wall: all its parts are seen from one
 /// side.
@@ -131,17 +141,22 @@ OrientReport orient_by_neighbors(PointBlock& points, NeighborGraph graph,
         if (known[i]) continue;
         const Shape& s = shapes[components.of[i]];
         const bool is_anchored = components.of[i] == Components::kKnown;
-        const double vote = is_anchored               ? 1
-                            : s.has_clear_hints()     ? s.hints
-                            : !flat && has_outside(s) ? s.flux
-                                                      : s.up;
+        const bool has_shape = !flat && has_outside(s);
+        const bool is_clear = (has_shape && is_closed(s)) || from_above;
+        const bool is_hinted = s.has_hints(is_clear ? kSureHints : kFairHints);
+        const double vote = is_anchored ? 1
+                            : is_hinted ? s.hints
+                            : has_shape ? s.flux
+                                        : s.normals.z;
         bool turn = (vote < 0) != (components.opposed[i] != 0);
         // An airborne scanner sees no overhang, whatever the votes say of a tree or a shed.
-        if (from_above && (seen_from_above || !is_anchored) && !s.has_clear_hints() &&
+        if (from_above && (seen_from_above || !is_anchored) && !is_hinted &&
             std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
-        (is_anchored ? report.by_neighbors : report.by_rule) += counted.empty() || counted[i];
+        const bool counts = counted.empty() || counted[i];
+        (is_anchored ? report.by_neighbors : report.by_rule) += counts;
+        report.by_hints += counts && !is_anchored && is_hinted;
         known[i] = true;
     }
     return report;

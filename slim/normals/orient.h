@@ -16,6 +16,7 @@ struct OrientReport {
     /// spread over the neighbour graph from points with a known sign
     std::size_t by_neighbors = 0;
     std::size_t by_rule = 0;       ///< their component holds no point with a known sign
+    std::size_t by_hints = 0;      ///< of these: as most of the normals that hint have it
     std::size_t components = 0;    ///< of the neighbour graph without a known sign
     /// it was taken for an airborne scan: each normal upwards by itself
     bool from_above = false;
@@ -35,8 +36,9 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 /// the centroids: that of the whole object where the points are a slice of it. counted: the report
 /// is of those points; empty: of all. seen_from_above: these rules, which found the known signs in
 /// a slice before, saw an airborne scan there: it is one here too, where slopes might look like an
-/// outside. hints: normals that are wrong here and there; where they agree on a component's side by
-/// more than chance, it is theirs. Own code, not CGAL's mst_orient_normals, whose spanning tree a
+/// outside. hints: normals that are wrong here and there: a component's
+/// side is theirs where 85 % agree or, unless its shape is closed, by more than chance
+/// (notes/0006). Own code, not CGAL's mst_orient_normals, whose spanning tree a
 /// single pair at a crease can mislead (notes/0002); deterministic, no search anew. Cost: 0.7
 /// to 1.2 us a point on two threads, 3 in thick noise; 40 to 150 bytes a point.
 OrientReport orient_by_neighbors(PointBlock& points, NeighborGraph graph,

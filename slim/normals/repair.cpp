@@ -21,6 +21,10 @@ constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 // square of the share of the radius within which neighbours count alike
 constexpr float kNear = 0.03f;
 constexpr double kDoubt = -0.1;      // votes for a normal above which a majority does not turn it
+// Of a seam: opposed pairs of a bucket that is looked at; neighbours on either side; how far their
+// means lie apart, of the radius: of half discs 0.85.
+constexpr double kFewOpposed = 0.05;
+constexpr float kFewestOfSide = 4, kApart = 0.6f;
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 
 constexpr std::size_t kBucket = kAuditBucket;
@@ -125,7 +129,14 @@ private:
             return;
         Sixteen found(own);
         found.sum_up(candidates_, sq_radius);
-        if (bucket % kSampledBuckets == 0) found.compare_signs(candidates_, sq_radius, counts);
+        if (bucket % kSampledBuckets == 0) {
+            const double opposed = counts.opposed, compared = counts.compared;
+            found.compare_signs(candidates_, sq_radius, counts);
+            counts.looked_at += end - begin;
+            if (counts.opposed - opposed > kFewOpposed * (counts.compared - compared))
+                for (std::size_t k = 0; k < end - begin; ++k)
+                    counts.on_seams += is_on_seam(own, k, sq_radius);
+        }
         const std::uint64_t agreeing = found.agreeing();
         for (std::size_t k = 0; k < end - begin; ++k)
             if ((agreeing >> k & 1) == 0)
@@ -138,6 +149,26 @@ private:
         for (std::size_t k = 0; k < n; ++k)
             if (!agrees(own, k, candidates_, sq_radius)) return false;
         return true;
+    }
+
+    /// Whether the k-th lies at a line on one side of which normals agree with its own, on the
+    /// other oppose it. The sides of a thin sheet or of a crease lie beside each other nowhere.
+    bool is_on_seam(const LocalBucket& own, std::size_t k, float sq_radius) const {
+        const Vec3f p{own.x[k], own.y[k], own.z[k]}, n{own.nx[k], own.ny[k], own.nz[k]};
+        Vec3f sum[2];
+        float count[2] = {0, 0};
+        for (std::size_t c = 0; c < candidates_.n; ++c) {
+            const Vec3f d = Vec3f{candidates_.x[c], candidates_.y[c], candidates_.z[c]} - p;
+            const float sq = sq_length(d);
+            if (!(sq > 0 && sq < sq_radius)) continue;
+            const float cosine =
+                dot(n, Vec3f{candidates_.nx[c], candidates_.ny[c], candidates_.nz[c]});
+            if (std::abs(cosine) < kAlongOneLine) continue;
+            sum[cosine < 0] += d;
+            count[cosine < 0] += 1;
+        }
+        if (std::min(count[0], count[1]) < kFewestOfSide) return false;
+        return sq_length(sum[0] / count[0] - sum[1] / count[1]) > kApart * kApart * sq_radius;
     }
 
     /// What the neighbours of the k-th say of its sign, -1 to 1: the votes of notes/0002, near ones
@@ -196,6 +227,8 @@ void add(const NormalAudit& one, NormalAudit& sum) {
     sum.compared += one.compared;
     sum.across += one.across;
     sum.across_size += one.across_size;
+    sum.on_seams += one.on_seams;
+    sum.looked_at += one.looked_at;
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST_F(Extremes, Row27UpToATenthOfFlippedNormalsDoNoHarmMoreAreEstimatedAnew) {
     const std::string truth = write(clean, "truth.ply");
     built(truth, "clean.slim");
     const auto reference = measure(file("clean.slim"), truth);
-    for (const double share : {0.01, 0.05, 0.09, 0.2, 0.35, 0.5}) {
+    for (const double share : {0.01, 0.05, 0.09, 0.2, 0.35, 0.5, 0.52, 0.6, 0.7}) {
         SCOPED_TRACE(share);
         listener_.warnings.clear();
         Cloud flipped = clean;

@@ -51,7 +51,7 @@ TEST_F(NormalsStage, TurnsAFewAndEstimatesAllWhereManyAreWrong) {
     EXPECT_TRUE(listener_.warnings.empty());
     EXPECT_LT(inwards(oriented()), 30u);
 
-    for (const double share : {0.2, 0.3, 0.4, 0.5}) {
+    for (const double share : {0.2, 0.3, 0.4, 0.5, 0.6, 0.7}) {
         SCOPED_TRACE(share);
         listener_.warnings.clear();
         slice(write(with_flips(share), "d.ply"), 1);
@@ -60,9 +60,9 @@ TEST_F(NormalsStage, TurnsAFewAndEstimatesAllWhereManyAreWrong) {
         EXPECT_EQ(many["turned"], 0);
         ASSERT_EQ(listener_.warnings.size(), 1u);
         EXPECT_NE(listener_.warnings[0].find("estimated anew"), std::string::npos);
-        if (share < 0.5) {
-            EXPECT_EQ(inwards(oriented()), 0u);
-        }
+        EXPECT_EQ(inwards(oriented()), 0u);  // whatever the given ones say
+        const bool in_doubt = listener_.warnings[0].find("in doubt") != std::string::npos;
+        EXPECT_TRUE(in_doubt || share < 0.25);
     }
 }
 
