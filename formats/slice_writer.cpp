@@ -22,10 +22,12 @@ std::size_t pieces_for(std::size_t n_points) {
 std::vector<std::size_t> piece_begins(const std::vector<bool>& chosen, std::size_t n_chosen) {
     const std::size_t n_pieces = pieces_for(n_chosen);
     std::vector<std::size_t> begins;
+    std::size_t next = 0;  // of the chosen ones, the first of a piece
     for (std::size_t i = 0, n = 0; i < chosen.size(); ++i) {
         if (!chosen[i]) continue;
-        if (n == n_chosen * begins.size() / n_pieces) begins.push_back(i);
-        ++n;
+        if (n++ < next) continue;
+        begins.push_back(i);
+        next = n_chosen * begins.size() / n_pieces;
     }
     begins.push_back(chosen.size());
     return begins;
@@ -89,7 +91,11 @@ void SliceWriter::append(const PointBlock& block, const std::vector<bool>& chose
     if (n < kLeastPoints || !waiting_[0].empty())
         return append(chosen_of(block, chosen, 0, block.size()));
     const std::vector<std::size_t> begins = piece_begins(chosen, n);
-    write_pieces(begins.size() - 1, [&](std::size_t i) {
+    const std::size_t n_pieces = begins.size() - 1;
+    write_pieces(n_pieces, [&](std::size_t i) {
+        const std::size_t n_here = n * (i + 1) / n_pieces - n * i / n_pieces;
+        if (n_here == begins[i + 1] - begins[i])
+            return encode_piece(block, begins[i], begins[i + 1]);
         const PointBlock piece = chosen_of(block, chosen, begins[i], begins[i + 1]);
         return encode_piece(piece, 0, piece.size());
     });
