@@ -128,34 +128,6 @@ private:
     std::span<const SlicePiece> pieces_;
 };
 
-/// What to take of one piece.
-struct Taken {
-    std::size_t n = 0;
-    std::vector<bool> chosen;  // empty: all or none of it
-};
-
-/// What to take of every piece: choose(columns, i) says which points are wanted where a box does
-/// not.
-template <class Choose>
-std::vector<Taken> choose_points(const SliceReader& slice,
-                                 const std::function<WantedOf(const Bbox&)>& wanted_of,
-                                 const Choose& choose) {
-    std::vector<Taken> taken(slice.pieces().size());
-    parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
-        const SlicePiece& piece = slice.pieces()[i];
-        const WantedOf wanted = wanted_of(piece.box);
-        if (wanted == WantedOf::all) taken[i].n = piece.n_points;
-        if (wanted != WantedOf::some) return;
-        std::vector<bool> chosen(piece.n_points);
-        slice.with_piece(i, [&](const PieceColumns& columns) {
-            for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = choose(columns, k);
-        });
-        taken[i].n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
-        if (taken[i].n < chosen.size()) taken[i].chosen = std::move(chosen);
-    });
-    return taken;
-}
-
 /// Room for so many points in all, and no more; the first to touch a page pays for it.
 void resize_exactly(std::size_t n, bool has_normals, bool has_scans, PointBlock& out) {
     const auto resize = [n](auto& values) {
@@ -186,25 +158,53 @@ void copy_columns(const PointBlock& from, PointBlock& out, std::size_t at) {
 struct SliceSelection::Part {
     std::string path;
     SliceReader slice;
-    std::vector<Taken> taken;
-    std::vector<PointBlock> kept;  // of every piece, those taken; empty: they are read again
+    std::vector<std::size_t> taken;  // of every piece, how many points
+    std::vector<PointBlock> kept;    // those of a piece that is taken in part
     std::size_t n = 0;
 
-    explicit Part(const std::string& of_slice) : path(of_slice), slice(of_slice) {}
-    void take(std::vector<Taken> chosen) {
-        taken = std::move(chosen);
-        for (const Taken& t : taken) n += t.n;
+    explicit Part(const std::string& of_slice)
+        : path(of_slice), slice(of_slice), taken(slice.pieces().size()), kept(taken.size()) {}
+
+    /// choose(columns, i) says which points are wanted where a box does not. A piece of which it is
+    /// asked is read once: what is wanted of it is kept.
+    template <class Choose>
+    void take(const std::function<WantedOf(const Bbox&)>& wanted_of, const Choose& choose) {
+        parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
+            const SlicePiece& piece = slice.pieces()[i];
+            const WantedOf wanted = wanted_of(piece.box);
+            if (wanted == WantedOf::all) taken[i] = piece.n_points;
+            if (wanted == WantedOf::some)
+                slice.with_piece(i, [&](const PieceColumns& columns) { keep(i, columns, choose); });
+        });
+        for (const std::size_t of_piece : taken) n += of_piece;
     }
     void copy_to(PointBlock& out, std::size_t begin) const {
         std::vector<std::size_t> at(taken.size(), begin);
-        for (std::size_t i = 1; i < at.size(); ++i) at[i] = at[i - 1] + taken[i - 1].n;
+        for (std::size_t i = 1; i < at.size(); ++i) at[i] = at[i - 1] + taken[i - 1];
         parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
-            if (taken[i].n == 0) return;
-            if (!kept.empty()) return copy_columns(kept[i], out, at[i]);
-            slice.with_piece(i, [&](const PieceColumns& columns) {
-                columns.copy_to(taken[i].chosen, out, at[i]);
-            });
+            if (taken[i] == 0) return;
+            if (!kept[i].empty()) return copy_columns(kept[i], out, at[i]);
+            slice.with_piece(i,
+                             [&](const PieceColumns& columns) { columns.copy_to({}, out, at[i]); });
         });
+    }
+
+private:
+    /// By one thread: while it waited for others it might read another piece into the same bytes.
+    template <class Choose>
+    void keep(std::size_t i, const PieceColumns& columns, const Choose& choose) {
+        std::vector<bool> chosen(slice.pieces()[i].n_points);
+        for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = choose(columns, k);
+        const auto n_chosen =
+            static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
+        taken[i] = n_chosen;
+        if (n_chosen == 0) return;
+        PointBlock& to = kept[i];
+        to.position.resize(n_chosen);
+        to.id.resize(n_chosen);
+        if (slice.has_normals()) to.normal.resize(n_chosen);
+        if (slice.has_scans()) to.scan.resize(n_chosen);
+        columns.copy_to(chosen, to, 0);
     }
 };
 
@@ -215,10 +215,9 @@ void SliceSelection::add(const std::string& path,
                          const std::function<WantedOf(const Bbox&)>& wanted_of,
                          const std::function<bool(const Vec3d&)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
-    part->take(
-        choose_points(part->slice, wanted_of, [&](const PieceColumns& columns, std::size_t k) {
-            return is_wanted(columns.position(k));
-        }));
+    part->take(wanted_of, [&](const PieceColumns& columns, std::size_t k) {
+        return is_wanted(columns.position(k));
+    });
     if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 
@@ -226,24 +225,13 @@ void SliceSelection::add(const std::string& path) {
     add(path, [](const Bbox&) { return WantedOf::all; }, [](const Vec3d&) { return true; });
 }
 
-/// What is asked of every point is asked of few in vain: a piece is read once, and what is wanted
-/// of it is kept.
 void SliceSelection::add(const std::string& path,
                          const std::function<bool(std::uint64_t id)>& is_wanted) {
     auto part = std::make_unique<Part>(path);
-    const SliceReader& slice = part->slice;
-    std::vector<Taken> taken(slice.pieces().size());
-    part->kept.resize(taken.size());
-    parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
-        std::vector<bool> chosen(slice.pieces()[i].n_points);
-        slice.with_piece(i, [&](const PieceColumns& columns) {
-            for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = is_wanted(columns.id(k));
-            taken[i].n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
-            resize_exactly(taken[i].n, slice.has_normals(), slice.has_scans(), part->kept[i]);
-            columns.copy_to(chosen, part->kept[i], 0);
-        });
-    });
-    part->take(std::move(taken));
+    part->take([](const Bbox&) { return WantedOf::some; },
+               [&](const PieceColumns& columns, std::size_t k) {
+                   return is_wanted(columns.id(k));
+               });
     if (part->n > 0 || parts_.empty()) parts_.push_back(std::move(part));
 }
 

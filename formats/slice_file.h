@@ -4,6 +4,7 @@
 #include "formats/slice_piece.h"
 #include "slim/model/point_block.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,28 +14,36 @@
 
 namespace slim {
 
-/// Writes the points of one slice as they come (points.slice: in order of their ids,
-/// oriented.slice: along the Morton curve) in pieces (slice_piece.h) that are read apart. Holds
-/// less than 512 points, 46 bytes each, that are too few for a piece. How points come decides about
-/// pieces, not about what is read. 30 bytes a point where floats hold the positions. Throws as
-/// AtomicFile.
+/// Writes the points of one slice as they come (points.slice: in order of their ids, but for those
+/// near other slices, which come apart; oriented.slice: along the Morton curve) in pieces
+/// (slice_piece.h) that are read apart. Holds less than 512 points of either kind, 46 bytes each,
+/// that are too few for a piece. How points come decides about pieces, not about what is read.
+/// 30 bytes a point where floats hold the positions. Throws as AtomicFile.
 class SliceWriter {
 public:
+    /// Whether points go into pieces that hold none of the others.
+    enum class Apart { no, yes };
+
     SliceWriter(const std::string& path, const Vec3d& origin, std::uint64_t n_points,
                 bool has_normals, bool has_scans);
     /// Columns as the constructor announced (a SLIM_CHECK); the origin of the block is not looked
     /// at. Parallel where the block is large; different writers may append at the same time.
-    void append(const PointBlock& block);
+    void append(const PointBlock& block, Apart apart = Apart::no);
+    /// Appends the chosen points, as if the block held no others.
+    void append(const PointBlock& block, const std::vector<bool>& chosen);
     /// All announced points must have come (a SLIM_CHECK).
     void commit();
 
 private:
     void write(const PointBlock& block);
+    /// encode(i) makes the i-th piece, by several threads at once.
+    void write_pieces(std::size_t n_pieces,
+                      const std::function<EncodedPiece(std::size_t)>& encode);
 
     ChunkWriter chunks_;
     std::size_t points_;
     std::vector<SlicePiece> pieces_;
-    PointBlock waiting_;  // too few for a piece by themselves
+    std::array<PointBlock, 2> waiting_;  // too few for a piece by themselves; those apart
     std::uint64_t n_announced_, n_written_ = 0, n_bytes_ = 0;
     bool has_normals_, has_scans_;
 };

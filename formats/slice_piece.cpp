@@ -43,11 +43,16 @@ T value_at(const unsigned char* column, std::size_t i) {
     return value;
 }
 
-/// Calls copy(from, to) for the chosen of n, to rising from `at` on.
-template <class Copy>
-void for_chosen(const std::vector<bool>& chosen, std::size_t n, std::size_t at, const Copy& copy) {
+/// Copies a column's chosen values, all if `chosen` is empty, converted each, to `to` and on.
+template <class T, class Out, class Convert>
+void copy_column(const unsigned char* column, std::size_t n, const std::vector<bool>& chosen,
+                 Out* to, const Convert& convert) {
+    if (chosen.empty()) {
+        for (std::size_t i = 0; i < n; ++i) to[i] = convert(value_at<T>(column, i));
+        return;
+    }
     for (std::size_t i = 0; i < n; ++i)
-        if (chosen.empty() || chosen[i]) copy(i, at++);
+        if (chosen[i]) *to++ = convert(value_at<T>(column, i));
 }
 
 }  // namespace
@@ -117,18 +122,21 @@ std::uint64_t PieceColumns::id(std::size_t i) const {
 }
 
 void PieceColumns::copy_to(const std::vector<bool>& chosen, PointBlock& out, std::size_t at) const {
-    const std::size_t n = piece_.n_points;
-    for_chosen(chosen, n, at,
-               [&](std::size_t i, std::size_t to) { out.position[to] = position(i); });
-    for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) { out.id[to] = id(i); });
-    if (normals_)
-        for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) {
-            out.normal[to] = value_at<Vec3f>(normals_, i);
-        });
-    if (scans_)
-        for_chosen(chosen, n, at, [&](std::size_t i, std::size_t to) {
-            out.scan[to] = value_at<std::uint16_t>(scans_, i);
-        });
+    const auto copy = [&]<class T>(T, const unsigned char* column, auto& to, const auto& convert) {
+        if (column) copy_column<T>(column, piece_.n_points, chosen, to.data() + at, convert);
+    };
+    const auto as_it_is = [](const auto& value) { return value; };
+    const auto over_least = [this](std::uint64_t id) { return piece_.least_id + id; };
+    if (piece_.coordinate_bytes == sizeof(float))
+        copy(Vec3f{}, positions_, out.position, [](const Vec3f& p) { return to_double(p); });
+    else
+        copy(Vec3d{}, positions_, out.position, as_it_is);
+    if (piece_.id_bytes == sizeof(std::uint32_t))
+        copy(std::uint32_t{}, ids_, out.id, over_least);
+    else
+        copy(std::uint64_t{}, ids_, out.id, over_least);
+    copy(Vec3f{}, normals_, out.normal, as_it_is);
+    copy(std::uint16_t{}, scans_, out.scan, as_it_is);
 }
 
 }  // namespace slim

@@ -13,16 +13,40 @@ constexpr std::size_t kPiecePoints = 4096;  // at most: 120 KB, which caches hol
 constexpr std::size_t kLeastPoints = 512;
 constexpr std::size_t kBatch = 8;           // pieces that are made while others are written
 
-/// The points of a block in equal pieces, as few as hold them: the pieces first, first + 1, ..., at
-/// most `most` of them.
-std::vector<EncodedPiece> encode_pieces(const PointBlock& block, std::size_t first,
-                                        std::size_t most) {
-    const std::size_t n_pieces = (block.size() + kPiecePoints - 1) / kPiecePoints;
-    std::vector<EncodedPiece> out(std::min(most, n_pieces - std::min(first, n_pieces)));
-    parallel_blocks(out.size(), 1, [&](std::size_t i, std::size_t) {
-        const auto begin_of = [&](std::size_t piece) { return block.size() * piece / n_pieces; };
-        out[i] = encode_piece(block, begin_of(first + i), begin_of(first + i + 1));
-    });
+std::size_t pieces_for(std::size_t n_points) {
+    return (n_points + kPiecePoints - 1) / kPiecePoints;
+}
+
+/// Where in a block each of the equal pieces begins that its chosen points make, as few as hold
+/// them, and where the last one ends.
+std::vector<std::size_t> piece_begins(const std::vector<bool>& chosen, std::size_t n_chosen) {
+    const std::size_t n_pieces = pieces_for(n_chosen);
+    std::vector<std::size_t> begins;
+    std::size_t next = 0;  // of the chosen ones, the first of a piece
+    for (std::size_t i = 0, n = 0; i < chosen.size(); ++i) {
+        if (!chosen[i]) continue;
+        if (n++ < next) continue;
+        begins.push_back(i);
+        next = n_chosen * begins.size() / n_pieces;
+    }
+    begins.push_back(chosen.size());
+    return begins;
+}
+
+/// The chosen ones of the points [begin, end).
+PointBlock chosen_of(const PointBlock& block, const std::vector<bool>& chosen, std::size_t begin,
+                     std::size_t end) {
+    PointBlock out;
+    const auto copy = [&](const auto& values, auto& to) {
+        if (values.empty()) return;
+        to.reserve(end - begin);
+        for (std::size_t i = begin; i < end; ++i)
+            if (chosen[i]) to.push_back(values[i]);
+    };
+    copy(block.position, out.position);
+    copy(block.normal, out.normal);
+    copy(block.id, out.id);
+    copy(block.scan, out.scan);
     return out;
 }
 
@@ -45,23 +69,56 @@ SliceWriter::SliceWriter(const std::string& path, const Vec3d& origin, std::uint
     points_ = chunks_.open("points", 1);
 }
 
-void SliceWriter::append(const PointBlock& block) {
+void SliceWriter::append(const PointBlock& block, Apart apart) {
     const std::size_t n = block.size();
     SLIM_CHECK(block.id.size(), ==, n);
     SLIM_CHECK(block.normal.size(), ==, has_normals_ ? n : 0);
     SLIM_CHECK(block.scan.size(), ==, has_scans_ ? n : 0);
-    if (waiting_.empty() && n >= kLeastPoints) return write(block);
-    append_all(block.position, waiting_.position);
-    append_all(block.normal, waiting_.normal);
-    append_all(block.id, waiting_.id);
-    append_all(block.scan, waiting_.scan);
-    if (waiting_.size() < kLeastPoints) return;
-    write(waiting_);
-    waiting_ = {};
+    PointBlock& waiting = waiting_[apart == Apart::yes ? 1 : 0];
+    if (waiting.empty() && n >= kLeastPoints) return write(block);
+    append_all(block.position, waiting.position);
+    append_all(block.normal, waiting.normal);
+    append_all(block.id, waiting.id);
+    append_all(block.scan, waiting.scan);
+    if (waiting.size() < kLeastPoints) return;
+    write(waiting);
+    waiting = {};
 }
 
+void SliceWriter::append(const PointBlock& block, const std::vector<bool>& chosen) {
+    SLIM_CHECK(chosen.size(), ==, block.size());
+    const auto n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
+    if (n < kLeastPoints || !waiting_[0].empty())
+        return append(chosen_of(block, chosen, 0, block.size()));
+    const std::vector<std::size_t> begins = piece_begins(chosen, n);
+    const std::size_t n_pieces = begins.size() - 1;
+    write_pieces(n_pieces, [&](std::size_t i) {
+        const std::size_t n_here = n * (i + 1) / n_pieces - n * i / n_pieces;
+        if (n_here == begins[i + 1] - begins[i])
+            return encode_piece(block, begins[i], begins[i + 1]);
+        const PointBlock piece = chosen_of(block, chosen, begins[i], begins[i + 1]);
+        return encode_piece(piece, 0, piece.size());
+    });
+}
+
+/// In equal pieces, as few as hold them.
 void SliceWriter::write(const PointBlock& block) {
-    std::vector<EncodedPiece> made = encode_pieces(block, 0, kBatch), next;
+    const std::size_t n_pieces = pieces_for(block.size());
+    const auto begin_of = [&](std::size_t piece) { return block.size() * piece / n_pieces; };
+    write_pieces(n_pieces, [&](std::size_t i) {
+        return encode_piece(block, begin_of(i), begin_of(i + 1));
+    });
+}
+
+void SliceWriter::write_pieces(std::size_t n_pieces,
+                               const std::function<EncodedPiece(std::size_t)>& encode) {
+    const auto encode_from = [&](std::size_t first) {
+        std::vector<EncodedPiece> out(std::min(kBatch, n_pieces - std::min(first, n_pieces)));
+        parallel_blocks(out.size(), 1,
+                        [&](std::size_t i, std::size_t) { out[i] = encode(first + i); });
+        return out;
+    };
+    std::vector<EncodedPiece> made = encode_from(0), next;
     for (std::size_t first = 0; !made.empty(); first += kBatch, made = std::move(next)) {
         const auto write_made = [&] {
             for (EncodedPiece& encoded : made) {
@@ -74,12 +131,13 @@ void SliceWriter::write(const PointBlock& block) {
         };
         if (made.size() < kBatch) return write_made();
         // The file system takes one writer at a time.
-        run_both(write_made, [&] { next = encode_pieces(block, first + kBatch, kBatch); });
+        run_both(write_made, [&] { next = encode_from(first + kBatch); });
     }
 }
 
 void SliceWriter::commit() {
-    if (!waiting_.empty()) write(waiting_);
+    for (const PointBlock& waiting : waiting_)
+        if (!waiting.empty()) write(waiting);
     SLIM_CHECK(n_written_, ==, n_announced_);
     chunks_.add("pieces", std::span<const SlicePiece>(pieces_));
     chunks_.commit(Outlasts::process);

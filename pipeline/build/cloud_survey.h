@@ -61,7 +61,7 @@ class Spread {
 public:
     void add(const Vec3d& p) {
         all_.add(p);
-        if (n_++ % step_ == 0) keep(p);
+        if ((n_++ & (step_ - 1)) == 0) keep(p);
     }
     /// Whether the points lie on one line, as Moments has it, and not only because a few strays are
     /// so far away that the others are a speck.
@@ -74,7 +74,7 @@ private:
     bool middle_is_line() const;
 
     Moments all_;
-    std::uint64_t n_ = 0, step_ = 1;
+    std::uint64_t n_ = 0, step_ = 1;  // a power of two
     std::vector<Vec3d> sample_;  ///< every step_-th point
 };
 

@@ -4,26 +4,17 @@
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
-#include "slim/base/parallel.h"
 #include "slim/slicing/block_plan.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 
 namespace slim {
 namespace {
 
-constexpr double kWidestRim = 0.05, kRimSpacings = 24;  // of L, and of L / sqrt(n)
-
-/// Width of the rims: k neighbours of any use lie within it (10 spacings where the area is L^2).
-double rim_width(const SlicePlan& plan) {
-    return plan.diagonal * std::min(kWidestRim, kRimSpacings / std::sqrt(double(plan.n_points)));
-}
-
-/// Adds the points of another slice near this one's region. Strictly outside it, as drop_rims
+/// Adds the points of another slice near this one's region. Strictly outside it, as own_points
 /// tells them apart: a coordinate of the slice may round to the cut.
 void add_rim(const std::filesystem::path& path, const SlicePlan& plan, std::size_t slice,
              SliceSelection& points) {
@@ -108,27 +99,20 @@ PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, st
     return points;
 }
 
-std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points) {
+std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points,
+                             const BoxTree& boxes) {
     if (plan.slices.size() == 1) return std::vector<bool>(points.size(), true);
+    const Bbox& region = plan.slices[slice].region;
     std::vector<bool> own(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        own[i] = is_near(plan.slices[slice].region, points.position[i], 0);
+    for (std::size_t begin = 0; begin < points.size(); begin += BoxTree::kBucket) {
+        const std::size_t end = std::min(begin + BoxTree::kBucket, points.size());
+        const Bbox box = boxes.bucket(begin / BoxTree::kBucket);
+        const bool is_whole = is_near(region, box, 0);
+        if (!is_whole && !comes_near(region, box, 0)) continue;
+        for (std::size_t i = begin; i < end; ++i)
+            own[i] = is_whole || is_near(region, points.position[i], 0);
+    }
     return own;
-}
-
-void drop_rims(const std::vector<bool>& own, PointBlock& points) {
-    const auto keep_own = [&](auto& values) {
-        if (values.empty()) return;
-        std::size_t n = 0;
-        for (std::size_t i = 0; i < own.size(); ++i)
-            if (own[i]) values[n++] = values[i];
-        values.resize(n);
-    };
-    run_both([&] { keep_own(points.position); }, [&] {
-        keep_own(points.normal);
-        keep_own(points.id);
-        keep_own(points.scan);
-    });
 }
 
 }  // namespace slim

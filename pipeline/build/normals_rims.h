@@ -3,6 +3,7 @@
 #include "pipeline/build/normals_stage.h"
 #include "pipeline/build/plan_file.h"
 #include "slim/model/point_block.h"
+#include "slim/neighbors/box_tree.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -36,10 +37,8 @@ bool was_from_above(const NormalsConfig& config, const SlicePlan& plan, std::siz
 PointBlock read_with_rims(const NormalsConfig& config, const SlicePlan& plan, std::size_t slice,
                           std::optional<PointBlock> handed);
 
-/// Which of the points are the slice's own.
-std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points);
-
-/// Takes the points of other slices away again.
-void drop_rims(const std::vector<bool>& own, PointBlock& points);
+/// Which of the points are the slice's own. boxes: over the points, in their order
+std::vector<bool> own_points(const SlicePlan& plan, std::size_t slice, const PointBlock& points,
+                             const BoxTree& boxes);
 
 }  // namespace slim

@@ -138,31 +138,26 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     PointBlock points = read_with_rims(config, plan, slice, std::move(handed));
     sort_along_curve(points, plan.bounds);
     const NearestSearch search(points.position);
-    const std::vector<bool> own = own_points(plan, slice, points);
+    const std::vector<bool> own = own_points(plan, slice, points, search.boxes());
+    const auto n_own = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
     // A slice's own centroid says little of its outside; the centre of the whole does.
     const std::optional<Vec3d> center =
         plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
     const NormalsReport report = give_normals(points, search, own, center, config, plan, sensors,
                                               from_above, context.reporter);
     std::vector<NoiseVariance> noise;
-    if (plan.slices.size() > 1) {
-        noise = noise_of(points, search, own, plan);
-        drop_rims(own, points);
-    }
-    const auto measure_noise = [&] {
-        if (noise.empty()) noise = noise_of(points, search, own, plan);
-    };
+    const auto measure_noise = [&] { noise = noise_of(points, search, own, plan); };
     if (in_memory) measure_noise();
     else {
-        SliceWriter writer(output.string(), points.origin, points.size(), points.has_normals(),
+        SliceWriter writer(output.string(), points.origin, n_own, points.has_normals(),
                            points.has_scans());
         // Neither keeps all threads busy: the file system takes one writer at a time.
-        run_both([&] { writer.append(points); }, measure_noise);
+        run_both([&] { writer.append(points, own); }, measure_noise);
         context.check_stop();
         writer.commit();
     }
     nlohmann::json result =
-        stamp.commit(report_json(report, noise, points.size()), Outlasts::process);
+        stamp.commit(report_json(report, noise, n_own), Outlasts::process);
     if (context.handed && plan.slices.size() == 1)
         context.handed->put(output.string(), std::move(points));
     return result;

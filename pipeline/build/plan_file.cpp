@@ -163,6 +163,11 @@ std::vector<std::size_t> slices_near(const SlicePlan& plan, std::size_t slice, d
     return near;
 }
 
+double rim_width(const SlicePlan& plan) {
+    constexpr double kWidest = 0.05, kSpacings = 24;  // of L, and of L / sqrt(n)
+    return plan.diagonal * std::min(kWidest, kSpacings / std::sqrt(double(plan.n_points)));
+}
+
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan) {
     write_file_atomically(plan_path(work).string(), text_of(to_json(plan), 2) + "\n",
                           Outlasts::process);

@@ -66,6 +66,10 @@ std::filesystem::path slice_points_path(const std::filesystem::path& work, std::
 /// The slices that have points near to a slice's region, by number, itself included.
 std::vector<std::size_t> slices_near(const SlicePlan& plan, std::size_t slice, double distance);
 
+/// Width of the rims of other slices that a slice's normals are seen with: k neighbours of any use
+/// lie within it (10 spacings where the area is L^2).
+double rim_width(const SlicePlan& plan);
+
 /// Writes WORK/plan.json atomically. Throws as AtomicFile.
 void write_plan(const std::filesystem::path& work, const SlicePlan& plan);
 /// throws IoError if there is none; FormatError if it is not what write_plan writes

@@ -12,7 +12,8 @@
 
 namespace slim {
 
-/// Deals points out to the files of their slices, to several at a time. Holds the points of one
+/// Deals points out to the files of their slices, to several at a time; those that are of other
+/// slices' rims into pieces apart, so that rims are read of these alone. Holds the points of one
 /// chunk.
 class PointDealer {
 public:
@@ -27,14 +28,16 @@ public:
     void commit();
 
 private:
-    void sort_by_slice(const PointChunk& chunk);
-    PointBlock points_of(std::size_t slice, const PointChunk& chunk, std::uint64_t first_id,
+    void sort_by_part(const PointChunk& chunk);
+    PointBlock points_of(std::size_t part, const PointChunk& chunk, std::uint64_t first_id,
                          std::size_t input);
 
     SlicePlan& plan_;
     const BlockPlan& blocks_;
     std::vector<SliceWriter> writers_;
-    std::vector<std::size_t> slice_of_, begin_, order_;  // of a chunk
+    std::vector<Bbox> inside_;  // of each slice: what no other slice's rim reaches
+    // Of a chunk; part 2 s is what lies inside of slice s, 2 s + 1 the rest of it.
+    std::vector<std::size_t> part_of_, begin_, order_;
 };
 
 }  // namespace slim

@@ -23,6 +23,9 @@ constexpr double kCompact = 4;          // queries share a walk if their box is
 constexpr double kBeyond = 1 + 1e-9;    // wider by more than rounding
 constexpr double kNextRadius = 1.25;    // of the k-th distance of the query before: a guess
 constexpr double kNextReach = 1.4;      // of the mean k-th distance of the bucket before: a guess
+constexpr double kMostGrowth = 2;       // of the reach from one query to the next
+constexpr std::size_t kTasks = 32;      // where few points are wanted
+constexpr std::size_t kFewest = 8;      // of them a task
 constexpr int kMostSteps = 16;          // of the search for a radius that
                                         // holds k; more only with ties
 
@@ -169,10 +172,7 @@ public:
         if (!(reach_ > 0)) reach_ = std::sqrt(bound_from_near_buckets(wanted[0]));
         Bbox box;
         for (const std::uint32_t i : wanted) box.extend(search_.positions()[i]);
-        if (wanted.size() == 1) {
-            reach_ = kNextReach * alone(wanted[0], w);
-            return;
-        }
+        if (wanted.size() == 1) return single(wanted[0], w);
         if (!(box.diagonal() <= kCompact * reach_)) {
             const std::size_t half = wanted.size() / 2;
             bucket(wanted.first(half), w);
@@ -199,6 +199,15 @@ public:
     }
 
 private:
+    /// A bucket's only query: most find enough no farther than the one before did. One that is far
+    /// from all others says little of the next.
+    void single(std::uint32_t i, std::size_t w) {
+        const Vec3d& p = search_.positions()[i];
+        gather({p, p}, reach_ * kBeyond);
+        const double farthest = is_found(p, reach_) ? report(w) : alone(i, w);
+        reach_ = kNextReach * std::min(farthest, kMostGrowth * reach_);
+    }
+
     /// A query that shares with nobody. Returns the distance of its farthest neighbour.
     double alone(std::uint32_t i, std::size_t w) {
         const double sq_bound = bound_from_near_buckets(i);
@@ -277,7 +286,8 @@ NearestSearch::NearestSearch(std::span<const Vec3d> positions)
 void NearestSearch::for_each(std::span<const std::uint32_t> wanted, std::size_t k,
                              const Visit& visit) const {
     SLIM_CHECK(k, >=, 1u);
-    parallel_blocks(wanted.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const std::size_t grain = std::clamp(wanted.size() / kTasks, kFewest, kGrain);
+    parallel_blocks(wanted.size(), grain, [&](std::size_t begin, std::size_t end) {
         Searcher searcher(*this, k, visit);
         for (std::size_t first = begin; first < end;) {
             const std::size_t bucket = wanted[first] / BoxTree::kBucket;

@@ -116,6 +116,45 @@ TEST(SliceFile, NoPieceIsSmallButTheLast) {
     EXPECT_EQ(sizes_of({100, 12288}), (Sizes{3097, 3097, 3097, 3097}));
 }
 
+TEST(SliceFile, PointsApartShareNoPieceWithOthers) {
+    const TempFolder folder;
+    const std::string path = folder.file("s");
+    PointBlock inner = rising_points(300), rim = inner;
+    for (Vec3d& p : rim.position) p.z = 50;
+    SliceWriter writer(path, {}, 1500, true, false);
+    for (const auto apart : {false, true, true, false, true})
+        writer.append(apart ? rim : inner,
+                      apart ? SliceWriter::Apart::yes : SliceWriter::Apart::no);
+    writer.commit();
+    const ChunkFile slice = ChunkFile::open(path, kSliceKind);
+    for (const SlicePiece& p : slice.array<SlicePiece>("pieces")) EXPECT_EQ(p.box.lo.z, p.box.hi.z);
+    EXPECT_EQ(piece_sizes(path), (std::vector<std::uint32_t>{600, 600, 300}));
+    EXPECT_EQ(read_slice(path).size(), 1500u);
+}
+
+TEST(SliceFile, ChosenPointsAreWrittenAsIfThereWereNoOthers) {
+    const TempFolder folder;
+    for (const std::size_t n : {700u, 5000u, 60000u}) {
+        PointBlock block = rising_points(n), alone;
+        block.scan.resize(n);
+        std::vector<bool> chosen(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            block.scan[i] = static_cast<std::uint16_t>(i % 7);
+            chosen[i] = i % 3 != 0 && (i < 900 || i > 2500);  // a gap wider than a third of a piece
+            if (!chosen[i]) continue;
+            alone.position.push_back(block.position[i]);
+            alone.normal.push_back(block.normal[i]);
+            alone.id.push_back(block.id[i]);
+            alone.scan.push_back(block.scan[i]);
+        }
+        write_slice(folder.file("alone"), alone);
+        SliceWriter writer(folder.file("chosen"), block.origin, alone.size(), true, true);
+        writer.append(block, chosen);
+        writer.commit();
+        EXPECT_EQ(read_bytes(folder.file("chosen")), read_bytes(folder.file("alone"))) << n;
+    }
+}
+
 TEST(SliceFile, ReadsTheSameOfPointsThatComeOneByOne) {
     const TempFolder folder;
     const PointBlock block = rising_points(1300);
