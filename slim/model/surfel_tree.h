@@ -45,7 +45,7 @@ enum NodeFlags : std::uint8_t {
 struct SharpEntry {
     std::uint32_t node = 0;
     std::uint32_t first_sheet = 0;  ///< in the array of sheets
-    std::uint8_t n_extra = 1;       ///< 1 or 2 beside the node's own
+    std::uint8_t n_extra = 1;       ///< beside the node's own
     std::uint8_t outer = 0, inner = 0;  ///< Join
     std::uint8_t reserved = 0;
 };
