@@ -16,7 +16,7 @@ constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
 constexpr double kSpreadWithin2 = 0.4,
                  kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
-constexpr double kLeastSpreadOfFaces = 0.001;
+constexpr double kLeastSpreadOfFaces = 0.001;  // 6 degrees through the middle of a ball
 constexpr std::size_t kJudged = 48;
 
 template <class T>
@@ -105,13 +105,20 @@ double normal_spread(const BallPoints<T>& p) {
 template <class T>
 bool shows_edge(const BallPoints<T>& p, double share) {
     const double spread = normal_spread(p), most = share * spread;
-    if (spread < kLeastSpreadOfFaces) return false;
+    if (spread < kLeastSpread) return false;
     const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
-    if (spread < kLeastSpread)
-        return spread_within(p, 2, stride) < kFlat * spread ||
-               spread_within(p, 3, stride) < kFlat * spread;
     return spread_within(p, 2, stride) < kSpreadWithin2 * most ||
            spread_within(p, 3, stride) < kSpreadWithin3 * most;
+}
+
+template <class T>
+bool shows_faces(const BallPoints<T>& p) {
+    const double spread = normal_spread(p);
+    if (spread < kLeastSpreadOfFaces) return false;
+    const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
+    for (std::size_t k = 2; k <= kMostSheets; ++k)
+        if (spread_within(p, k, stride) < kFlat * spread) return true;
+    return false;
 }
 
 template <class T>
@@ -159,6 +166,8 @@ template double normal_spread(const BallPoints<float>&);
 template double normal_spread(const BallPoints<double>&);
 template bool shows_edge(const BallPoints<float>&, double);
 template bool shows_edge(const BallPoints<double>&, double);
+template bool shows_faces(const BallPoints<float>&);
+template bool shows_faces(const BallPoints<double>&);
 template bool cluster_normals(const BallPoints<float>&, std::size_t, NormalClusters&,
                               std::vector<std::uint8_t>&);
 template bool cluster_normals(const BallPoints<double>&, std::size_t, NormalClusters&,
