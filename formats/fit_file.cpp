@@ -11,7 +11,8 @@ namespace slim {
 namespace {
 
 /// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4
-/// rims, version 5 second rims, version 6 corners of more than three sheets; a file without any is still version 1.
+/// rims, version 5 second rims, version 6 corners of more than three sheets; a file without any is
+/// still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
 constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
 constexpr ChunkFileKind kDroppedFitKind{"SLIMFITS", "SLIM fit", 3};

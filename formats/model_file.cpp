@@ -18,7 +18,8 @@ namespace slim {
 namespace {
 
 /// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size,
-/// version 4 leaves of two rims, version 5 corners of more than three sheets; a model is of the lowest version that holds it.
+/// version 4 leaves of two rims, version 5 corners of more than three sheets; a model is of the
+/// lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
 constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
 constexpr ChunkFileKind kMixedModelKind{"SLIMTREE", "SLIM model", 3};

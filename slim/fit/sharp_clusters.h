@@ -30,8 +30,8 @@ inline constexpr double kLeastSpread = 0.03;
 template <class T>
 bool shows_edge(const BallPoints<T>& points, double share = 1);
 
-/// Whether up to kMostSheets groups of normals hold all but a hundredth of their spread, as those of
-/// flat faces do at any angle from 6 degrees on. Judged by about 48 of the points.
+/// Whether up to kMostSheets groups of normals hold all but a hundredth of their spread, as those
+/// of flat faces do at any angle from 6 degrees on. Judged by about 48 of the points.
 template <class T>
 bool shows_faces(const BallPoints<T>& points);
 

@@ -196,8 +196,8 @@ private:
     }
 
     /// The way to join that the points follow best; of three sheets or more the one that is unlike
-    /// goes first: F = outer(f_0, inner(f_1, f_2, ...)). Sides of single sheets would not do: a face with a
-    /// notch lies on both sides of the notch's walls.
+    /// goes first: F = outer(f_0, inner(f_1, f_2, ...)). Sides of single sheets would not do: a
+    /// face with a notch lies on both sides of the notch's walls.
     void find_joins() {
         double least = INFINITY;
         std::size_t best_first = 0;

@@ -155,7 +155,8 @@ inline SurfelTreeData rough_model(int degree, std::uint64_t seed) {
     return data;
 }
 
-/// The rough sphere with two or three sheets on two surfels of three, joined in every way.
+/// The rough sphere with two or three sheets on most surfels of three, up to six on every seventh,
+/// joined in every way.
 inline SurfelTreeData sharp_model(int degree, std::uint64_t seed) {
     const SurfelTreeData rough = rough_model(degree, seed);
     const SurfelTree tree = rough.view();
