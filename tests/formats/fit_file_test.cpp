@@ -151,7 +151,7 @@ TEST(FitFile, CornersOfManySheetsRoundTripAndMakeItVersion6) {
     const TempFolder folder;
     std::vector<FittedSurfel> surfels;
     for (std::size_t n_extra = 1; n_extra < kMostSheets; ++n_extra) {
-        surfels.push_back(some_surfel(n_extra));
+        surfels.push_back(some_surfel(static_cast<double>(n_extra)));
         surfels.back().surfel.sharp = some_sheets(n_extra);
     }
     write_fit(folder.file("f"), surfels, "{}");
