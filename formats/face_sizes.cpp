@@ -16,6 +16,7 @@ namespace slim {
 namespace {
 
 constexpr double kSharpTurn = 40 * M_PI / 180;  // more ends a region
+constexpr double kFacetTurn = 12 * M_PI / 180;  // more may be an edge of its own
 constexpr double kLeastTurn = 2 * M_PI / 180;   // less does not bend it
 constexpr double kSparseShare = 0.5;            // of a piece's area, in large faces
 
@@ -150,7 +151,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             for (const auto& side : sides) size = std::min(size, width[region_[side.face]]);
             add(sides, size);
         } else if (const double turn = edges.turn(sides[0], sides[1]); turn > kLeastTurn) {
-            add(sides, (edges.width(sides[0]) + edges.width(sides[1])) / 2 / turn);
+            const double width = (edges.width(sides[0]) + edges.width(sides[1])) / 2;
+            add(sides, turn < kFacetTurn ? width / turn : width);
         }
     });
     begin_.push_back(0);

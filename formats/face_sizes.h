@@ -23,7 +23,8 @@ struct SizedEdge {
 /// How large the parts are that a mesh's faces bound: plates, ribs, rods, small solids beside large
 /// ones. Faces joined by edges that turn less than 40 degrees are a region. Edges about a region
 /// are of the size of the narrower region beside them: twice its area over its outline, which is a
-/// strip's width and a disc's radius; those inside are as large as the radius of their turn.
+/// strip's width and a disc's radius; those inside are as large as the radius of
+/// their turn, or as the facets are wide if these turn by 12 degrees or more.
 /// Connected pieces whose faces are mostly small are sampled by their vertices: nothing is said of
 /// them.
 class FaceSizes {

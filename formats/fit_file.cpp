@@ -11,12 +11,14 @@ namespace slim {
 namespace {
 
 /// Version 2 has further sheets of sharp surfels, version 3 points that were dropped, version 4
-/// rims, version 5 second rims; a file without any is still version 1.
+/// rims, version 5 second rims, version 6 corners of more than three sheets; a file without any is
+/// still version 1.
 constexpr ChunkFileKind kSmoothFitKind{"SLIMFITS", "SLIM fit", 1};
 constexpr ChunkFileKind kSharpFitKind{"SLIMFITS", "SLIM fit", 2};
 constexpr ChunkFileKind kDroppedFitKind{"SLIMFITS", "SLIM fit", 3};
 constexpr ChunkFileKind kRimsFitKind{"SLIMFITS", "SLIM fit", 4};
-constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 5};
+constexpr ChunkFileKind kTwoRimsFitKind{"SLIMFITS", "SLIM fit", 5};
+constexpr ChunkFileKind kFitKind{"SLIMFITS", "SLIM fit", 6};
 
 constexpr std::size_t kWrittenAtOnce = 4096;  // records: 1 MiB
 
@@ -32,10 +34,16 @@ struct Record {
     std::uint8_t degree;  ///< and above its two bits the direction of the rim
     std::uint8_t level, flags;
     /// further sheets, + 4 if the outer join is min, + 8 if the inner one is, + 16 reach of the rim
+    /// or, of sharp ones, + 16 for each sheet beyond the third further one
     std::uint8_t sharp;
 
     int degree_bits() const { return degree & 3; }
+    std::size_t n_extra() const {
+        const std::size_t few = sharp & 3u;
+        return few < 3 ? few : few + (sharp >> 4 & 7u);
+    }
     PackedRim rim() const {
+        if (n_extra() > 2) return static_cast<PackedRim>((degree >> 2 & 31) << 3);
         return static_cast<PackedRim>((degree >> 2 & 31) << 3 | (sharp >> 4 & 7));
     }
 };
@@ -58,8 +66,9 @@ void put(const Frame<double>& frame, double* out) {
 Frame<double> take_frame(const double* v) { return {take(v), take(v + 3), take(v + 6)}; }
 
 std::uint8_t pack_joins(const SharpSheets& s) {
-    return static_cast<std::uint8_t>(s.n_extra + (s.outer == Join::min ? 4u : 0u) +
-                                     (s.inner == Join::min ? 8u : 0u));
+    const std::size_t few = std::min<std::size_t>(s.n_extra, 3), more = s.n_extra - few;
+    return static_cast<std::uint8_t>(few + (s.outer == Join::min ? 4u : 0u) +
+                                     (s.inner == Join::min ? 8u : 0u) + 16 * more);
 }
 
 Record pack(const FittedSurfel& f) {
@@ -94,7 +103,7 @@ std::shared_ptr<const SharpSheets> unpack_sheets(std::uint8_t joins,
     out->n_extra = records.size();
     out->outer = joins & 4 ? Join::min : Join::max;
     out->inner = joins & 8 ? Join::min : Join::max;
-    // The bound of the array is said twice: g++ 12 does not see that there are at most two records.
+    // The bound of the array is said twice: g++ 12 does not see that there are no more records.
     for (std::size_t k = 0; k < std::min(records.size(), out->extra.size()); ++k) {
         out->extra[k].frame = take_frame(records[k].axes);
         std::copy(records[k].coefficients, records[k].coefficients + kMaxCoefficients,
@@ -127,7 +136,7 @@ bool is_sound(const Record& r) {
     return is_finite(take(r.center)) && std::isfinite(r.support_radius) && r.support_radius > 0 &&
            all_finite(r.axes) && all_finite(r.coefficients) && std::isfinite(r.fit_error) &&
            r.fit_error >= 0 && r.level < 64 && r.degree < 128 && r.sharp < 128 &&
-           (r.sharp & 3) < kMostSheets && ((r.sharp & 3) == 0 || r.rim() == 0);
+           r.n_extra() < kMostSheets && (r.n_extra() == 0 || r.rim() == 0);
 }
 
 bool is_sound(const SheetRecord& r) { return all_finite(r.axes) && all_finite(r.coefficients); }
@@ -151,7 +160,7 @@ struct FitWriter::State {
     std::vector<Record> waiting;      // a call of the system for many
     std::vector<SheetRecord> sheets;  // of sharp surfels, which are few
     std::vector<PackedRim> second_rims;  // of all surfels
-    bool has_rims = false, has_second_rims = false;
+    bool has_rims = false, has_second_rims = false, has_many_sheets = false;
 
     explicit State(const std::string& path)
         : file(path, kFitKind), chunk(file.open("surfels", sizeof(Record))) {
@@ -171,7 +180,10 @@ void FitWriter::add(const FittedSurfel& surfel) {
     state_->second_rims.push_back(surfel.surfel.rims.second);
     state_->has_rims |= surfel.surfel.rims.any();
     state_->has_second_rims |= surfel.surfel.rims.second != 0;
-    if (surfel.surfel.sharp) pack_sheets(*surfel.surfel.sharp, state_->sheets);
+    if (surfel.surfel.sharp) {
+        pack_sheets(*surfel.surfel.sharp, state_->sheets);
+        state_->has_many_sheets |= surfel.surfel.sharp->n_sheets() > kUsualSheets;
+    }
     if (state_->waiting.size() == kWrittenAtOnce) state_->flush();
 }
 
@@ -179,7 +191,8 @@ void FitWriter::commit(const std::string& header_json, std::span<const std::uint
     ChunkWriter& file = state_->file;
     const std::span<const SheetRecord> sheets = state_->sheets;
     state_->flush();
-    file.set_version((state_->has_second_rims ? kFitKind
+    file.set_version((state_->has_many_sheets   ? kFitKind
+                      : state_->has_second_rims ? kTwoRimsFitKind
                       : state_->has_rims ? kRimsFitKind
                       : !dropped.empty() ? kDroppedFitKind
                       : !sheets.empty()  ? kSharpFitKind
@@ -233,7 +246,7 @@ void FitReader::for_each(const std::function<void(FittedSurfel&&)>& visit) const
         if (surfel.surfel.rims.second != 0 && !surfel.surfel.rims.any())
             throw FormatError(message(file_.path(), ": byte ", file_.offset("second_rims") + i,
                                       ": surfel ", i, " has a second rim and no first"));
-        const std::size_t extra = r.sharp & 3u;
+        const std::size_t extra = r.n_extra();
         if (extra > sheets.size())
             throw FormatError(message(file_.path(), ": surfel ", i, " needs ", extra,
                                       " further sheets, found ", sheets.size()));

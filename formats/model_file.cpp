@@ -18,11 +18,13 @@ namespace slim {
 namespace {
 
 /// Version 2 has further sheets of sharp surfels, version 3 an index of records of unequal size,
-/// version 4 leaves of two rims; a model is of the lowest version that holds it.
+/// version 4 leaves of two rims, version 5 corners of more than three sheets; a model is of the
+/// lowest version that holds it.
 constexpr ChunkFileKind kSmoothModelKind{"SLIMTREE", "SLIM model", 1};
 constexpr ChunkFileKind kSharpModelKind{"SLIMTREE", "SLIM model", 2};
 constexpr ChunkFileKind kMixedModelKind{"SLIMTREE", "SLIM model", 3};
-constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 4};
+constexpr ChunkFileKind kTwoRimsModelKind{"SLIMTREE", "SLIM model", 4};
+constexpr ChunkFileKind kModelKind{"SLIMTREE", "SLIM model", 5};
 
 /// ModelHeader as it stands in the file: no gaps, sizes fixed.
 struct HeaderRecord {
@@ -133,8 +135,12 @@ void write_arrays(const std::string& path, const SurfelTree& tree,
     const HeaderRecord header = pack(tree.header());
     const bool two_rims = std::any_of(tree.nodes().begin(), tree.nodes().end(),
                                       [](const TreeNode& n) { return n.rims().second != 0; });
+    const bool many_sheets =
+        std::any_of(tree.sharp().begin(), tree.sharp().end(),
+                    [](const SharpEntry& e) { return e.n_extra >= kUsualSheets; });
     const RecordIndex& index = tree.record_index();
-    ChunkWriter writer(path, two_rims                ? kModelKind
+    ChunkWriter writer(path, many_sheets             ? kModelKind
+                             : two_rims              ? kTwoRimsModelKind
                              : !index.empty()        ? kMixedModelKind
                              : !tree.sharp().empty() ? kSharpModelKind
                                                      : kSmoothModelKind);

@@ -38,7 +38,7 @@ struct FitOptions {
                      {"A", "B", "C"});
         field.choice(
             "sharp", sharp,
-            "edges and corners get surfels of two or three sheets where that takes fewer bytes; "
+            "edges and corners get surfels of several sheets where that takes fewer bytes; "
             "auto: of a mesh of large faces, and if about 4 % of the places that are looked at, or "
             "more, lie at edges, as of CAD parts",
             {"auto", "on", "off"});

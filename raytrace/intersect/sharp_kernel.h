@@ -49,7 +49,8 @@ inline typename V::mask_type on_joined_surface(const SharpRecord& s, const Sharp
     std::array<V, kMostSheets> f;
     for (std::size_t k = 0; k < s.n_sheets; ++k)
         f[k] = k == i ? V(0.0f) : lanes_value(rays.f[k], t);
-    const V rest = s.n_sheets == 2 ? f[1] : join_lanes(s.inner, f[1], f[2]);
+    V rest = f[1];
+    for (std::size_t k = 2; k < s.n_sheets; ++k) rest = join_lanes(s.inner, rest, f[k]);
     return stdx::abs(join_lanes(s.outer, f[0], rest)) <= static_cast<float>(kEdgeTolerance);
 }
 

@@ -12,7 +12,7 @@ void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
     forced += (leaf.fitted.flags & kForced) != 0;
     normals_disagree += leaf.normals_disagree;
     sharp_edges += leaf.fitted.surfel.n_sheets() == 2;
-    sharp_corners += leaf.fitted.surfel.n_sheets() == 3;
+    sharp_corners += leaf.fitted.surfel.n_sheets() > 2;
     ++fallbacks[static_cast<std::size_t>(leaf.fallback)];
     ++degrees[static_cast<std::size_t>(leaf.fitted.surfel.degree)];
 }

@@ -17,7 +17,7 @@ struct CoverCounts {
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
     std::uint64_t beside = 0;       ///< points of rims, left to the surface beside them: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped
-    std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two and of three sheets
+    std::uint64_t sharp_edges = 0, sharp_corners = 0;  ///< leaves of two sheets, and of more
     std::uint64_t sharp_rungs = 0;  ///< balls that were tried with more than one sheet
     std::uint64_t refitted = 0;     ///< leaves moved by the second fit (those of the halo too)
     std::uint64_t own = 0;          ///< leaves of single points that all others passed by, some of

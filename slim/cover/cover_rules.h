@@ -46,7 +46,7 @@ struct CoverRules {
                            ///< the ladder (slim/fit/notes/0006)
     FitWeight weight = FitWeight::gauss;
     CoverReading reading = CoverReading::b;
-    bool sharp = false;  ///< edges and corners may become surfels of two or three sheets
+    bool sharp = false;  ///< edges and corners may become surfels of several sheets
     bool ask_for_edges = false;  ///< the points decide in place of `sharp` (edge_share)
     std::uint64_t n_points = 0;  ///< of the whole job; 0: as many as are here
     bool follow_normals = false;  ///< fits follow the points' normals as well (slim/fit/notes/0007)

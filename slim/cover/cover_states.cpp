@@ -53,7 +53,7 @@ bool CoverStates::recall(LeafCandidate& c) const {
                 finest_[c.point],
                 (s.flags & kWidened) != 0};
     c.sparse = (s.flags & kThin) != 0;
-    c.n_sheets = s.flags & kThreeSheets ? 3 : s.flags & kTwoSheets ? 2 : 1;
+    c.n_sheets = s.further_sheets + 1u;
     return true;
 }
 
@@ -61,7 +61,7 @@ void CoverStates::remember(const LeafCandidate& c) {
     radius_[c.point] = static_cast<float>(c.choice.radius);
     finest_[c.point] = static_cast<float>(c.choice.finest);
     PointState& s = states_[c.point];
-    s.degree = static_cast<std::uint8_t>(c.choice.degree);
+    s.degree = static_cast<std::uint8_t>(c.choice.degree & 7);
     if (c.choice.forced) s.flags |= kForced;
     // a smaller radius is neither
     s.flags = static_cast<std::uint16_t>(s.flags & ~(kSaturatedTop | kWidened));
@@ -69,7 +69,7 @@ void CoverStates::remember(const LeafCandidate& c) {
     if (c.choice.limited) s.flags |= kLimited;
     if (c.choice.widened) s.flags |= kWidened;
     if (c.sparse) s.flags |= kThin;
-    if (c.n_sheets > 1) s.flags |= c.n_sheets == 3 ? kThreeSheets : kTwoSheets;
+    s.further_sheets = static_cast<std::uint8_t>((c.n_sheets - 1) & 31);
 }
 
 /// How often a leaf counts in the overlap.

@@ -66,18 +66,17 @@ private:
         kForced = 4,
         kSaturatedTop = 8,
         kLimited = 16,
-        kTwoSheets = 32,  // found by an earlier search: two sheets, three
-        kThreeSheets = 64,
-        kThin = 128,
-        kBeside = 256,
-        kWidened = 512
+        kThin = 32,
+        kBeside = 64,
+        kWidened = 128
     };
     /// Side by side, as points by priority lie anywhere in memory.
     struct PointState {
         float weight = 0;
         std::uint16_t flags = 0;
         std::uint8_t stamp = 0;
-        std::uint8_t degree = 0;  // that goes with the radius found by an earlier search
+        std::uint8_t degree : 3 = 0;  // that goes with the radius found by an earlier search
+        std::uint8_t further_sheets : 5 = 0;  // likewise, beside the first
     };
 
     float times(const FittedSurfel& leaf) const;

@@ -11,7 +11,7 @@ namespace slim {
 Corners::Corners(const BallIndex& leaves) {
     for (std::size_t i = 0; i < leaves.n_leaves(); ++i) {
         const Surfel& s = leaves.leaf(i);
-        const auto x = s.n_sheets() == 3 ? corner_of(s) : std::nullopt;
+        const auto x = s.n_sheets() > 2 ? corner_of(s) : std::nullopt;
         of_leaf_.push_back(x && sq_length(*x) < 1 ? find_or_add(leaves, s, *x) : kNoCorner);
     }
 }

@@ -26,7 +26,7 @@ struct EdgeSide {
 struct LeafEdge {
     std::uint32_t leaf = 0;
     std::uint8_t pair = 0;
-    std::size_t number() const { return 3 * std::size_t{leaf} + pair; }
+    std::size_t number() const { return kSheetPairs.size() * std::size_t{leaf} + pair; }
 };
 
 /// The leaves' edges about a place, averaged.

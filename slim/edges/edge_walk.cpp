@@ -21,7 +21,7 @@ std::optional<Vec3d> place_to_start(const Surfel& s, std::size_t pair) {
     if (!middle) return std::nullopt;
     const Vec3d along =
         normalized(cross(s.sheet_gradient(sheets.a, *middle), s.sheet_gradient(sheets.b, *middle)));
-    const bool corner = s.n_sheets() == 3;  // likely in the middle
+    const bool corner = s.n_sheets() > 2;  // likely in the middle
     for (const double offset : {0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6}) {
         if (corner && offset == 0.0) continue;
         const auto x = nearest_on_edge(s, sheets, *middle + along * offset);

@@ -40,7 +40,7 @@ StartLists starts_of(const BallIndex& leaves, const Corners& corners, std::size_
     for (std::size_t i = begin; i < end; ++i)
         for (std::size_t pair = 0; pair < n_sheet_pairs(leaves.leaf(i)); ++pair)
             if (const auto start = walker.start(i, pair)) {
-                lists.push_back(static_cast<std::uint32_t>(3 * i + pair));
+                lists.push_back(static_cast<std::uint32_t>(kSheetPairs.size() * i + pair));
                 lists.push_back(static_cast<std::uint32_t>(start->parts.size()));
                 lists.insert(lists.end(), start->parts.begin(), start->parts.end());
             }
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> likely_starts(const BallIndex& leaves, const Corners&
                      [&](std::size_t begin, std::size_t end) {
                          lists[begin / kGrain] = starts_of(leaves, corners, begin, end);
                      });
-    LeastOfSets sets(3 * leaves.n_leaves());
+    LeastOfSets sets(kSheetPairs.size() * leaves.n_leaves());
     const auto for_each_start = [&](const auto& visit) {
         for (const StartLists& list : lists)
             for (std::size_t at = 0; at < list.size(); at += 2 + list[at + 1])
@@ -66,7 +66,7 @@ std::vector<std::uint32_t> likely_starts(const BallIndex& leaves, const Corners&
         for (const std::uint32_t part : parts) sets.join(start, part);
     });
     // In order: the first start that is met of each set.
-    std::vector<std::uint8_t> has_start(3 * leaves.n_leaves(), 0);
+    std::vector<std::uint8_t> has_start(kSheetPairs.size() * leaves.n_leaves(), 0);
     std::vector<std::uint32_t> likely;
     for_each_start([&](std::uint32_t start, std::span<const std::uint32_t>) {
         std::uint8_t& known = has_start[sets.find(start)];

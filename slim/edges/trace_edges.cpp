@@ -27,7 +27,7 @@ struct WalkedEdge {
 
 std::optional<WalkedEdge> walk_edge(EdgeWalker& walker, std::uint32_t number,
                                     const PassedEdges& passed) {
-    auto start = walker.start(number / 3, number % 3);
+    auto start = walker.start(number / kSheetPairs.size(), number % kSheetPairs.size());
     if (!start) return std::nullopt;
     WalkedEdge edge{std::move(*start), {}, {}};
     edge.ahead = walker.follow(edge.start, 1, passed);
@@ -45,8 +45,8 @@ public:
           each_batch_(each_batch),
           corners_(leaves),
           walker_(leaves, corners_),
-          passed_(3 * leaves.n_leaves(), 0),
-          owner_(3 * leaves.n_leaves(), kNobody) {}
+          passed_(kSheetPairs.size() * leaves.n_leaves(), 0),
+          owner_(kSheetPairs.size() * leaves.n_leaves(), kNobody) {}
 
     std::vector<TracedEdge> run() {
         const std::size_t n = leaves_.n_leaves();
@@ -54,7 +54,7 @@ public:
                                 [&](std::size_t done, std::size_t) { tell(done); });
         for (std::size_t i = 0; i < n; ++i)
             for (std::size_t pair = 0; pair < n_sheet_pairs(leaves_.leaf(i)); ++pair)
-                if (const auto number = static_cast<std::uint32_t>(3 * i + pair);
+                if (const auto number = static_cast<std::uint32_t>(kSheetPairs.size() * i + pair);
                     !passed_[number]) {
                     auto edge = walked(number);
                     if (edge) take(std::move(*edge));

@@ -254,7 +254,7 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
-    if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball);
+    if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball) || shows_faces(work.ball);
     if (coarsest > finest)
         return {rung_radius(finest), degree_,       false,              true, false, true,
                 forced_energy,       rung_radius(finest)};

@@ -59,7 +59,7 @@ struct LadderWork {
     BallPoints<float> ball;
     std::vector<SetAside<float>> aside;
     SharpWork<float> sharp;
-    bool edge_in_sight = false;  ///< shows_edge of the last rung of the last search
+    bool edge_in_sight = false;  ///< shows_edge or shows_faces of the last search's last rung
     std::size_t rungs = 0, point_visits = 0, refinements = 0, sharp_rungs = 0;
 };
 

@@ -7,11 +7,16 @@ namespace slim {
 namespace {
 
 constexpr double kClosest = 0.866;     // cos of the least angle between two clusters
+constexpr double kClosestFlat = 0.9945;  // the same, 6 degrees, of clusters of faces
+/// Mean of 1 - cos of a cluster's normals to its own over 1 - cos between two clusters: up to it
+/// they are the normals of flat faces.
+constexpr double kFlat = 0.01;
 constexpr std::size_t kLeastMembers = 3;  // a plane's worth
 constexpr double kLeastShare = 0.04;
 constexpr int kRounds = 4;
 constexpr double kSpreadWithin2 = 0.4,
                  kSpreadWithin3 = 0.24;  // shares of the spread left in 2, 3 groups
+constexpr double kLeastSpreadOfFaces = 0.001;  // 6 degrees through the middle of a ball
 constexpr std::size_t kJudged = 48;
 
 template <class T>
@@ -107,12 +112,23 @@ bool shows_edge(const BallPoints<T>& p, double share) {
 }
 
 template <class T>
+bool shows_faces(const BallPoints<T>& p) {
+    const double spread = normal_spread(p);
+    if (spread < kLeastSpreadOfFaces) return false;
+    const std::size_t stride = std::max<std::size_t>(1, p.n / kJudged);
+    for (std::size_t k = 2; k <= kMostSheets; ++k)
+        if (spread_within(p, k, stride) < kFlat * spread) return true;
+    return false;
+}
+
+template <class T>
 bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clusters,
                      std::vector<std::uint8_t>& member) {
     auto& normal = clusters.normal;
     seed(p, k, normal);
     if (member.size() < p.n) member.resize(2 * p.n);
     std::array<std::size_t, kMostSheets> count{};
+    std::array<double, kMostSheets> off{};
     for (int round = 0; round < kRounds; ++round) {
         std::array<Vec3d, kMostSheets> sum{};
         count = {};
@@ -126,15 +142,22 @@ bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clus
                 ++count[c];
             }
         }
-        for (std::size_t c = 0; c < k; ++c)
-            if (sq_length(sum[c]) > 0) normal[c] = normalized(sum[c]);
+        for (std::size_t c = 0; c < k; ++c) {
+            if (!(sq_length(sum[c]) > 0)) continue;
+            normal[c] = normalized(sum[c]);
+            off[c] = 1 - length(sum[c]) / static_cast<double>(count[c]);
+        }
     }
     const auto least = std::max(kLeastMembers, static_cast<std::size_t>(kLeastShare *
                                                                         static_cast<double>(p.n)));
     for (std::size_t a = 0; a < k; ++a) {
         if (count[a] < least) return false;
-        for (std::size_t b = 0; b < a; ++b)
-            if (dot(normal[a], normal[b]) > kClosest) return false;
+        for (std::size_t b = 0; b < a; ++b) {
+            const double cosine = dot(normal[a], normal[b]);
+            const bool are_flat = std::max(off[a], off[b]) < kFlat * (1 - cosine);
+            if (cosine > (are_flat ? kClosestFlat : kClosest)) return false;
+            if (k > kUsualSheets && !are_flat) return false;
+        }
     }
     return true;
 }
@@ -143,6 +166,8 @@ template double normal_spread(const BallPoints<float>&);
 template double normal_spread(const BallPoints<double>&);
 template bool shows_edge(const BallPoints<float>&, double);
 template bool shows_edge(const BallPoints<double>&, double);
+template bool shows_faces(const BallPoints<float>&);
+template bool shows_faces(const BallPoints<double>&);
 template bool cluster_normals(const BallPoints<float>&, std::size_t, NormalClusters&,
                               std::vector<std::uint8_t>&);
 template bool cluster_normals(const BallPoints<double>&, std::size_t, NormalClusters&,

@@ -30,15 +30,21 @@ inline constexpr double kLeastSpread = 0.03;
 template <class T>
 bool shows_edge(const BallPoints<T>& points, double share = 1);
 
+/// Whether up to kMostSheets groups of normals hold all but a hundredth of their spread, as those
+/// of flat faces do at any angle from 6 degrees on. Judged by about 48 of the points.
+template <class T>
+bool shows_faces(const BallPoints<T>& points);
+
 struct NormalClusters {
     std::array<Vec3d, kMostSheets> normal;  ///< unit
 };
 
-/// Splits a ball's normals into k = 2 or 3 clusters: k-means, the seeds being the normal farthest
-/// from the mean, the one farthest from that, and the one farthest from both. `member[i]` is the
-/// bit of the cluster of point i, or 0 where its normal lies between two (an edge's own vertices)
-/// or is missing. False if two clusters are less than 30 degrees apart or one has fewer than 3
-/// points or 4 % of all.
+/// Splits a ball's normals into k = 2 to kMostSheets clusters: k-means, the seeds being the normal
+/// farthest from the mean, the one farthest from that, the one farthest from both, and so on.
+/// `member[i]` is the bit of the cluster of point i, or 0 where its normal lies between two (an
+/// edge's own vertices) or is missing. False if one has fewer than 3 points or 4 % of all, or if
+/// two are less than 30 degrees apart: 6 degrees where they hardly spread, as those of flat faces.
+/// More than three must be such (notes/0016).
 template <class T>
 bool cluster_normals(const BallPoints<T>& points, std::size_t k, NormalClusters& clusters,
                      std::vector<std::uint8_t>& member);

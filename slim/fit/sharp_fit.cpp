@@ -195,13 +195,13 @@ private:
         return sum;
     }
 
-    /// The way to join that the points follow best; of three sheets the one that is unlike goes
-    /// first: F = outer(f_0, inner(f_1, f_2)). Sides of single sheets would not do: a face with a
-    /// notch lies on both sides of the notch's walls.
+    /// The way to join that the points follow best; of three sheets or more the one that is unlike
+    /// goes first: F = outer(f_0, inner(f_1, f_2, ...)). Sides of single sheets would not do: a
+    /// face with a notch lies on both sides of the notch's walls.
     void find_joins() {
         double least = INFINITY;
         std::size_t best_first = 0;
-        const std::size_t n_first = fit_.n_sheets == 2 ? 1 : 3;
+        const std::size_t n_first = fit_.n_sheets == 2 ? 1 : fit_.n_sheets;
         for (std::size_t first = 0; first < n_first; ++first)
             for (const Join outer : {Join::max, Join::min})
                 for (const Join inner : {Join::max, Join::min}) {

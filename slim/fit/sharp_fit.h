@@ -13,7 +13,7 @@
 
 namespace slim {
 
-/// Two or three height fields joined by max and min, fitted to one ball (notes/0002).
+/// Height fields joined by max and min, fitted to one ball (notes/0002).
 struct SharpFit {
     std::size_t n_sheets = 0;
     std::array<Frame<double>, kMostSheets> frame;  ///< normal: as the file will give it back
@@ -37,13 +37,13 @@ struct SharpWork {
     std::vector<std::uint8_t> sheets;  ///< of each point of the ball: bit i, it belongs to sheet i
 };
 
-/// Fits `n_sheets` (2 or 3) height fields of up to `degree`, each to its own points: clusters of
-/// normals at least 30 degrees apart (points between two clusters, as an edge's own vertices with
-/// averaged normals, belong to neither at first), then twice the points that a sheet explains by
-/// place and normal. Joined in the way that the points follow best. Nothing if the normals do not
-/// fall into so many clusters or a sheet has too few points for a plane; whether the result is any
-/// good say sq_error and n_off. Cost: about ten passes over the points; no allocation once the
-/// workspace has grown.
+/// Fits `n_sheets` (2 to kMostSheets) height fields of up to `degree`, each to its own points:
+/// clusters of normals at least 30 degrees apart, of flat faces 6 (points between two clusters, as
+/// an edge's own vertices with averaged normals, belong to neither at first), then twice the points
+/// that a sheet explains by place and normal. Joined in the way that the points follow best.
+/// Nothing if the normals do not fall into so many clusters or a sheet has too few points for a
+/// plane; whether the result is any good say sq_error and n_off. Cost: about ten passes over the
+/// points; no allocation once the workspace has grown.
 template <class T>
 std::optional<SharpFit> fit_sharp(const BallPoints<T>& points, std::size_t n_sheets, int degree,
                                   double noise_variance, SharpWork<T>& work);

@@ -19,7 +19,7 @@ double sharp_price(std::size_t n_sheets);
 /// Largest eps^2 of sheets of a ball that explain its points, length^2.
 double sq_roughest(double radius, double noise_variance);
 
-/// Searches a radius at which two or three joined sheets beat the single height field that the
+/// Searches a radius at which joined sheets beat the single height field that the
 /// ladder found (notes/0002): E = eps^2 + lambda (T L / rho)^2 price, at steps of sqrt(1/g) upwards
 /// of the finest radius that holds enough points.
 class SharpSearch {

@@ -10,7 +10,10 @@
 
 namespace slim {
 
-inline constexpr std::size_t kMostSheets = 3;
+/// As many faces may meet at a corner.
+inline constexpr std::size_t kMostSheets = 6;
+/// As many sheets hold every corner of three faces; more are for those of more.
+inline constexpr std::size_t kUsualSheets = 3;
 
 /// A sheet reaches beyond the edge by this share of rho, for rounding: else a ray through the very
 /// edge could find each sheet ended just before the other begins.
@@ -35,9 +38,10 @@ T join(Join how, const T& a, const T& b) {
 }
 
 /// The further sheets of a sharp surfel, whose own frame and polynomial are sheet 0:
-///     F = outer(f_0, f_1) with two sheets, F = outer(f_0, inner(f_1, f_2)) with three,
+///     F = outer(f_0, f_1) with two sheets, F = outer(f_0, inner(f_1, f_2, ...)) with more,
 /// which holds every corner of three faces: all edges convex (max, max), all concave (min, min), or
-/// one of them unlike the two others (that pair is joined by `inner`).
+/// one of them unlike the two others (that pair is joined by `inner`); and of more faces the peaks
+/// (max, max), the pits (min, min) and those with one face that cuts all others off.
 struct SharpSheets {
     std::array<Sheet, kMostSheets - 1> extra;
     std::size_t n_extra = 1;
@@ -47,7 +51,9 @@ struct SharpSheets {
     /// F from the sheets' values.
     template <class T>
     T joined(const std::array<T, kMostSheets>& f) const {
-        return join(outer, f[0], n_extra == 1 ? f[1] : join(inner, f[1], f[2]));
+        T rest = f[1];
+        for (std::size_t k = 2; k <= n_extra; ++k) rest = join(inner, rest, f[k]);
+        return join(outer, f[0], rest);
     }
     /// Whether a point on sheet i is on the joined surface: F stays 0 with f_i set to exactly 0.
     bool on_surface(std::size_t i, std::array<double, kMostSheets> f) const {
@@ -57,7 +63,9 @@ struct SharpSheets {
     /// The sheet that F takes its value from.
     std::size_t active(const std::array<double, kMostSheets>& f) const {
         const double value = joined(f);
-        return value == f[0] ? 0 : value == f[1] ? 1 : 2;
+        std::size_t k = 0;
+        while (k < n_extra && value != f[k]) ++k;
+        return k;
     }
 };
 

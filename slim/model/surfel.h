@@ -14,7 +14,7 @@ namespace slim {
 
 /// One surfel (Ohtake 2005 eq. (1)), decoded to doubles. The surface inside the ball is
 /// f(x) = w - P(u, v) = 0 with (u, v, w) = frame.local_from_world(x - center) / support_radius; at
-/// an edge or a corner two or three such functions joined by max or min (SharpSheets).
+/// an edge or a corner several such functions joined by max or min (SharpSheets).
 struct Surfel {
     Vec3d center;           ///< local frame of the job (world minus the job's origin)
     double support_radius;  ///< rho

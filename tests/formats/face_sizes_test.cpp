@@ -87,8 +87,18 @@ TEST(FaceSizes, FacesWithVerticesOfTheirOwnAreJoinedByPlace) {
     EXPECT_NEAR(sizes_about(sizes, 0).first, 2 * 180.0 / 126, 1e-9);
 }
 
-TEST(FaceSizes, ARodIsAsLargeAsItsRadius) {
+TEST(FaceSizes, FacetsThatTurnByMoreThanTwelveDegreesAreAsLargeAsTheyAreWide) {
     const TestMesh rod = cylinder(24, 1, 100);
+    const FaceList list = rod.list();
+    const FaceSizes sizes(list, 1e9, 1.0 / 12);
+    EXPECT_EQ(sizes.n_regions(), 3u);
+    const auto [least, most] = sizes_about(sizes, 0);
+    EXPECT_NEAR(least, 2 * std::sin(M_PI / 24), 1e-9);
+    EXPECT_NEAR(most, 1, 0.02);
+}
+
+TEST(FaceSizes, ARodIsAsLargeAsItsRadius) {
+    const TestMesh rod = cylinder(36, 1, 100);
     const FaceList list = rod.list();
     const FaceSizes sizes(list, 1e9, 1.0 / 12);
     EXPECT_EQ(sizes.n_regions(), 3u);

@@ -147,5 +147,23 @@ TEST(FitFile, SharpSurfelsRoundTripAndMakeItVersion2) {
                                 [](const std::string& path) { read_fit(path); });
 }
 
+TEST(FitFile, CornersOfManySheetsRoundTripAndMakeItVersion6) {
+    const TempFolder folder;
+    std::vector<FittedSurfel> surfels;
+    for (std::size_t n_extra = 1; n_extra < kMostSheets; ++n_extra) {
+        surfels.push_back(some_surfel(static_cast<double>(n_extra)));
+        surfels.back().surfel.sharp = some_sheets(n_extra);
+    }
+    write_fit(folder.file("f"), surfels, "{}");
+    EXPECT_EQ(read_bytes(folder.file("f"))[8], 6);
+    const FitFile fit = read_fit(folder.file("f"));
+    ASSERT_EQ(fit.surfels.size(), surfels.size());
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        ASSERT_TRUE(fit.surfels[i].surfel.sharp);
+        expect_equal(*fit.surfels[i].surfel.sharp, *surfels[i].surfel.sharp);
+        EXPECT_FALSE(fit.surfels[i].surfel.rims.any());
+    }
+}
+
 }  // namespace
 }  // namespace slim::test

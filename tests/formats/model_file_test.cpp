@@ -95,6 +95,23 @@ TEST(ModelFile, SharpSurfelsRoundTripAndMakeItVersion2) {
                                 [](const std::string& path) { ModelFile::open(path); });
 }
 
+TEST(ModelFile, CornersOfManySheetsRoundTripAndMakeItVersion5) {
+    const TempFolder folder;
+    for (std::size_t n_extra = 3; n_extra < kMostSheets; ++n_extra) {
+        SurfelTreeData data = some_sharp_model();
+        std::vector<Surfel> surfels;
+        for (std::size_t i = 0; i < data.nodes.size(); ++i)
+            surfels.push_back(data.view().surfel(i));
+        surfels[2].sharp = some_sheets(n_extra);
+        encode_surfels(surfels, data);
+        write_model(folder.file("m"), data, "{}");
+        EXPECT_EQ(read_bytes(folder.file("m"))[8], 5);
+        const ModelFile model = ModelFile::open(folder.file("m"));
+        ASSERT_TRUE(model.tree().surfel(2).sharp);
+        expect_equal(*model.tree().surfel(2).sharp, *some_sheets(n_extra));
+    }
+}
+
 TEST(ModelFile, RecordsOfMixedDegreesRoundTripAndMakeItVersion3) {
     const TempFolder folder;
     const SurfelTreeData data = some_mixed_model();
@@ -145,7 +162,7 @@ TEST(ModelFile, RefusesSheetsThatAreNone) {
     expect("1 nodes are sharp, found 2", [](auto& d) { d.sharp.push_back(d.sharp[0]); });
     expect("0 nodes are sharp, found 1", [](auto& d) { d.nodes[2].flags = kLeaf; });
     expect("1 nodes are sharp, found 0", [](auto& d) { d.sharp.clear(); });
-    expect("3 further sheets", [](auto& d) { d.sharp[0].n_extra = 3; });
+    expect("6 further sheets", [](auto& d) { d.sharp[0].n_extra = 6; });
     expect("0 further sheets", [](auto& d) { d.sharp[0].n_extra = 0; });
     expect("join 2", [](auto& d) { d.sharp[0].outer = 2; });
     expect("first sheet 1", [](auto& d) { d.sharp[0].first_sheet = 1; });

@@ -61,6 +61,21 @@ TEST_F(BuildMeshes, NoDiscStandsOutOfAThinPlate) {
     }
 }
 
+TEST_F(BuildMeshes, TheVerticesOfAnOctahedronAreSharp) {
+    const std::string mesh = folder_.write(
+        "octahedron.ply",
+        "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 8\nproperty list uchar int vertex_indices\nend_header\n"
+        "1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n"
+        "3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n");
+    build(build_config(mesh, "octahedron.slim"));
+    const auto m = both_ways(file("octahedron.slim"), mesh);
+    // 8e-3 of the diagonal while leaves held three sheets at most.
+    EXPECT_LT(m["model_to_cloud"]["max"].get<double>(), 1e-3);
+    EXPECT_LT(m["faces"]["max"].get<double>(), 1e-3);
+    EXPECT_EQ(m["faces"]["missed"], 0);
+}
+
 TEST_F(BuildMeshes, APlateTooThinForItsPointsIsToldOf) {
     auto config = build_config(folder_.write("sheet.ply", box(1000, 600, 0.1)), "sheet.slim");
     config.sharp = "on";

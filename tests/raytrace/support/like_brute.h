@@ -155,7 +155,8 @@ inline SurfelTreeData rough_model(int degree, std::uint64_t seed) {
     return data;
 }
 
-/// The rough sphere with two or three sheets on two surfels of three, joined in every way.
+/// The rough sphere with two or three sheets on most surfels of three, up to six on every seventh,
+/// joined in every way.
 inline SurfelTreeData sharp_model(int degree, std::uint64_t seed) {
     const SurfelTreeData rough = rough_model(degree, seed);
     const SurfelTree tree = rough.view();
@@ -163,7 +164,7 @@ inline SurfelTreeData sharp_model(int degree, std::uint64_t seed) {
     for (std::size_t i = 1; i < tree.n_nodes(); ++i) {
         Surfel s = tree.surfel(i);
         SharpSheets more;
-        more.n_extra = i % 3;
+        more.n_extra = i % 7 == 6 ? 3 + i % 3 : i % 3;
         more.outer = i % 2 ? Join::max : Join::min;
         more.inner = i % 4 < 2 ? Join::max : Join::min;
         for (std::size_t k = 0; k < more.n_extra; ++k) {

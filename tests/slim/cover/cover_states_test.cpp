@@ -45,5 +45,23 @@ TEST(CoverStates, AChoiceIsRecalledAsItWas) {
     EXPECT_FALSE(recalled(states, smaller).widened);
 }
 
+TEST(CoverStates, AsManySheetsAreRecalledAsWereFound) {
+    const PointBlock block = graph_points(100, 1, 1, [](double, double) { return 0.0; });
+    const CoverRules rules = rules_for(block, 0.01);
+    CoverStates states(block, rules);
+    for (std::size_t n = 1; n <= kMostSheets; ++n) {
+        LeafCandidate c;
+        c.point = 7;
+        c.choice = {0.25, 2};
+        c.n_sheets = n;
+        states.remember(c);
+        LeafCandidate again;
+        again.point = 7;
+        ASSERT_TRUE(states.recall(again));
+        EXPECT_EQ(again.n_sheets, n);
+        EXPECT_EQ(again.choice.degree, 2);
+    }
+}
+
 }  // namespace
 }  // namespace slim::test

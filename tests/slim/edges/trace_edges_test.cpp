@@ -61,6 +61,36 @@ TEST(EdgeLeaf, KnowsTheJoinOfEachPair) {
     EXPECT_FALSE(edge_shows(s, kSheetPairs[2], {0.5, 0, 0}));
 }
 
+/// Four faces of an octahedron about a vertex at `center`.
+Surfel peak(const Vec3d& center, double rho) {
+    Surfel s = corner_surfel(center, {Vec3d{1, 0, 1}, Vec3d{0, 1, 1}, Vec3d{-1, 0, 1}}, rho);
+    auto more = std::make_shared<SharpSheets>(*s.sharp);
+    more->extra[2] = plane_sheet(Vec3d{0, -1, 1}), more->n_extra = 3;
+    s.sharp = more;
+    return s;
+}
+
+TEST(EdgeLeaf, APeakOfFourFacesHasItsCornerWhereAllMeet) {
+    Surfel s = peak({1, 2, 3}, 0.5);
+    EXPECT_EQ(n_sheet_pairs(s), 6u);
+    EXPECT_EQ(kSheetPairs[3].a, 0u);
+    EXPECT_EQ(kSheetPairs[5].b, 3u);
+    const auto corner = corner_of(s);
+    ASSERT_TRUE(corner);
+    EXPECT_LT(length(*corner), 1e-6);
+    for (std::size_t pair = 0; pair < n_sheet_pairs(s); ++pair)
+        EXPECT_EQ(join_of_pair(*s.sharp, pair), Join::max);
+}
+
+TEST(TraceEdges, OfAPeakAreFourFromItsCorner) {
+    const auto edges = edges_of({peak({}, 1)});
+    ASSERT_EQ(edges.size(), 4u);
+    for (const SharpEdge& edge : edges) {
+        EXPECT_TRUE(edge.convex);
+        EXPECT_GT(length_of(edge), 0.5);
+    }
+}
+
 TEST(TraceEdges, OfACubeAreTwelveFromCornerToCorner) {
     const auto edges = edges_of(cube_leaves());
     ASSERT_EQ(edges.size(), 12u);

@@ -37,12 +37,13 @@ struct Corner {
             for (const std::size_t k : {a, b}) x -= normals[k] * (dot(normals[k], x) - offsets[k]);
         return x;
     }
-    PointBlock sample(std::size_t n, std::uint64_t seed, double noise = 0) const {
+    PointBlock sample(std::size_t n, std::uint64_t seed, double noise = 0,
+                      bool on_edges = true) const {
         std::vector<Vec3d> positions;
         std::vector<Vec3f> point_normals;
         for (std::uint64_t i = 0; positions.size() < n; ++i) {
             const std::size_t a = i % normals.size();
-            const std::size_t b = i % 10 == 0 ? (a + 1) % normals.size() : a;
+            const std::size_t b = on_edges && i % 10 == 0 ? (a + 1) % normals.size() : a;
             const Vec3d x = foot(random_in_cube(seed, i), a, b);
             std::vector<double> f = values(x);
             f[a] = f[b] = 0;
@@ -123,6 +124,68 @@ TEST(SharpFit, RecoversCornersOfAllFourKinds) {
             EXPECT_LT(fit->sq_error, 1e-20);
             expect_same_solid(corner, *fit, 2e-3);
         }
+}
+
+/// n faces about the z axis, `slope` steep, that meet at a point.
+Corner apex(std::size_t n, double slope, bool convex) {
+    Corner out;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+        out.normals.push_back(normalized(Vec3d{slope * std::cos(a), slope * std::sin(a), 1}));
+        out.offsets.push_back(0.05 * out.normals.back().z);
+    }
+    out.joined = [convex](const std::vector<double>& f) {
+        return convex ? *std::max_element(f.begin(), f.end())
+                      : *std::min_element(f.begin(), f.end());
+    };
+    return out;
+}
+
+TEST(SharpFit, RecoversAnApexOfFourToSixFaces) {
+    for (std::size_t n = 4; n <= kMostSheets; ++n)
+        for (const bool convex : {true, false}) {
+            SCOPED_TRACE(testing::Message() << n << (convex ? " convex" : " concave"));
+            const Corner corner = apex(n, 1.5, convex);
+            const auto fit = fit_corner(corner, n);
+            ASSERT_TRUE(fit);
+            EXPECT_EQ(fit->n_sheets, n);
+            EXPECT_EQ(fit->outer, convex ? Join::max : Join::min);
+            EXPECT_EQ(fit->inner, fit->outer);
+            EXPECT_EQ(fit->n_off, 0u);
+            EXPECT_LT(fit->sq_error, 1e-20);
+            expect_same_solid(corner, *fit, 2e-3);
+        }
+}
+
+TEST(SharpFit, RecoversFourFacesOfWhichOneIsUnlike) {
+    // A ridge roof of three faces that stands on a plane: min(plane, max of the others).
+    Corner corner = apex(3, 1.5, true);
+    corner.normals.push_back({0, 0, 1}), corner.offsets.push_back(-0.45);
+    corner.joined = [](const std::vector<double>& f) {
+        return std::min(f[3], std::max({f[0], f[1], f[2]}));
+    };
+    const auto fit = fit_corner(corner, 4);
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->outer, Join::min);
+    EXPECT_EQ(fit->inner, Join::max);
+    EXPECT_EQ(fit->n_off, 0u);
+    expect_same_solid(corner, *fit, 2e-3);
+}
+
+TEST(SharpFit, FlatFacesMayMeetAtTenDegreesButNoisyOnesNot) {
+    const Corner corner = edge(10, true);
+    const auto fit = fit_corner(corner, 2);
+    ASSERT_TRUE(fit);
+    EXPECT_LT(fit->sq_error, 1e-20);
+    expect_same_solid(corner, *fit, 2e-3);
+    PointBlock block = corner.sample(500, 5);
+    for (std::size_t i = 0; i < block.normal.size(); ++i)
+        block.normal[i] =
+            to_float(normalized(to_double(block.normal[i]) + random_in_cube(8, i) * 0.1));
+    BallPoints<double> ball;
+    gather_ball(tree_of(block), {}, 1, ball);
+    SharpWork<double> work;
+    EXPECT_FALSE(fit_sharp(ball, 2, 2, 1e-16, work));
 }
 
 TEST(SharpFit, NoiseMovesTheSheetsByNoMoreThanItsStandardError) {
@@ -207,6 +270,24 @@ TEST(SharpClusters, EdgesAndCornersShowButCapsAndCylindersDoNot) {
             const Cloud cloud = sampled(shape, 4000);
             gather_ball(tree_of(block_of(cloud)), cloud.positions[0], radius, ball);
             EXPECT_FALSE(shows_edge(ball)) << shape << ' ' << radius;
+        }
+}
+
+TEST(SharpClusters, FlatFacesShowAtSmallAnglesAndAboutAnApexButCurvedOnesDoNot) {
+    BallPoints<float> ball;
+    for (const double angle : {8.0, 20.0, 40.0}) {
+        gather_ball(tree_of(edge(angle, true).sample(600, 3)), {}, 1, ball);
+        EXPECT_TRUE(shows_faces(ball)) << angle;
+    }
+    for (const std::size_t n : {4u, 5u, 6u}) {
+        gather_ball(tree_of(apex(n, 1, true).sample(900, 3, 0, false)), {}, 1, ball);
+        EXPECT_TRUE(shows_faces(ball)) << n;
+    }
+    for (const char* shape : {"sphere", "cylinder"})
+        for (const double radius : {0.1, 0.2, 0.4}) {
+            const Cloud cloud = sampled(shape, 4000);
+            gather_ball(tree_of(block_of(cloud)), cloud.positions[0], radius, ball);
+            EXPECT_FALSE(shows_faces(ball)) << shape << ' ' << radius;
         }
 }
 
