@@ -31,7 +31,7 @@ double flatness_of(const Spread& s) {
 constexpr double kMostStrays = 0.05, kBeyondOthers = 32;
 // Of the squared reach of a usual neighbourhood: a ball filled evenly shows 0.2, a right angle at
 // most 0.035, corners and plates that are not told apart up to twice that.
-constexpr double kNoSurface = 0.3, kNoEdge = 0.0625;
+constexpr double kNoSurface = 0.1, kNoEdge = 0.0625;
 constexpr double kOfParts = 0.5;  // what is no edge makes more of the mean: noise of a part
 // The mean over the median where noise is the same everywhere is 1.1 to 1.7.
 constexpr double kOfMedian = 4;
