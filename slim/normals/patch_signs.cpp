@@ -22,9 +22,10 @@ constexpr std::uint32_t kFewestOfPatch = 50;
 // Of a border: neighbours on either side, and how far their means lie apart, of the farthest.
 constexpr double kFewestOfSide = 3, kApart = 0.6;
 constexpr double kClear = 0.8;       // |sum of votes| over their sizes
-constexpr double kFewestVotes = 20;  // sizes of votes of two patches that say anything
+// sizes of votes of two patches that say they agree, if only over an edge, or oppose each other
+constexpr double kFewestFor = 8, kFewestAgainst = 20;
 constexpr double kBeside = 0.5;      // share of the points that touch both that see a border
-constexpr double kBehind = 0.1;      // mean sine of opposed neighbours that lie behind: a thin sheet
+constexpr double kBehind = 0.2;      // mean sine of opposed neighbours that lie behind: a thin sheet
 constexpr double kFewContrary = 0.25;
 constexpr double kClearFlux = 0.15;  // of a shape that has an outside
 
@@ -39,9 +40,10 @@ struct Border {
         return *this;
     }
     bool is_clear() const {
-        if (size < kFewestVotes || std::abs(votes) < kClear * size) return false;
-        return votes > 0 || (n_beside > kBeside * n_touching &&
-                             std::abs(across) < kBehind * n_opposed);
+        if (std::abs(votes) < kClear * size) return false;
+        if (votes > 0) return size >= kFewestFor;
+        return size >= kFewestAgainst && n_beside > kBeside * n_touching &&
+               std::abs(across) < kBehind * n_opposed;
     }
 };
 

@@ -129,14 +129,7 @@ private:
             return;
         Sixteen found(own);
         found.sum_up(candidates_, sq_radius);
-        if (bucket % kSampledBuckets == 0) {
-            const double opposed = counts.opposed, compared = counts.compared;
-            found.compare_signs(candidates_, sq_radius, counts);
-            counts.looked_at += end - begin;
-            if (counts.opposed - opposed > kFewOpposed * (counts.compared - compared))
-                for (std::size_t k = 0; k < end - begin; ++k)
-                    counts.on_seams += is_on_seam(own, k, sq_radius);
-        }
+        if (bucket % kSampledBuckets == 0) compare_signs(found, own, end - begin, sq_radius);
         const std::uint64_t agreeing = found.agreeing();
         for (std::size_t k = 0; k < end - begin; ++k)
             if ((agreeing >> k & 1) == 0)
@@ -149,6 +142,16 @@ private:
         for (std::size_t k = 0; k < n; ++k)
             if (!agrees(own, k, candidates_, sq_radius)) return false;
         return true;
+    }
+
+    // Out of line, as it is called for one bucket in sixteen.
+    [[gnu::noinline]] void compare_signs(const Sixteen& found, const LocalBucket& own,
+                                         std::size_t n, float sq_radius) {
+        const double opposed = counts.opposed, compared = counts.compared;
+        found.compare_signs(candidates_, sq_radius, counts);
+        counts.looked_at += n;
+        if (counts.opposed - opposed <= kFewOpposed * (counts.compared - compared)) return;
+        for (std::size_t k = 0; k < n; ++k) counts.on_seams += is_on_seam(own, k, sq_radius);
     }
 
     /// Whether the k-th lies at a line on one side of which normals agree with its own, on the

@@ -48,6 +48,29 @@ TEST_F(GivenNormals, EstimatesNormalsThatAreThoseOfNoSurface) {
     EXPECT_TRUE(listener_.warnings.empty());
 }
 
+TEST_F(GivenNormals, TurnsPatchesOfAWholeCloudAndSaysSoOfSlices) {
+    Cloud sphere = sampled("sphere", 20000);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < sphere.size(); ++i) {
+        const Vec3d& p = sphere.positions[i];
+        if (p.x * p.y > 0 && p.z > 0) sphere.normals[i] = -sphere.normals[i], ++n;
+    }
+    slice(write(sphere, "c.ply"), 1);
+    const auto r = normals();
+    EXPECT_NEAR(r["of_contrary_patches"].get<double>(), static_cast<double>(n), 20);
+    EXPECT_EQ(r["estimated"], 0);
+    EXPECT_EQ(inwards(oriented()), 0u);
+    ASSERT_EQ(listener_.warnings.size(), 1u);
+    EXPECT_NE(listener_.warnings[0].find("lie in patches"), std::string::npos);
+    EXPECT_TRUE(listener_.warnings[0].ends_with(": turned")) << listener_.warnings[0];
+
+    listener_.warnings.clear();
+    slice(write(sphere, "c.ply"), 2);
+    normals();
+    ASSERT_FALSE(listener_.warnings.empty());
+    EXPECT_NE(listener_.warnings[0].find("they are kept"), std::string::npos);
+}
+
 TEST_F(GivenNormals, SaysThatNormalsOfAClosedSurfacePointInwards) {
     const auto turned = [](const Vec3f& n, std::size_t) { return -n; };
     const Cloud sphere = sampled("sphere", 20000);

@@ -247,7 +247,10 @@ TEST(Extremes, Row24ScanLinesLowerTheDegreeAndMakeNoNan) {
                 normals.push_back(to_float(normalized(Vec3d{-0.6 * cx * cy, 0.6 * sx * sy, 1})));
             }
         const PointBlock block = block_of(positions, normals);
-        const Built model(block);
+        // As small as the ten nearest points ask for, which lie on one line.
+        CoverRules rules = usual_rules(block, 0.01, 2);
+        rules.noise_variance = measured_noise(positions, 10, 10000).value;
+        const Built model(block, rules);
         const CoverCounts& c = model.counts();
         for (const FittedSurfel& s : model.leaves()) {
             ASSERT_TRUE(std::isfinite(s.fit_error) && std::isfinite(s.surfel.support_radius));
@@ -265,6 +268,19 @@ TEST(Extremes, Row24ScanLinesLowerTheDegreeAndMakeNoNan) {
             const auto hit = model.project(positions[i], normalized(to_double(normals[i])));
             ASSERT_TRUE(hit.has_value());
             ASSERT_LT(std::abs(hit->t), 1e-3 * model.rules().diagonal);
+        }
+        // The noise is measured on neighbours that are a patch: leaves reach over several lines,
+        // keep their degree, and cover what lies between.
+        const Built usual(block);
+        EXPECT_LT(usual.leaf_count(), aspect > 5 ? 0.5 * model.leaf_count() : INFINITY);
+        EXPECT_LT(usual.counts().degrees[0] + usual.counts().degrees[1],
+                  0.1 * usual.leaf_count() + 1);
+        for (std::uint64_t i = 0; i < 1000; ++i) {
+            const double x = 0.9 * random_at(1, i), y = 0.9 * random_at(2, i);
+            const auto hit = usual.project({x, y, 0.2 * std::sin(3 * x) * std::cos(3 * y)},
+                                           {0, 0, 1});
+            ASSERT_TRUE(hit.has_value()) << x << " " << y;
+            ASSERT_LT(std::abs(hit->t), 2e-3 * usual.rules().diagonal);
         }
     }
 }
