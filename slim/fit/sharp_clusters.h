@@ -44,7 +44,7 @@ struct NormalClusters {
 /// `member[i]` is the bit of the cluster of point i, or 0 where its normal lies between two (an
 /// edge's own vertices) or is missing. False if one has fewer than 3 points or 4 % of all, or if
 /// two are less than 30 degrees apart: 6 degrees where they hardly spread, as those of flat faces.
-/// More than three must be such (notes/0016).
+/// More than three must be such (notes/0017).
 template <class T>
 bool cluster_normals(const BallPoints<T>& points, std::size_t k, NormalClusters& clusters,
                      std::vector<std::uint8_t>& member);
