@@ -16,7 +16,8 @@
 namespace slim {
 namespace {
 
-/// Passes of smoothing: fewer of small loops, which each makes smaller (8 one of 16 points by 27 %).
+/// Passes of smoothing: fewer of small loops, which each makes smaller
+/// (8 one of 16 points by 27 %).
 int smoothing_passes(const FeatureLine& line) {
     constexpr int kPasses = 8;
     const std::size_t n = line.points.size();

@@ -12,10 +12,10 @@ namespace slim {
 ///
 /// Across a line, the curvature that vanishes there, k, goes on with one sign over a way d, until
 /// the other one takes half of its turn back. As half a wave of that length it is int k ds d / (2
-/// pi) high; the evidence is that over the surfels' RMS residual, or 1e-5 of L where they have less,
-/// the lesser of both sides. A side that ends before that (limb, border, another sheet) shows too
-/// little: it counts where the other one does as well, and then the greater. Means over 61 points of
-/// the line (at px 1).
+/// pi) high; the evidence is that over the surfels' RMS residual, or 1e-5 of L where they have
+/// less, the lesser of both sides. A side that ends before that (limb, border, another sheet) shows
+/// too little: it counts where the other one does as well, and then the greater. Means over 61
+/// points of the line (at px 1).
 ///
 /// px      a pixel of a picture 1000 high, in pixels; 1 at least
 /// cost    O(points x log of the picture's size)

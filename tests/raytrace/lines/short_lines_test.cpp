@@ -41,7 +41,8 @@ std::vector<FeatureLine> linked(std::vector<FeatureLine> lines, bool meets_anywh
 
 TEST(LinkShortLines, WhatContinuesALineBecomesPartOfIt) {
     // 2.8 pixels on, and off to a side; then across a gap to the next long one.
-    const auto one = linked({straight(0, 0, 40, 0), straight(42, 2, 47, 3), straight(50, 4, 90, 4)});
+    const auto one =
+        linked({straight(0, 0, 40, 0), straight(42, 2, 47, 3), straight(50, 4, 90, 4)});
     ASSERT_EQ(one.size(), 1u);
     EXPECT_NEAR(one[0].length_px, 90, 2);
 }
@@ -49,8 +50,9 @@ TEST(LinkShortLines, WhatContinuesALineBecomesPartOfIt) {
 TEST(LinkShortLines, BesideOneLineAShortOneShowsNothing) {
     EXPECT_EQ(linked({straight(0, 0, 80, 0), straight(20, 2, 28, 2)}).size(), 1u);
     // and where two lines meet anyway
-    EXPECT_EQ(linked({straight(0, 0, 80, 0), straight(40, 1, 40, 60), straight(38, 2, 41, 2)}).size(),
-              2u);
+    EXPECT_EQ(
+        linked({straight(0, 0, 80, 0), straight(40, 1, 40, 60), straight(38, 2, 41, 2)}).size(),
+        2u);
 }
 
 TEST(LinkShortLines, ABridgeStays) {
