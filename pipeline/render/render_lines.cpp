@@ -60,7 +60,11 @@ std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector
         if (!without.insert(line_word(kind)).second) continue;
         const std::string why = what_lacks(kind, config.model, model.degree);
         if (choice.n_words == 1) throw ConfigError(why);
-        reporter.warn(why + "; they are left out");
+        // Of a model without edges, as --sharp auto makes of most scans, nothing is missing.
+        if (is_crease(kind))
+            reporter.info(why + "; they are left out");
+        else
+            reporter.warn(why + "; they are left out");
     }
     if (choice.drawn.empty() && !choice.lacking.empty())
         throw ConfigError(

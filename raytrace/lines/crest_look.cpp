@@ -19,7 +19,7 @@ void CurvatureSamples::add(const LineScene& s) {
     if (step_ == 0) {
         step_ = (shorter + kMostSamples - 1) / kMostSamples;
         width_ = picture_width / step_, height_ = picture_height / step_;
-        samples_.assign(width_ * height_, {Vec3f{kNone}, kNone, kNone});
+        samples_.assign(width_ * height_, {Vec3f{kNone}, kNone, kNone, 0});
         near_px_ = std::max(3.0f, 0.003f * static_cast<float>(shorter));
         view_ = s.view;
     }
@@ -29,9 +29,23 @@ void CurvatureSamples::add(const LineScene& s) {
         for (std::size_t x = 0; x < width_; ++x) {
             const std::size_t i = row * picture_width + x * step_ + step_ / 2;
             if (s.hit(i))
-                samples_[y / step_ * width_ + x] = {s.point(i), s.buffer.k1[i], s.buffer.k2[i]};
+                samples_[y / step_ * width_ + x] = {s.point(i), s.buffer.k1[i], s.buffer.k2[i],
+                                                    s.fit_error(i)};
         }
     }
+}
+
+const CurvatureSamples::Sample* CurvatureSamples::at(float x, float y) const {
+    if (!(x >= 0 && y >= 0)) return nullptr;
+    const std::size_t column = static_cast<std::size_t>(x) / step_,
+                      row = static_cast<std::size_t>(y) / step_;
+    return column < width_ && row < height_ ? &samples_[row * width_ + column] : nullptr;
+}
+
+float CurvatureSamples::footprint(const Vec3f& point) const {
+    const auto depth = static_cast<float>(view_.camera_from_local(to_double(point)).z);
+    return view_.orthographic ? static_cast<float>(1 / view_.px_per_unit)
+                              : depth / static_cast<float>(view_.focal_px);
 }
 
 /// How much k has fallen at p, beside q, as a share; NaN where p is not on the surface seen: behind
@@ -64,10 +78,7 @@ float CurvatureSamples::fall_along(const Vec3f& q, const CrestLook& look, float 
 float CurvatureSamples::sharpness(const LinePoint& at, const CrestLook& look, bool ridge) const {
     constexpr float kTurn = 0.7f, kMostTurn = 1.2f, kLeastTurn = 0.5f;
     const float k = at.weight;
-    const auto depth = static_cast<float>(view_.camera_from_local(to_double(at.point)).z);
-    const float footprint = view_.orthographic ? static_cast<float>(1 / view_.px_per_unit)
-                                               : depth / static_cast<float>(view_.focal_px);
-    float turn = std::min(std::max(kTurn, near_px_ * footprint * k), kMostTurn);
+    float turn = std::min(std::max(kTurn, near_px_ * footprint(at.point) * k), kMostTurn);
     for (int nearer = 0; nearer < 3; ++nearer, turn *= 0.5f) {
         float least = kNone;
         for (const float side : {-turn, turn})

@@ -22,7 +22,7 @@ CrestLook crest_look(const LineScene& scene, const Crossing& crossing, bool ridg
 
 /// The curvatures of a picture at every few pixels (800 of its shorter side at the most), gathered
 /// band by band: what tells crest lines from waves of the fit lies as far off as the normal turns
-/// by 40 degrees, which may be anywhere in the picture. 20 bytes a sample, 23 MB for a picture of
+/// by 40 degrees, which may be anywhere in the picture. 24 bytes a sample, 27 MB for a picture of
 /// 16 : 9 of any size.
 class CurvatureSamples {
 public:
@@ -36,11 +36,18 @@ public:
     /// Departs from NUMERICS 5.4, which has no such test: e alone has false zeros at every surfel.
     float sharpness(const LinePoint& p, const CrestLook& look, bool ridge) const;
 
-private:
     struct Sample {
         Vec3f point;
         float k1, k2;  ///< NaN: no surface
+        float error;   ///< RMS residual of the surfel, model units; 0 where the frame does not say
     };
+    /// The sample of a place of the picture, pixels; none outside.
+    const Sample* at(float x, float y) const;
+    /// Width of a pixel at a point, model units.
+    float footprint(const Vec3f& point) const;
+    std::size_t step_px() const { return step_; }
+
+private:
     float fall_along(const Vec3f& q, const CrestLook& look, float k, float turn, bool ridge) const;
     float fall_at(const Vec3f& p, const Vec3f& q, float k, bool ridge) const;
 

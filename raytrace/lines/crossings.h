@@ -127,7 +127,8 @@ CrossingField find_on_sheets(const LineScene& scene, const Sheets& sheets, const
 ///     ridge       k1; 4 of an edge within a pixel, else 0 until the search has seen the whole
 ///                 picture and looks how k1 falls along t1 (crest_look.h)
 ///     valley      -k2; the same for -k2 along t2
-///     parabolic   the curvature that does not vanish; 1
+///     parabolic   the curvature that does not vanish; 1 until the search has seen the whole
+///                 picture and looks across the lines (parabolic_look.h)
 ///     reflection  1 / L; 1
 CrossingField contour_crossings(const LineScene& scene, const Sheets& sheets);
 CrossingField suggestive_crossings(const LineScene& scene, const Sheets& sheets);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr float kMeet = 6;       ///< pixels between ends that are joined
 constexpr float kTouch = 1.5f;   ///< pixels: ends so near are joined round corners too
+constexpr float kTouchShort = 3; ///< the same of short lines
 constexpr float kOnward = 0.5f;  ///< cosine between the directions of two ends, and of the gap
 constexpr float kSteepest = 16;  ///< depth of a gap over its width
 constexpr std::size_t kEnd = 6;  ///< points that tell the direction of an end
@@ -26,6 +27,7 @@ struct End {
     const LinePoint* at;
     std::array<float, 2> outwards;  ///< unit
     float unit_per_px;
+    float length_px;  ///< of the line
 };
 
 End end_of(const FeatureLine& line, std::size_t k) {
@@ -34,17 +36,19 @@ End end_of(const FeatureLine& line, std::size_t k) {
                     &from = line.points[k == 0 ? in : n - 1 - in];
     const float px = step_px(from, at), scale = px > 0 ? 1 / px : 0;
     return {&at, {(at.x - from.x) * scale, (at.y - from.y) * scale},
-            line.length_px > 0 ? line.length / line.length_px : 0};
+            line.length_px > 0 ? line.length / line.length_px : 0, line.length_px};
 }
 
 /// What it costs to join two ends; infinity where they do not belong together.
-float join_cost(const End& a, const End& b, float px) {
+float join_cost(const End& a, const End& b, float px, float short_px) {
     const float dx = b.at->x - a.at->x, dy = b.at->y - a.at->y, gap = std::hypot(dx, dy);
     const float deep = length(b.at->point - a.at->point);
     if (deep > kSteepest * std::max(gap, px) * std::max(a.unit_per_px, b.unit_per_px))
         return INFINITY;
     const float onward = -(a.outwards[0] * b.outwards[0] + a.outwards[1] * b.outwards[1]);
-    if (gap <= kTouch * px) return onward > -kOnward ? gap + px * (1 - onward) : INFINITY;
+    const bool brief = std::min(a.length_px, b.length_px) < short_px;
+    if (gap <= (brief ? kTouchShort : kTouch) * px)
+        return onward > -kOnward ? gap + px * (1 - onward) : INFINITY;
     const float along = std::min(a.outwards[0] * dx + a.outwards[1] * dy,
                                  -b.outwards[0] * dx - b.outwards[1] * dy) /
                         gap;
@@ -54,7 +58,8 @@ float join_cost(const End& a, const End& b, float px) {
 constexpr std::uint32_t kNoEnd = UINT32_MAX;
 
 /// The other end that each is joined to: cheapest pairs first.
-std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float px) {
+std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float px,
+                                       float short_px) {
     std::vector<End> ends;
     PointGrid grid(kMeet * px, 2 * lines.size());
     for (std::size_t e = 0; e < 2 * lines.size(); ++e) {
@@ -68,7 +73,8 @@ std::vector<std::uint32_t> partners_of(std::span<const FeatureLine> lines, float
         grid.for_each(ends[e].at->x, ends[e].at->y, [&](std::uint32_t other, float) {
             const bool own = other / 2 == e / 2;
             if (other <= e || (own && lines[e / 2].length_px < 4 * kMeet * px)) return;
-            if (const float cost = join_cost(ends[e], ends[other], px); cost < INFINITY)
+            if (const float cost = join_cost(ends[e], ends[other], px, short_px);
+                cost < INFINITY)
                 pairs.push_back({cost, {e, other}});
         });
     }
@@ -103,9 +109,9 @@ FeatureLine chain_from(std::span<const FeatureLine> lines, std::span<const std::
 
 }  // namespace
 
-std::vector<FeatureLine> join_ends(std::vector<FeatureLine> lines, float px) {
+std::vector<FeatureLine> join_ends(std::vector<FeatureLine> lines, float px, float short_px) {
     for (FeatureLine& line : lines) measure_line(line);
-    const std::vector<std::uint32_t> partner = partners_of(lines, px);
+    const std::vector<std::uint32_t> partner = partners_of(lines, px, short_px);
     std::vector<std::uint8_t> used(lines.size(), 0);
     std::vector<FeatureLine> out;
     // Open chains from their ends, then what is left: loops.

@@ -14,7 +14,7 @@ Channels channels_of_kind(LineKind kind, int degree) {
         case LineKind::concave_crease:
             return kPlace;
         case LineKind::parabolic:
-            return kPlace | kGaussChannel | kK1Channel | kK2Channel;
+            return kPlace | kGaussChannel | kK1Channel | kK2Channel | kFitErrorChannel;
         case LineKind::suggestive:
             return kPlace | kShape | (degree >= 3 ? kThirdOrderChannel : Channels{0});
         case LineKind::ridge:

@@ -1,7 +1,9 @@
 #include "raytrace/lines/line_search.h"
 
 #include "raytrace/lines/crossings.h"
+#include "raytrace/lines/parabolic_look.h"
 #include "raytrace/lines/select.h"
+#include "raytrace/lines/short_lines.h"
 #include "raytrace/lines/tidy.h"
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
@@ -14,7 +16,13 @@
 namespace slim {
 namespace {
 
-constexpr int kSmoothingPasses = 8;
+/// Passes of smoothing: fewer of small loops, which each makes smaller
+/// (8 one of 16 points by 27 %).
+int smoothing_passes(const FeatureLine& line) {
+    constexpr int kPasses = 8;
+    const std::size_t n = line.points.size();
+    return line.closed && n < 40 ? static_cast<int>(n * n / 200) : kPasses;
+}
 
 CrossingField crossings_of(LineKind kind, const LineScene& scene, const Sheets& sheets) {
     switch (kind) {
@@ -116,7 +124,8 @@ void LineSearch::Found::look_around(const CurvatureSamples& around) {
     looks = {};
 }
 
-std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double diagonal) {
+std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double diagonal,
+                                                  const CurvatureSamples& around) {
     if (kind == LineKind::suggestive) {
         const float scale = typical_curvature(std::move(curvatures), diagonal),
                     per_sq = 1 / (scale * scale);
@@ -124,12 +133,13 @@ std::vector<FeatureLine> LineSearch::Found::lines(int width, int height, double 
     }
     std::vector<FeatureLine> lines = follow_links(points, links, kind);
     points = {}, links = {};
-    if (kind == LineKind::contour)
-        lines = tidy_contours(std::move(lines),
-                              std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000));
-    lines = select_lines(std::move(lines), line_rules(kind, width, height));
+    const float px = std::max(1.0f, static_cast<float>(std::min(width, height)) / 1000);
+    const LineRules rules = line_rules(kind, width, height);
+    if (kind == LineKind::parabolic) look_across_parabolic(lines, around, diagonal, px);
+    if (kind == LineKind::contour) lines = tidy_contours(std::move(lines), px);
+    lines = link_short_lines(select_lines(std::move(lines), rules), rules, px);
     for (FeatureLine& line : lines) {
-        smooth_line(line, kSmoothingPasses);
+        smooth_line(line, smoothing_passes(line));
         measure_line(line);
     }
     return lines;
@@ -144,7 +154,7 @@ void LineSearch::add(const LineScene& scene) {
     const bool is_last = end == height_;
     for (CreaseSearch& creases : creases_) creases.add(scene);
     if (found_.empty()) return;
-    if (has_crests()) samples_.add(scene);
+    if (looks_far()) samples_.add(scene);
     const Sheets sheets(scene);
     LineScene with_next = scene;  // cells of the last row take the crossings of the next
     with_next.rows.end = static_cast<int>(scene.end_row()) + (is_last ? 0 : 1);
@@ -159,6 +169,12 @@ void LineSearch::add(const LineScene& scene) {
 
 bool LineSearch::has_crests() const {
     return std::any_of(found_.begin(), found_.end(), [](const Found& f) { return f.is_crest(); });
+}
+
+bool LineSearch::looks_far() const {
+    return has_crests() || std::any_of(found_.begin(), found_.end(), [](const Found& f) {
+               return f.kind == LineKind::parabolic;
+           });
 }
 
 /// Crest lines end where the same edge is drawn as a crease.
@@ -182,7 +198,7 @@ std::vector<FeatureLine> LineSearch::finish(std::span<const FeatureLine> creases
     leave_to_creases(creases);
     std::vector<std::vector<FeatureLine>> of(found_.size());
     parallel_blocks(found_.size(), 1, [&](std::size_t k, std::size_t) {
-        of[k] = found_[k].lines(width_, height_, diagonal_);
+        of[k] = found_[k].lines(width_, height_, diagonal_, samples_);
     });
     std::vector<FeatureLine> out;
     std::size_t n_found = 0, n_creases = 0;

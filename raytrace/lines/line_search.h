@@ -52,15 +52,17 @@ private:
         void append(const LineScene& scene, const CrossingField& field, const LineLinks& own,
                     bool is_last);
         void look_around(const CurvatureSamples& around);
-        std::vector<FeatureLine> lines(int width, int height, double diagonal);
+        std::vector<FeatureLine> lines(int width, int height, double diagonal,
+                                       const CurvatureSamples& around);
     };
     bool has_crests() const;
+    bool looks_far() const;
     void leave_to_creases(std::span<const FeatureLine> elsewhere);
 
     std::vector<LineKind> kinds_;
     std::vector<Found> found_;           ///< of kinds other than creases, in their order
     std::vector<CreaseSearch> creases_;  ///< of creases, in theirs
-    CurvatureSamples samples_;           ///< for crest lines
+    CurvatureSamples samples_;           ///< for crest and parabolic lines
     int width_ = 0, height_ = 0, next_row_ = 0;
     double diagonal_ = 1;
 };

@@ -110,7 +110,7 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
                     .least_px = px(12),
                     .sharpness = 1};
         case LineKind::parabolic:
-            return {0, 0, 2, 0.8f, px(16)};
+            return {0.3f, 0.6f, 2, 0.8f, px(16)};
         case LineKind::reflection:
             return {0, 0, 0, 0, px(8)};
         // Strength is the angle by which the normal turns, degrees;

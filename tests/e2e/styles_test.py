@@ -24,6 +24,8 @@ def every_style():
     for style, files in STYLES.items():
         result = run("slim", "run", style, "scan.ply", "--set", "render.size=200x160", seconds=200)
         check(result.code == 0, f"{style}: exit {result.code}: {result.err}")
+        if style == "linework":  # of creases that a smooth scan has none of
+            check("warning" not in result.err, f"linework warns of an ordinary scan: {result.err}")
         for name in [*files, "index.html", "model.slim"]:
             check((harness.folder / f"scan_{style}" / name).exists(), f"{style} leaves no {name}")
         if style == "film":
@@ -42,6 +44,9 @@ def folders_and_names():
     check(result.code == 0 and (harness.folder / "else where/top.shaded.png").exists(), result.err)
     wrong = run("slim", "run", "plates", "scan.ply")
     check(wrong.code == 2 and "plate" in wrong.err, wrong.err)
+    # Edges are for the build to find: sharp surfels scratch a smooth scan.
+    explained = run("slim", "plan", "linework", "scan.ply", "--explain")
+    check("--sharp=on" not in explained.out and 'sharp = "auto"' in explained.out, explained.out)
     explained = run("slim", "plan", "plate", "scan.ply", "--explain")
     check("scan_plate/model.slim" in explained.out and "third derivatives" in explained.out, explained.out)
     make = run("slim", "plan", "plate", "scan.ply", "--format", "make")

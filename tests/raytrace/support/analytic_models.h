@@ -104,6 +104,7 @@ inline SurfelTreeData sphere_model(double sphere_radius, std::size_t n, int degr
     return flat_tree(sphere_leaves(sphere_radius, n, overlap, degree), degree);
 }
 
+/// Fit errors of 1e-6 (index + 1).
 inline SurfelTreeData torus_model(double big, double small, int n_around, int n_tube, int degree) {
     const double rho = 1.6 * std::max(2 * std::numbers::pi * (big + small) / n_around,
                                       2 * std::numbers::pi * small / n_tube);
@@ -113,7 +114,9 @@ inline SurfelTreeData torus_model(double big, double small, int n_around, int n_
             leaves.push_back(torus_surfel(big, small,
                                           2 * std::numbers::pi * (i + 0.5 * (j % 2)) / n_around,
                                           2 * std::numbers::pi * j / n_tube, rho, degree));
-    return flat_tree(std::move(leaves), degree);
+    SurfelTreeData data = flat_tree(std::move(leaves), degree);
+    for (TreeNode& node : data.nodes) node.fit_error *= 0.001f;
+    return data;
 }
 
 /// A sphere with a second level: each coarse surfel stands for the leaves nearest to it.
