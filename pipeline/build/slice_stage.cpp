@@ -132,12 +132,16 @@ void report(const SlicePlan& plan, Reporter& reporter) {
             reporter.warn(fmt::format("{}: {} normals are not finite and count as missing", in.path,
                                       in.n_bad_normals));
     }
-    if (plan.diagonal > 0 && plan.coordinate_quantum > kCoarseQuantum * plan.diagonal)
-        reporter.warn(
-            fmt::format("the coordinates are stored in steps of {} in a cloud of diagonal {:.4g}: "
-                        "finer detail is "
-                        "lost; store them as doubles, or relative to a nearby origin",
-                        plan.coordinate_quantum, plan.diagonal));
+    if (plan.n_points < 2 || plan.coordinate_quantum <= kCoarseQuantum * plan.diagonal) return;
+    const std::string remedy = "store them as doubles, or relative to a nearby origin";
+    reporter.warn(
+        plan.diagonal > 0
+            ? fmt::format("the coordinates are stored in steps of {} in a cloud of diagonal "
+                          "{:.4g}: finer detail is lost; {}",
+                          plan.coordinate_quantum, plan.diagonal, remedy)
+            : fmt::format("all points are stored at one place; if they differ by less than the "
+                          "coordinates' step of {}, {}",
+                          plan.coordinate_quantum, remedy));
 }
 
 /// Clouds of several frames, and points that are nearly a line or a speck in their extent, for that

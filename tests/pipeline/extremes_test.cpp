@@ -87,7 +87,7 @@ TEST_F(Extremes, Row05TheSameInFloatsWarnsAndFloorsLambdaAtTheQuantum) {
     for (Vec3d& p : cloud.positions) p += Vec3d{1e7, -1e7, 1e7};
     const std::string lost = write_floats("lost.ply", cloud);
     EXPECT_EQ(code_of([&] { built(lost); }), ExitCode::bad_data);
-    EXPECT_TRUE(warned_of("finer detail"));
+    EXPECT_TRUE(warned_of("at one place; if they differ by less than the coordinates' step of 1,"));
     EXPECT_NE(message_.find("lost.ply"), std::string::npos) << message_;
 
     // Of one of 2,000 much is: lambda is the floor (4 q)^2, for what is below is rounding.
