@@ -22,7 +22,8 @@ struct NormalsReport {
                 estimated = 0;  ///< what became of the cloud's own, and how many had none
     std::size_t estimates_turned = 0;                 ///< as their neighbours opposed them
     std::size_t of_contrary_scans = 0;  ///< of scans that were turned whole, before all else
-    std::size_t of_contrary_patches = 0;  ///< as those about them have it; turned in a job of one slice
+    /// of patches that oppose those about them; turned in a job of one slice
+    std::size_t of_contrary_patches = 0;
     std::size_t degenerate = 0;                       ///< estimates from neighbours on a line
     std::size_t on_lines = 0;                         ///< of lines whose next ones are far
     std::size_t noisy = 0;  ///< of all: far off their neighbours', but not opposed

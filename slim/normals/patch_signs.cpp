@@ -25,7 +25,7 @@ constexpr double kClear = 0.8;       // |sum of votes| over their sizes
 // sizes of votes of two patches that say they agree, if only over an edge, or oppose each other
 constexpr double kFewestFor = 8, kFewestAgainst = 20;
 constexpr double kBeside = 0.5;      // share of the points that touch both that see a border
-constexpr double kBehind = 0.2;      // mean sine of opposed neighbours that lie behind: a thin sheet
+constexpr double kBehind = 0.2;      // mean sine of opposed neighbours behind: a thin sheet
 constexpr double kFewContrary = 0.25;
 constexpr double kClearFlux = 0.15;  // of a shape that has an outside
 
@@ -157,8 +157,9 @@ private:
         std::ptrdiff_t most = 0;
         for (const std::uint32_t k : around(i)) {
             if (of_[k] == of_[i] || of_[k] == kNone) continue;
-            const std::ptrdiff_t n = std::count_if(around(i).begin(), around(i).end(),
-                                                   [&](std::uint32_t j) { return of_[j] == of_[k]; });
+            const std::ptrdiff_t n =
+                std::count_if(around(i).begin(), around(i).end(),
+                              [&](std::uint32_t j) { return of_[j] == of_[k]; });
             if (n > most || (n == most && of_[k] < best)) best = of_[k], most = n;
         }
         return best;

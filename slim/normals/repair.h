@@ -31,8 +31,8 @@ struct NormalAudit {
     bool has_mixed_signs() const {
         return opposed > 0.2 * compared && std::abs(across) < 0.5 * across_size;
     }
-    /// Whether there may be patches of flipped normals: of real scans up to 0.43 % of the points lie
-    /// at seams, of small or noisy ones 9 %, a closer look tells (contrary_patches).
+    /// Whether there may be patches of flipped normals: of real scans 0 to 1 % of the points lie at
+    /// seams, of small and noisy ones up to 9; a closer look tells (contrary_patches, notes/0006).
     bool has_seams() const {
         return static_cast<double>(on_seams) > 0.005 * static_cast<double>(looked_at);
     }
