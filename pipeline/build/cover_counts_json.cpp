@@ -19,6 +19,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"forced", c.forced},
             {"contrary", c.contrary},
             {"normals_disagree", c.normals_disagree},
+            {"two_layers", c.two_layers},
             {"refitted", c.refitted},
             {"own", c.own},
             {"recentred", c.recentred},

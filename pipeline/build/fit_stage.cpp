@@ -19,6 +19,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace slim {
@@ -122,6 +123,19 @@ void take_sharp(const nlohmann::json& one, nlohmann::json& sum, Reporter& report
     if (const std::string text = edges_text(one, remedies()); !text.empty()) reporter.info(text);
 }
 
+/// Two sheets closer to each other than their points tell apart become one, half-way, where no
+/// normals say which point is whose.
+void warn_of_merged_sheets(const SlicePlan& plan, const nlohmann::json& sum, Reporter& reporter) {
+    // of the leaves; clouds of one sheet have up to 0.0006 (slim/cover/notes/0017)
+    constexpr double least_share = 0.01, least_leaves = 5;
+    const double n = sum.value("two_layers", 0.0), leaves = sum.value("leaves", 0.0);
+    if (plan.has_normals || n < std::max(least_leaves, least_share * leaves)) return;
+    reporter.warn(fmt::format(
+        "{:.0f} % of the surfels run between two layers of points: two sheets so close to each "
+        "other become one half-way between them; only a cloud with normals keeps them apart",
+        100 * n / leaves));
+}
+
 /// What a usual slice of several takes.
 std::uint64_t bytes_in_use(const SlicePlan& plan) {
     return plan.n_points / plan.slices.size() * kBytesPerPoint;
@@ -192,6 +206,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         sum["sharp_by_faces"] = true;
         context.reporter.info(edges_text(sum, remedies()));
     }
+    if (!up_to_date) warn_of_merged_sheets(plan, sum, context.reporter);
     sum["noise_variance"] = noise.noise_variance;
     if (!(config.lambda > 0)) sum["typical_variance"] = noise.typical_variance;
     sum["noise_variance_floored"] = noise.floored;

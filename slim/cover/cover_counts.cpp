@@ -1,5 +1,6 @@
 #include "slim/cover/cover_counts.h"
 
+#include "slim/cover/two_layers.h"
 #include "slim/model/surfel_tree.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@ void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
     saturated += (leaf.fitted.flags & kSaturated) != 0;
     forced += (leaf.fitted.flags & kForced) != 0;
     normals_disagree += leaf.normals_disagree;
+    two_layers += lies_between_layers(leaf);
     sharp_edges += leaf.fitted.surfel.n_sheets() == 2;
     sharp_corners += leaf.fitted.surfel.n_sheets() > 2;
     ++fallbacks[static_cast<std::size_t>(leaf.fallback)];
@@ -20,7 +22,7 @@ void CoverCounts::add_leaf(const CoveringSurfel& leaf) {
 CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     leaves += b.leaves, internals += b.internals, levels = std::max(levels, b.levels);
     saturated += b.saturated, forced += b.forced, contrary += b.contrary;
-    normals_disagree += b.normals_disagree;
+    normals_disagree += b.normals_disagree, two_layers += b.two_layers;
     unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred, refitted += b.refitted, own += b.own;

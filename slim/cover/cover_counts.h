@@ -14,6 +14,7 @@ struct CoverCounts {
     std::uint64_t saturated = 0, forced = 0, normals_disagree = 0;
     std::uint64_t contrary = 0;     ///< leaves whose ball ends at normals of
                                     ///< a fold or another sheet
+    std::uint64_t two_layers = 0;   ///< leaves that run between two layers of points (two_layers.h)
     std::uint64_t unexplained = 0;  ///< points that no surfel explains, not even their own: dropped
     std::uint64_t beside = 0;       ///< points of rims, left to the surface beside them: dropped
     std::uint64_t isolated = 0;     ///< strays, with too few neighbours about rho_0: dropped

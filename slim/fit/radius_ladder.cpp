@@ -19,6 +19,7 @@ constexpr double kClearlyMore = 1.2;  // times the sample: a ball is not
                                       // gathered to be thinned at once
 // an optimum so little below a radius that 2 % are not worth a search
 constexpr double kAtTheEnd = 1.2;
+constexpr int kMostInDoubt = 3;  // rungs one after the other
 constexpr int kMostRungs = 40;  // g^40 = 4e-9: finer than any double scan
 
 }  // namespace
@@ -107,6 +108,23 @@ void RadiusLadder::gather_rung(int rung, std::size_t& level, const Vec3d& center
         gather_ball(points_.level(++level), center, radius, work.ball);
 }
 
+/// Whether the sheet goes on to the end of a rung's ball. Few points that face another way are
+/// noise; many are the other side of a fold, where it ends, or of a gap, where it need not
+/// (slim/cover/notes/0017).
+SheetEnd RadiusLadder::end_of(const LadderFit& found, const LadderWork& work) const {
+    const BallPoints<float>& ball = work.ball;
+    const double tolerance =
+        kOffSheet * std::sqrt(std::min(found.fit.sq_error, energy_.noise_variance));
+    const std::size_t off =
+        count_off_sheet<float>(ball, work.aside, found.frame, found.fit, tolerance);
+    if (within_noise(off, ball.n, rules_.contrary_share)) return SheetEnd::goes_on;
+    const double explained =
+        energy_.noise_variance + energy_of(found.degree).price(ball.radius);
+    return end_of_sheet<float>(
+        ball, work.aside,
+        {found.frame, found.fit, explained, tolerance, rules_.contrary_share});
+}
+
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,
                                                          const Vec3d& center, const Vec3d& normal,
                                                          LadderWork& work) const {
@@ -124,15 +142,13 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
         found = fit_gathered(normal, work);
     }
     const LocalFit& fit = found.fit;
-    const double noise = std::sqrt(std::min(fit.sq_error, energy_.noise_variance));
-    const std::size_t off =
-        count_off_sheet<float>(work.ball, work.aside, found.frame, fit, kOffSheet * noise);
-    if (!within_noise(off, work.ball.n, rules_.contrary_share)) return std::nullopt;
+    const SheetEnd end = end_of(found, work);
+    if (end == SheetEnd::ends) return std::nullopt;
     const MdlEnergy mdl = energy_of(found.degree);
     const double energy = mdl(fit.sq_error, radius);
     const double upper = mdl.upper_bound(fit, radius);
     const double missed = fit.sq_missed + mdl.price(radius);
-    return Rung{rung, level, found.degree, n_sample, energy, upper,
+    return Rung{rung, level, found.degree, end, n_sample, energy, upper,
                 energy - missed, upper - missed,
                 missed + fit.sq_missed_slope, 2 * fit.sq_missed_error};
 }
@@ -244,16 +260,18 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
     double least_upper = INFINITY;
     std::size_t level = 0;
     int coarsest = finest + 1;
-    bool folded = false;
+    bool folded = false, in_doubt = false;
     for (int r = finest; r >= rules_.top_rung; --r) {
         rungs[r] = evaluate(r, level, center, normal, work);
-        folded = !rungs[r];
+        in_doubt = rungs[r] && rungs[r]->end == SheetEnd::in_doubt;
+        folded = !rungs[r] || (in_doubt && coarsest - r > kMostInDoubt);
         if (folded) break;
-        coarsest = r;
+        if (!in_doubt) coarsest = r;
         level = likely_level(*rungs[r]);
         least_upper = std::min(least_upper, rungs[r]->upper);
         if (rungs[r]->energy > rules_.give_up * least_upper) break;
     }
+    folded |= in_doubt;
     if (rules_.look_for_edges) work.edge_in_sight = shows_edge(work.ball) || shows_faces(work.ball);
     if (coarsest > finest)
         return {rung_radius(finest), degree_,       false,              true, false, true,

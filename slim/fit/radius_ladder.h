@@ -2,6 +2,7 @@
 
 #include "slim/fit/local_fit.h"
 #include "slim/fit/mdl_energy.h"
+#include "slim/fit/parallel_sheet.h"
 #include "slim/fit/sharp_clusters.h"
 #include "slim/fit/sharp_fit.h"
 #include "slim/neighbors/point_pyramid.h"
@@ -87,6 +88,7 @@ private:
         int index;
         std::size_t level;     // of the pyramid
         int degree;            // of the least energy, if it is chosen
+        SheetEnd end;          // goes_on or in_doubt
         std::size_t n;         // points of its ball
         double energy, upper;  // E, and two standard errors above it
         double noise, noise_upper;    // eps^2 without what the next degree
@@ -113,6 +115,7 @@ private:
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::size_t likely_level(const Rung& finer) const;
     void gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const;
+    SheetEnd end_of(const LadderFit& found, const LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,
                                  const Vec3d& normal, LadderWork& work) const;
     bool falls_to_the_end(const Rung& chosen, const Rung& finer) const;

@@ -230,11 +230,12 @@ TEST(RadiusLadder, FewerPointsThanARungWantsAreTakenAllTogether) {
 }
 
 /// Of 40 balls on a plane with 1 % contrary normals, those points `off` above it,
-/// how many reach rho_0.
-std::size_t saturated_with_contrary(double off, double contrary_share) {
+/// how many reach rho_0. A fold has normals to the side.
+std::size_t saturated_with_contrary(double off, double contrary_share,
+                                    Vec3f contrary = {1, 0, 0}) {
     PointBlock block = graph_points(20000, 1, 2, [](double, double) { return 0.0; });
     for (std::size_t i = 5; i < block.size(); i += 100) {
-        block.normal[i] = {0, 0, -1};
+        block.normal[i] = contrary;
         block.position[i].z += off;
     }
     Ground g(std::move(block));
@@ -247,11 +248,12 @@ std::size_t saturated_with_contrary(double off, double contrary_share) {
     return saturated;
 }
 
-TEST(RadiusLadder, AnotherSheetEndsTheBallUnlessNoiseExplainsIt) {
+TEST(RadiusLadder, AFoldEndsTheBallUnlessNoiseExplainsIt) {
     EXPECT_EQ(saturated_with_contrary(0.01, 0), 0u);
     EXPECT_GT(saturated_with_contrary(0.01, 0.01), 30u);
-    // A bad normal at the right place is no other sheet.
+    // A bad normal at the right place is no fold.
     EXPECT_EQ(saturated_with_contrary(0, 0), 40u);
+    EXPECT_GT(saturated_with_contrary(0.01, 0, {0, 0, -1}), 30u);  // nor is another sheet
 }
 
 TEST(RadiusLadder, TheSampleBoundsTheWork) {
