@@ -108,21 +108,37 @@ void read_cone(WordList& words, LightSource& light) {
     light.cos_cone = std::cos(half), light.cos_core = std::cos(half * (1 - blur));
 }
 
-LightSource read_placed(WordList& words, const LightSetting& setting, LightKind kind) {
-    LightSource light;
-    light.kind = kind;
-    if (!words.has("at")) words.fail("expected at=x,y,z");
-    light.position = words.vector("at", {}) - setting.origin;
-    const Vec3d target =
-        words.vector("to", setting.bounds.center() + setting.origin) - setting.origin;
-    light.reference = length(light.position - target);
-    if (!(light.reference > 0))
+/// How far a lamp without `to` shines at the least: what is outside the box is not nearer to its
+/// middle, and of what is inside, in a room, the walls are about as far away.
+double least_reference(const Bbox& bounds) {
+    const Vec3d e = bounds.extent();
+    return 0.5 * std::min({e.x, e.y, e.z});
+}
+
+/// Where a light shines and how far its power is measured.
+void aim(WordList& words, const LightSetting& setting, LightSource& light) {
+    const Vec3d middle = setting.bounds.center() + setting.origin;
+    const Vec3d target = words.vector("to", middle) - setting.origin;
+    const double distance = length(light.position - target);
+    light.reference = distance;
+    if (!words.has("to"))
+        light.reference = std::max(distance, least_reference(setting.bounds));
+    const bool aimed = light.kind != LightKind::point || words.has("to");
+    if (!(light.reference > 0) || (aimed && !(distance > 0)))
         words.fail("expected it to be elsewhere than what it shines at (to)");
     if (!(light.reference < kFarthest * std::max(setting.bounds.diagonal(), 1e-300)))
         words.fail(fmt::format("expected it within {:g} diagonals of the model: a sun shines from "
                                "farther away",
                                kFarthest));
-    light.toward = normalized(light.position - target);
+    if (distance > 0) light.toward = normalized(light.position - target);
+}
+
+LightSource read_placed(WordList& words, const LightSetting& setting, LightKind kind) {
+    LightSource light;
+    light.kind = kind;
+    if (!words.has("at")) words.fail("expected at=x,y,z");
+    light.position = words.vector("at", {}) - setting.origin;
+    aim(words, setting, light);
     read_common(words, light, {1, 1, 1});
     light.color = light.color * kUsualPower;
     if (kind == LightKind::spot) read_cone(words, light);

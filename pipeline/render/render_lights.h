@@ -30,7 +30,9 @@ struct LightSetting {
 ///     soft       angle= (sun, key, fill: angular diameter in degrees), samples=
 ///
 /// Places are world coordinates; `to` is the middle of the model unless given. With power 1 a light
-/// is as bright at `to` as the key light. Throws ConfigError naming the word.
+/// is as bright at `to` as the key light; without `to`, at half the shortest side of the model's
+/// box from it if that is farther, so that a lamp in the middle of a room lights the walls. Throws
+/// ConfigError naming the word.
 std::vector<LightSource> parse_lights(const std::string& text, const LightSetting& setting);
 
 /// Throws what parse_lights does, before there is a model.

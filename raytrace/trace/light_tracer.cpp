@@ -77,35 +77,55 @@ LightTracer::LightTracer(const TraceScene& scene, const TraceLook& look)
     if (look.ground) ground_.emplace(*look.ground, scene);
 }
 
-FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int samples,
-                               const RaySite& site) const {
+template <class Meets>
+FloatV LightTracer::share_above(const ShadePoints& at, const FloatV& far, int samples,
+                                const RaySite& site, Meets&& meets) const {
     const SampleGrid grid(samples, SampleGrid::Pixels::interleaved);
     const LaneKeys keys(site.block, site.purpose() + kOpenness);
-    FloatV open(0.0f);
+    FloatV sum(0.0f);
     for (int i = 0; i < grid.n(); ++i) {
         FloatV s, t;
         grid.sample(i, keys, s, t);
-        const LanesOfVec direction = about(at.normal, s, t);
-        const RayPacket rays = leaving(at, at.on, direction, far);
-        auto free = scene_.unblocked(rays, site.counts);
-        if (ground_) free = free && ground_->distance(rays) > far;
-        open += select<FloatV>(free, FloatV(1.0f), FloatV(0.0f));
+        const RayPacket rays = leaving(at, at.on, about(at.normal, s, t), far);
+        sum += select<FloatV>(meets(rays), FloatV(1.0f), FloatV(0.0f));
     }
-    return open * (1 / static_cast<float>(grid.n()));
+    return sum * (1 / static_cast<float>(grid.n()));
+}
+
+FloatV LightTracer::free_share(const ShadePoints& at, const FloatV& far, int samples,
+                               const RaySite& site) const {
+    return share_above(at, far, samples, site, [&](const RayPacket& rays) {
+        const auto free = scene_.unblocked(rays, site.counts);
+        return ground_ ? free && ground_->distance(rays) > far : free;
+    });
+}
+
+FloatV LightTracer::share_of_far_side(const ShadePoints& at, const FloatV& far, int samples,
+                                      const RaySite& site) const {
+    constexpr float kOpposite = -0.5f;  // cosine of the outward normals
+    return share_above(at, far, samples, site, [&](const RayPacket& rays) {
+        std::array<std::uint32_t, kLanes> model{};
+        const FirstHits hits = scene_.first_hits(rays, model, site.counts);
+        const LanesOfVec& g = hits.gradient;
+        const auto opposite = g.dot(at.outward) < kOpposite * stdx::sqrt(g.dot(g));
+        const auto front = g.dot(rays.direction) < 0.0f;
+        return rays.active() && hits.t < kFar && (opposite || front);
+    });
 }
 
 FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
                                const RaySite& site) const {
-    constexpr float kThin = 0.1f;  // of the distance
+    constexpr float kThin = 0.1f;          // of the distance
+    constexpr float kLeastClosed = 0.25f;  // by the far side: up to there nothing is thin
     const FloatV far(static_cast<float>(openness.distance / scene_.frame().unit));
     const FloatV open = free_share(at, far, openness.samples, site);
     ShadePoints inside = at;
-    inside.on = at.on && at.normal.dot(at.outward) < 0.0f && open < 1.0f;
+    inside.on = at.on && at.normal.dot(at.outward) < 0.0f && open < 1.0f - kLeastClosed;
     if (stdx::none_of(inside.on)) return open;
-    const FloatV near = far * kThin;
-    const FloatV shut = 1.0f - free_share(inside, near, openness.samples, site);
-    // Of a quarter shut nearby or less nothing, of a half or more all.
-    const FloatV thin = stdx::clamp(4.0f * shut - 1.0f, FloatV(0.0f), FloatV(1.0f));
+    const FloatV closed = share_of_far_side(inside, far * kThin, openness.samples, site);
+    // Of a half closed or more all.
+    const FloatV thin =
+        stdx::clamp(closed * (1 / kLeastClosed) - 1.0f, FloatV(0.0f), FloatV(1.0f));
     ShadePoints outside = at;
     outside.normal = -at.normal, outside.on = inside.on && thin > 0.0f;
     if (stdx::none_of(outside.on)) return open;

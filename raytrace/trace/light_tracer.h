@@ -50,9 +50,9 @@ public:
     LightTracer(const TraceScene& scene, const TraceLook& look);
 
     /// Share of the directions above the points in which nothing is within the distance. Of points
-    /// that are seen from behind, inside something thinner than a tenth of the distance, on their
-    /// outer side: such are the backs of a rim's ragged discs and what cracks between discs show
-    /// (notes/0002).
+    /// that are seen from behind, inside something thinner than a tenth of the distance (its far
+    /// side looks the other way), on their outer side: such are the backs of a rim's ragged discs
+    /// and what cracks between discs show (notes/0002).
     FloatV open_share(const ShadePoints& at, const Openness& openness, const RaySite& site) const;
 
     /// Colour of the points, each of the material of its model.
@@ -68,8 +68,18 @@ public:
                             FloatV& alpha, const KnownOpenness& known = {}) const;
 
 private:
+    /// Share of the rays that leave into the hemispheres about the normals, by the cosine, for
+    /// which meets(RayPacket) is true.
+    template <class Meets>
+    FloatV share_above(const ShadePoints& at, const FloatV& far, int samples, const RaySite& site,
+                       Meets&& meets) const;
     FloatV free_share(const ShadePoints& at, const FloatV& far, int samples,
                       const RaySite& site) const;
+    /// Share of rays that first meet, before `far`, the far side of something thin: a surface whose
+    /// outward normal is more than 120 degrees from the points' own, or one seen from its front,
+    /// as by the back of a disc that overhangs an edge.
+    FloatV share_of_far_side(const ShadePoints& at, const FloatV& far, int samples,
+                             const RaySite& site) const;
     /// open_share if the look asks for it, else 1.
     FloatV openness(const ShadePoints& at, const RaySite& site) const;
     FloatV::mask_type unblocked(const ShadePoints& at, const FloatV::mask_type& lit,

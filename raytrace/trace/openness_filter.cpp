@@ -14,8 +14,10 @@ namespace {
 /// RMS error of openness by one ray; by n stratified ones n^(3/4) times less (Mitchell 1996).
 /// Measured: notes/0005.
 constexpr float kErrorOfOne = 0.5f;
-/// In units of that error: what differs more is something else.
+/// In units of that error: what differs more is something else; up to half of it all count alike,
+/// else the pattern of interleaved samples stays.
 constexpr float kMostErrors = 7.0f;
+constexpr float kAlike = 0.5f;
 /// Sine of the angle between the way to another pixel and the surface, above which that is another
 /// one.
 constexpr float kMostSlope = 0.25f;
@@ -54,7 +56,7 @@ struct NoRest {
 /// in the mean.
 template <class Rest>
 void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t begin,
-                   std::size_t end, std::ptrdiff_t step, float share, float inv_sq_most,
+                   std::size_t end, std::ptrdiff_t step, float share, float inv_most,
                    float* __restrict sum, float* __restrict weight) {
     const GBuffer& b = r.planes.buffer;
     const float *const px = b.position[0].data(), *const py = b.position[1].data(),
@@ -73,13 +75,14 @@ void add_neighbour(const Rows& r, const std::array<Rest, 3>& rest, std::size_t b
         const float in_plane = above_zero(1 - off * off / (sq_way + 1e-37f) * kSteep);
         const float facing = above_zero((agreement - kLeastAgreement) * kFacing);
         const float seen = hit[q] > 0 ? 1.0f : 0.0f, other = hit[q] > 0 ? open[q] : 0.0f;
-        const float alike = above_zero(1 - squared(other - open[i]) * inv_sq_most);
+        const float beyond = above_zero(std::abs(other - open[i]) * inv_most - kAlike);
+        const float alike = above_zero(1 - squared(beyond * (1 / (1 - kAlike))));
         const float w = share * seen * in_plane * facing * alike * alike;
         sum[i - begin] += w * other, weight[i - begin] += w;
     }
 }
 
-void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float> sum,
+void filter_row(const Rows& r, std::size_t y, float inv_most, std::span<float> sum,
                 std::span<float> weight, std::vector<float>& out) {
     const std::size_t row = y * r.width;
     for (std::size_t x = 0; x < r.width; ++x) sum[x] = r.open[row + x], weight[x] = 1;
@@ -96,7 +99,7 @@ void filter_row(const Rows& r, std::size_t y, float inv_sq_most, std::span<float
             if (left + right >= r.width) continue;
             const auto add = [&](const auto& rest) {
                 add_neighbour(r, rest, row + left, row + r.width - right,
-                              dy * static_cast<std::ptrdiff_t>(r.width) + dx, share, inv_sq_most,
+                              dy * static_cast<std::ptrdiff_t>(r.width) + dx, share, inv_most,
                               &sum[left], &weight[left]);
             };
             if (r.rest[0].empty())
@@ -121,7 +124,7 @@ std::vector<float> filtered_openness(const SurfacePlanes& planes, std::span<cons
     parallel_blocks(rows.height, kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<float> sum(rows.width), weight(rows.width);
         for (std::size_t y = begin; y < end; ++y)
-            filter_row(rows, y, 1 / (most * most), sum, weight, out);
+            filter_row(rows, y, 1 / most, sum, weight, out);
     });
     return out;
 }

@@ -55,5 +55,23 @@ TEST(Lights, PlacesAreInTheWorld) {
     EXPECT_EQ(light.reference, 5);
 }
 
+// Half the shortest side of the box is the least distance that power is measured at; outside the
+// box nothing is nearer to its middle.
+TEST(Lights, ALampInsideARoomIsAsBrightAtItsWallsAsOneOutsideInTheMiddle) {
+    const LightSetting room{{}, {{-3, -2, -1.5}, {3, 2, 1.5}}, {3, 2, 1.5}, {0, 0, 1}};
+    const auto reference = [&](const char* text) { return parse_lights(text, room)[0].reference; };
+    EXPECT_EQ(reference("point at=3,2,1.5"), 1.5);
+    EXPECT_EQ(reference("point at=3,2,2"), 1.5);
+    EXPECT_EQ(reference("spot at=3,2,2.5 cone=90"), 1.5);
+    EXPECT_EQ(reference("point at=3,2,4"), 2.5);
+    EXPECT_EQ(reference("point at=0.5,2,1.5"), 2.5);
+    // What they are told to shine at is taken at its word.
+    EXPECT_EQ(reference("point at=3,2,1.5 to=3,2,1"), 0.5);
+    EXPECT_EQ(parse_lights("point at=3,2,1.5", room)[0].toward, (Vec3d{0, 1, 0}));
+    // Which way would they shine?
+    for (const char* text : {"spot at=3,2,1.5", "point at=3,2,1 to=3,2,1"})
+        EXPECT_THROW(parse_lights(text, room), ConfigError) << text;
+}
+
 }  // namespace
 }  // namespace slim

@@ -72,6 +72,21 @@ TEST(OpennessFilter, TakesNoiseOfFewSamplesAway) {
     EXPECT_GT(rms_from(f.filtered(4096), 0.5f), 0.9 * rms_from(f.open, 0.5f));
 }
 
+// A place of the 4 x 4 has the same samples everywhere: what it differs by is no grain but a pattern
+// of stripes.
+TEST(OpennessFilter, TakesThePatternOfInterleavedSamplesAway) {
+    const auto of_place = [](int x, int y) { return noise(x % 4, y % 4); };
+    float mean = 0;
+    for (int k = 0; k < 16; ++k) mean += of_place(k % 4, k / 4) / 16;
+    const auto value = [&](int x, int y) { return 0.5f + 0.08f * (of_place(x, y) - mean); };
+    const Floors f(32, 32, 0, value);
+    const auto out = f.filtered(36);
+    EXPECT_GT(rms_from(f.open, 0.5f), 0.035);
+    for (int y = kOpennessReach; y < 32 - kOpennessReach; ++y)
+        for (int x = kOpennessReach; x < 32 - kOpennessReach; ++x)
+            EXPECT_NEAR(out[f.buffer.index(x, y)], 0.5f, 0.004) << x << ' ' << y;
+}
+
 TEST(OpennessFilter, KeepsEdges) {
     const auto halves = [](int x, int) { return x < 32 ? 0.45f : 0.5f; };
     // Where the surface has a step, however little they differ.

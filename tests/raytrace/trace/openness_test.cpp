@@ -142,5 +142,29 @@ TEST(Openness, TheBackOfAnOpenSheetIsItsOwn) {
     EXPECT_GT(away / n_away, at_wall / n_wall + 0.1);
 }
 
+// A corner of a room, its normals outwards, seen from inside: its two sides are no thin thing's.
+TEST(Openness, AHollowEdgeSeenFromBehindIsDark) {
+    std::vector<Surfel> leaves;
+    for (int i = -10; i <= 10; ++i)
+        for (int k = -10; k <= 10; ++k) {
+            leaves.push_back(
+                {{0.2 * i, 0.2 * k, 0}, 0.3, frame_from_normal(Vec3d{0, 0, -1}), {}, 2});
+            leaves.push_back(
+                {{0.2 * i, 2, 2 + 0.2 * k}, 0.3, frame_from_normal(Vec3d{0, 1, 0}), {}, 2});
+        }
+    const Stage stage(good_model(leaves), camera_at({0, 0, 8}, {0, 0, 0}, 20));
+    const auto open = stage.openness(10, 64);
+    double sum = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        if (!stage.buffer.hit[i] || stage.buffer.normal[2][i] > -0.9f) continue;
+        const Vec3d p = stage.position(i);
+        if (p.y < 1.7 || p.y > 1.85 || std::abs(p.x) > 1) continue;
+        sum += static_cast<double>(open[i]), ++n;
+    }
+    ASSERT_GT(n, 50);
+    EXPECT_NEAR(sum / n, 0.54, 0.04);  // of a wall 4 wide and 4 high, from 0.22 before it
+}
+
 }  // namespace
 }  // namespace slim
