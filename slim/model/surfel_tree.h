@@ -31,7 +31,7 @@ enum NodeFlags : std::uint8_t {
     kLeaf = 1,       ///< carries the surface; the others stand in for their children when small
     kSaturated = 2,  ///< E still fell at the largest radius
     kForced = 4,     ///< radius not chosen by E: too few points, or the smallest radius
-    kSharp = 8,      ///< two or three sheets: the further ones stand in an array of their own
+    kSharp = 8,      ///< two sheets or more: the further ones stand in an array of their own
     /// no part of the surface about it (slim/tree/loose_leaves.h), or above nothing else
     kLoose = 16,
     /// internal nodes: leaves agree with their surfel all over its ball, so that it shows what is
