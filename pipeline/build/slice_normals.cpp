@@ -1,13 +1,12 @@
 #include "pipeline/build/slice_normals.h"
 
+#include "pipeline/build/given_normals.h"
 #include "pipeline/build/normals_rims.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
 #include "slim/normals/estimate.h"
-#include "slim/normals/patch_signs.h"
 #include "slim/normals/repair.h"
-#include "slim/normals/scan_signs.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +14,6 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 namespace slim {
@@ -23,16 +21,12 @@ namespace {
 
 constexpr std::uint64_t kSample = 0x6c616d;  // purpose of the hash
 constexpr std::size_t kGrain = 16384;        // points a task
-// beyond this share a cloud's own normals are not to be trusted
-constexpr double kManyContrary = 0.1;
 // points of which noise and spacing are measured before normals are estimated
 constexpr double kFewSamples = 4000;
 constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
-// points that say whether given normals are those of a surface, and which side is in
-constexpr double kEvidenceSamples = 2000;
-// Neighbours for an estimate: the radius of their ball, sqrt(k / pi) spacings, is 1.4 times the
-// noise or more (slim/normals/notes/0002).
-constexpr std::size_t kUsualNeighbors = 16, kMostNeighbors = 64;
+// Neighbours for an estimate, at most: the radius of their ball, sqrt(k / pi) spacings, is 1.4
+// times the noise or more (slim/normals/notes/0002).
+constexpr std::size_t kMostNeighbors = 64;
 
 /// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
 std::size_t normalize_all(std::vector<Vec3f>& normals) {
@@ -59,17 +53,6 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
 std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
     return static_cast<std::size_t>(
         std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
-}
-
-std::size_t count_own(const std::vector<bool>& own, const std::vector<bool>& points) {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) n += points[i] && own[i];
-    return n;
-}
-
-void turn(const std::vector<bool>& which, PointBlock& points) {
-    for (std::size_t i = 0; i < which.size(); ++i)
-        if (which[i]) points.normal[i] = -points.normal[i];
 }
 
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
@@ -121,109 +104,6 @@ void audit_estimates(PointBlock& points, const NearestSearch& search, const std:
     const NormalAudit audit = repair_contrary_normals(points, search.boxes(), own, estimated);
     report.estimates_turned = audit.contrary;
     report.noisy += audit.noisy;
-}
-
-/// Of each scan whose sensor is known, samples that face it less the others.
-std::vector<std::int64_t> facing_of(const PointBlock& points,
-                                    const std::vector<std::uint32_t>& samples,
-                                    const std::vector<Vec3d>& sensors) {
-    std::vector<std::int64_t> facing(sensors.size(), 0);
-    for (const std::uint32_t i : samples) {
-        const std::size_t scan = points.has_scans() ? points.scan[i] : 0;
-        if (scan >= sensors.size() || !is_finite(sensors[scan])) continue;
-        const bool faces =
-            dot(to_double(points.normal[i]), sensors[scan] - points.position[i]) > 0;
-        facing[scan] += faces ? 1 : -1;
-    }
-    return facing;
-}
-
-/// Whether most of the samples face their sensors, so that a surface may well enclose them. False
-/// where no sensor is known.
-bool faces_sensors(const PointBlock& points, const std::vector<std::uint32_t>& samples,
-                   const std::vector<Vec3d>& sensors) {
-    const auto facing = facing_of(points, samples, sensors);
-    return std::accumulate(facing.begin(), facing.end(), std::int64_t{0}) > 0;
-}
-
-/// Turns scans whose normals are turned round against the others', by their sensors or as the
-/// fewer, of a job of one slice: which are in the minority is not known of less. Returns how many
-/// points these have.
-std::size_t turn_contrary_scans(PointBlock& points, const NearestSearch& search,
-                                const std::vector<std::uint32_t>& samples,
-                                const std::vector<Vec3d>& sensors) {
-    const std::vector<bool> contrary =
-        contrary_scans(points, search, samples, facing_of(points, samples, sensors));
-    if (std::find(contrary.begin(), contrary.end(), true) == contrary.end()) return 0;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (contrary[points.scan[i]]) points.normal[i] = -points.normal[i], ++n;
-    return n;
-}
-
-/// Some 2,000 of the slice's own points, or all.
-std::vector<std::uint32_t> evidence_samples(const PointBlock& points,
-                                            const std::vector<bool>& own) {
-    const auto n = static_cast<double>(std::count(own.begin(), own.end(), true));
-    return sample_points(points, own, kEvidenceSamples / n);
-}
-
-/// Why given normals are not to be trusted; empty if they are.
-struct Mistrust {
-    std::string why;
-    bool they_hint = false;  ///< which side is out, most of them
-};
-
-/// Mends given normals here and there and in patches, and looks at them as a whole.
-/// turns_patches: patches are not found only, as which side has fewer points is known
-Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
-                     std::size_t n_own, const std::vector<Vec3d>& sensors, bool turns_patches,
-                     NormalsReport& report) {
-    NormalAudit audit = repair_contrary_normals(points, search.boxes(), own);
-    if (audit.has_seams() && !audit.has_mixed_signs()) {
-        const ContraryPatches patches = contrary_patches(points, search);
-        report.of_contrary_patches = count_own(own, patches.is_contrary);
-        if (turns_patches && patches.n > 0) {
-            turn(patches.is_contrary, points);
-            const std::size_t before = audit.contrary;
-            audit = repair_contrary_normals(points, search.boxes(), own);
-            audit.contrary += before;
-        }
-    }
-    report.turned = audit.contrary;
-    report.noisy = audit.noisy;
-    const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
-    if (share > kManyContrary || audit.has_mixed_signs())
-        return {fmt::format("{:.0f} % of the normals oppose a majority of their neighbours, {:.0f} "
-                            "% of neighbouring "
-                            "normals each other",
-                            100 * share, 100 * audit.opposed / std::max(audit.compared, 1.0)),
-                true};
-    const std::vector<std::uint32_t> samples = evidence_samples(points, own);
-    report.evidence = evidence_of(points, search, samples);
-    if (report.evidence.is_off_surface())
-        if (const std::size_t k = neighbors_beyond_strips(search, samples, kUsualNeighbors);
-            k > kUsualNeighbors)
-            report.evidence = evidence_of(points, search, samples, k);
-    report.evidence.stand_for(n_own);
-    if (report.evidence.is_off_surface())
-        return {
-            fmt::format("{:.0f} % of the normals stand more than 45 degrees off the surface that "
-                        "the points make",
-                        100 * static_cast<double>(report.evidence.n_off) /
-                            static_cast<double>(report.evidence.n_flat))};
-    if (faces_sensors(points, samples, sensors)) report.evidence = {};
-    return {};
-}
-
-std::string contrary_patches_text(std::size_t n, std::size_t n_own, bool are_turned) {
-    const std::string text = fmt::format(
-        "{} points, {:.1f} %, lie in patches whose normals are turned round against those about "
-        "them: ",
-        n, 100 * static_cast<double>(n) / static_cast<double>(n_own));
-    if (are_turned) return text + "turned";
-    return text + "which are right is not known of a slice, they are kept. Build in one slice, or "
-                  "with --normals estimate";
 }
 
 /// What became of a cloud whose normals are not to be trusted.
@@ -288,20 +168,9 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
     std::vector<Vec3f> hints;
     std::string mistrusted;
     if (n_own > 0 && !carries) {
-        if (plan.slices.size() == 1) {
-            report.of_contrary_scans =
-                turn_contrary_scans(points, search, evidence_samples(points, own), sensors);
-            if (report.of_contrary_scans > 0)
-                reporter.warn(
-                    fmt::format("{} points are of scans whose normals are turned round against the "
-                                "others': turned",
-                                report.of_contrary_scans));
-        }
-        const bool is_whole = plan.slices.size() == 1;
         const Mistrust mistrust =
-            audit_given(points, search, own, n_own, sensors, is_whole, report);
-        if (report.of_contrary_patches > 0)
-            reporter.warn(contrary_patches_text(report.of_contrary_patches, n_own, is_whole));
+            audit_given(points, search, own, n_own, sensors, plan.slices.size() == 1, report,
+                        reporter);
         mistrusted = mistrust.why;
         if (!mistrust.why.empty()) {
             report.evidence = {};

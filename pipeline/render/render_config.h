@@ -130,8 +130,8 @@ private:
               "from=x,y,z), point at=x,y,z, spot at= to= cone= blur=, rect at= to= size=W,H, disc "
               "at= to= size=; all take power= color=#rrggbb shadows=on|off; angle= (sun, key, "
               "fill) and size= (rect, disc) make soft shadows of samples= rays; blur= is the share "
-              "of a spot's cone over which its edge fades (0: hard, 1: from the middle); power 1 is "
-              "as bright as the key light at to=, or else at the middle of the model, but no "
+              "of a spot's cone over which its edge fades (0: hard, 1: from the middle); power 1 "
+              "is as bright as the key light at to=, or else at the middle of the model, but no "
               "nearer than half the shortest side of its box, so that a lamp in a room lights it");
         field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
         field(

@@ -137,7 +137,7 @@ TEST_F(BuildStage, TheStagesByThemselvesDecideAsABuildDoes) {
         }));
         tree("staged.slim");
         EXPECT_FALSE(ModelFile::open(file("staged.slim")).tree().sharp().empty());
-        if (slices == 1) EXPECT_EQ(hash_file(file("staged.slim")), hash_file(file("m.slim")));
+        if (slices == 1) { EXPECT_EQ(hash_file(file("staged.slim")), hash_file(file("m.slim"))); }
         std::filesystem::remove_all(file("work"));
     }
 }
