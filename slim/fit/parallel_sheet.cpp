@@ -22,7 +22,7 @@ std::size_t count_sideways(const BallPoints<T>& p, std::span<const SetAside<T>> 
     const Vec3f up = to_float(sheet.frame.normal);
     std::vector<SetAside<T>> sideways;
     for (const SetAside<T>& a : aside)
-        if (dot(up, Vec3f{p.nx[a.index], p.ny[a.index], p.nz[a.index]}) >= kOtherSideCos)
+        if (dot(up, Vec3f{p.nx[a.index], p.ny[a.index], p.nz[a.index]}) >= sheet.sideways)
             sideways.push_back(a);
     return count_off_sheet<T>(p, sideways, sheet.frame, sheet.fit, sheet.tolerance);
 }

@@ -122,7 +122,8 @@ SheetEnd RadiusLadder::end_of(const LadderFit& found, const LadderWork& work) co
         energy_.noise_variance + energy_of(found.degree).price(ball.radius);
     return end_of_sheet<float>(
         ball, work.aside,
-        {found.frame, found.fit, explained, tolerance, rules_.contrary_share});
+        {found.frame, found.fit, explained, tolerance, rules_.contrary_share,
+         rules_.look_for_edges ? kSidewaysAtEdges : kOtherSideCos});
 }
 
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,
