@@ -35,6 +35,7 @@ public:
     void commit();
 
 private:
+    void check_columns(const PointBlock& block) const;
     void write(const PointBlock& block);
     /// encode(i) makes the i-th piece, by several threads at once.
     void write_pieces(std::size_t n_pieces,

@@ -33,13 +33,13 @@ std::vector<std::size_t> piece_begins(const std::vector<bool>& chosen, std::size
     return begins;
 }
 
-/// The chosen ones of the points [begin, end).
+/// The n chosen ones of the points [begin, end).
 PointBlock chosen_of(const PointBlock& block, const std::vector<bool>& chosen, std::size_t begin,
-                     std::size_t end) {
+                     std::size_t end, std::size_t n) {
     PointBlock out;
     const auto copy = [&](const auto& values, auto& to) {
         if (values.empty()) return;
-        to.reserve(end - begin);
+        to.reserve(n);
         for (std::size_t i = begin; i < end; ++i)
             if (chosen[i]) to.push_back(values[i]);
     };
@@ -69,11 +69,16 @@ SliceWriter::SliceWriter(const std::string& path, const Vec3d& origin, std::uint
     points_ = chunks_.open("points", 1);
 }
 
-void SliceWriter::append(const PointBlock& block, Apart apart) {
+void SliceWriter::check_columns(const PointBlock& block) const {
     const std::size_t n = block.size();
     SLIM_CHECK(block.id.size(), ==, n);
     SLIM_CHECK(block.normal.size(), ==, has_normals_ ? n : 0);
     SLIM_CHECK(block.scan.size(), ==, has_scans_ ? n : 0);
+}
+
+void SliceWriter::append(const PointBlock& block, Apart apart) {
+    check_columns(block);
+    const std::size_t n = block.size();
     PointBlock& waiting = waiting_[apart == Apart::yes ? 1 : 0];
     if (waiting.empty() && n >= kLeastPoints) return write(block);
     append_all(block.position, waiting.position);
@@ -86,17 +91,18 @@ void SliceWriter::append(const PointBlock& block, Apart apart) {
 }
 
 void SliceWriter::append(const PointBlock& block, const std::vector<bool>& chosen) {
+    check_columns(block);
     SLIM_CHECK(chosen.size(), ==, block.size());
     const auto n = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
     if (n < kLeastPoints || !waiting_[0].empty())
-        return append(chosen_of(block, chosen, 0, block.size()));
+        return append(chosen_of(block, chosen, 0, block.size(), n));
     const std::vector<std::size_t> begins = piece_begins(chosen, n);
     const std::size_t n_pieces = begins.size() - 1;
     write_pieces(n_pieces, [&](std::size_t i) {
         const std::size_t n_here = n * (i + 1) / n_pieces - n * i / n_pieces;
         if (n_here == begins[i + 1] - begins[i])
             return encode_piece(block, begins[i], begins[i + 1]);
-        const PointBlock piece = chosen_of(block, chosen, begins[i], begins[i + 1]);
+        const PointBlock piece = chosen_of(block, chosen, begins[i], begins[i + 1], n_here);
         return encode_piece(piece, 0, piece.size());
     });
 }

@@ -22,8 +22,9 @@ namespace {
 
 // of the normals: estimated ones tell nothing new of the points
 constexpr double kFewEstimated = 0.01;
-// lambda over the squared spacing, at most, of what has no noise: about what edges make of it
-constexpr double kOfEdges = 0.01;
+// lambda over the squared spacing, at most, of points on faces, which have no noise: what edges of
+// large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
+constexpr double kOfFaceEdges = 0.01;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -69,8 +70,19 @@ NoiseVariance choose_noise(const std::vector<NoiseVariance>& noise) {
 struct NormalsSaid {
     double noisy = 0, points = 0;
     double not_own = 0;  ///< estimated, missing and turned ones
+    double estimated = 0;
     std::vector<NoiseVariance> noise;
 };
+
+/// throws json::exception where the result is another version's
+void add_slice(const nlohmann::json& result, NormalsSaid& out) {
+    add_noise(result.at("noise"), out.noise);
+    out.noisy += result.at("noisy").get<double>();
+    out.points += result.at("points").get<double>();
+    // Missing and turned ones are no more the cloud's own than estimated ones.
+    out.not_own += result.at("points").get<double>() - result.at("kept").get<double>();
+    out.estimated += result.at("estimated").get<double>();
+}
 
 NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& plan) {
     NormalsSaid out;
@@ -82,12 +94,13 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
             missing += fmt::format(" {}", i);
             continue;
         }
-        const auto& r = manifest.at("result");
-        add_noise(r.at("noise"), out.noise);
-        out.noisy += r.at("noisy").get<double>();
-        out.points += r.at("points").get<double>();
-        // Missing and turned ones are no more the cloud's own than estimated ones.
-        out.not_own += r.at("points").get<double>() - r.at("kept").get<double>();
+        try {
+            add_slice(manifest.at("result"), out);
+        } catch (const nlohmann::json::exception&) {
+            throw FormatError(
+                fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
+                            manifest_path(oriented_points_path(work, i)).string(), work));
+        }
     }
     if (!missing.empty())
         throw IncompleteError(fmt::format(
@@ -102,7 +115,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     GlobalNoise out;
     const NoiseVariance chosen = choose_noise(said.noise);
     const double sq_spacing = chosen.spacing * chosen.spacing;
-    const double most = is_made_of_faces(plan) ? kOfEdges * sq_spacing : INFINITY;
+    const double most = is_made_of_faces(plan) ? kOfFaceEdges * sq_spacing : INFINITY;
     const double measured = std::min(robust_noise(chosen).variance, most);
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
@@ -115,6 +128,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);
+    out.are_estimated = 2 * said.estimated > said.points;
     out.contrary_share = said.points > 0 ? said.noisy / said.points : 0;
     return out;
 }

@@ -125,14 +125,16 @@ void take_sharp(const nlohmann::json& one, nlohmann::json& sum, Reporter& report
 
 /// Two sheets closer to each other than their points tell apart become one, half-way, where no
 /// normals say which point is whose.
-void warn_of_merged_sheets(const SlicePlan& plan, const nlohmann::json& sum, Reporter& reporter) {
+void warn_of_merged_sheets(const GlobalNoise& noise, const nlohmann::json& sum,
+                           Reporter& reporter) {
     // of the leaves; clouds of one sheet have up to 0.0006 (slim/cover/notes/0017)
     constexpr double least_share = 0.01, least_leaves = 5;
     const double n = sum.value("two_layers", 0.0), leaves = sum.value("leaves", 0.0);
-    if (plan.has_normals || n < std::max(least_leaves, least_share * leaves)) return;
+    if (!noise.are_estimated || n < std::max(least_leaves, least_share * leaves)) return;
     reporter.warn(fmt::format(
         "{:.0f} % of the surfels run between two layers of points: two sheets so close to each "
-        "other become one half-way between them; only a cloud with normals keeps them apart",
+        "other become one half-way between them; only normals of the cloud's own keep them "
+        "apart",
         100 * n / leaves));
 }
 
@@ -206,7 +208,7 @@ nlohmann::json run_fit(const FitConfig& config, StageContext& context) {
         sum["sharp_by_faces"] = true;
         context.reporter.info(edges_text(sum, remedies()));
     }
-    if (!up_to_date) warn_of_merged_sheets(plan, sum, context.reporter);
+    if (!up_to_date) warn_of_merged_sheets(noise, sum, context.reporter);
     sum["noise_variance"] = noise.noise_variance;
     if (!(config.lambda > 0)) sum["typical_variance"] = noise.typical_variance;
     sum["noise_variance_floored"] = noise.floored;

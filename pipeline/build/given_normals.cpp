@@ -85,9 +85,8 @@ NormalAudit mend(PointBlock& points, const NearestSearch& search, const std::vec
         report.of_contrary_patches = count_own(own, patches.is_contrary);
         if (turns_patches && patches.n > 0) {
             turn(patches.is_contrary, points);
-            const std::size_t before = audit.contrary;
+            report.turned = audit.contrary;
             audit = repair_contrary_normals(points, search.boxes(), own);
-            audit.contrary += before;
         }
     }
     return audit;
@@ -118,7 +117,7 @@ Mistrust audit_given(PointBlock& points, const NearestSearch& search, const std:
     const NormalAudit audit = mend(points, search, own, is_whole, report);
     if (report.of_contrary_patches > 0)
         reporter.warn(contrary_patches_text(report.of_contrary_patches, n_own, is_whole));
-    report.turned = audit.contrary;
+    report.turned += audit.contrary;
     report.noisy = audit.noisy;
     const double share = static_cast<double>(audit.contrary) / static_cast<double>(n_own);
     if (share > kManyContrary || audit.has_mixed_signs())

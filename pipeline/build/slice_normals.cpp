@@ -174,14 +174,15 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         mistrusted = mistrust.why;
         if (!mistrust.why.empty()) {
             report.evidence = {};
-            report.turned = report.noisy = 0;
+            report.turned = report.noisy = report.of_contrary_patches = 0;
             if (mistrust.they_hint) hints = std::move(points.normal);
             points.normal.assign(points.size(), Vec3f{});
             wanted = points_without_normal(points);
         }
     }
     if (!carries)  // else all are estimated but those of the rim
-        report.kept = n_points - count_own(own, wanted) - report.turned;
+        report.kept = n_points - std::min(n_points, count_own(own, wanted) + report.turned +
+                                                        report.of_contrary_patches);
     if (!wanted.empty()) {
         estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
                          seen_from_above, report);

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 namespace slim {
 namespace {
@@ -30,6 +31,12 @@ std::array<double, 2> heights_of(const Bbox& box, const Relief& relief) {
 /// Digits behind the point that tell heights of a range apart.
 int digits_of(double range) {
     return range > 0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(range))), 0, 15) : 3;
+}
+
+/// An earlier drawing beside a picture that has none would be taken for its own.
+void remove_old(const fs::path& drawing) {
+    std::error_code ignored;
+    fs::remove(drawing, ignored);
 }
 
 /// `better`: the spacing that auto chooses; 0: none.
@@ -64,7 +71,9 @@ void choose_contours(RenderJob& job, const RenderedFrame& reference, Reporter& r
     job.contours = contour_levels(relief, low, high);
     if (job.contours.lines > 0 || !(relief.spacing > 0)) return;
     relief.spacing = 0;
-    if (job.share.number <= 1) warn_of_no_lines(job, better, reporter);
+    if (job.share.number > 1) return;
+    warn_of_no_lines(job, better, reporter);
+    if (job.n_frames == 1) remove_old(job.plan.contours_svg());
 }
 
 std::vector<HeightLabel> contour_heights(const RenderJob& job, const AovLook& look,
@@ -114,6 +123,7 @@ std::optional<NamedText> ContourDrawing::finish(const PixelWindow& window, Repor
             "a pixel; wider ones, or a smaller size, give less",
             path.string(), relief.spacing, job_.config.unit.empty() ? "units" : job_.config.unit,
             HeightLineSearch::kMostPieces / 1e6));
+        remove_old(path);
         return std::nullopt;
     }
     return NamedText{path, height_svg(*lines, job_.looks.at("hillshade").heights,

@@ -95,7 +95,10 @@ void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const 
         return;
     const auto [lo, hi] = std::minmax({a, b, c, d});
     const double every = hi - lo <= kMostInCell ? 1 : index_every_;
-    if (hi - lo > kMostInCell * every) return;
+    if (hi - lo > kMostInCell * every) {  // not drawn, but too many all the same
+        n_pieces_ += static_cast<std::size_t>((hi - lo) / every);
+        return;
+    }
     const std::uint32_t px = upper.x + static_cast<std::uint32_t>(x), py = upper.y;
     for (double level = first_level(lo, every); level <= hi; level += every) {
         std::array<End, 4> ends;  // in turn: top, right, bottom, left
@@ -108,6 +111,7 @@ void HeightLineSearch::add_cell(const LineScene& scene, const Row& upper, const 
         if (++n_pieces_ > most_) return;
         Segments& found = segments_[static_cast<std::int64_t>(level)];
         if (has[0] && has[1] && has[2] && has[3]) {
+            ++n_pieces_;
             const bool joins_a = ((a + b + c + d) / 4 >= level) == (a >= level);
             found.push_back(joins_a ? Segment{ends[0], ends[1]} : Segment{ends[3], ends[0]});
             found.push_back(joins_a ? Segment{ends[2], ends[3]} : Segment{ends[1], ends[2]});

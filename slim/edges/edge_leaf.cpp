@@ -7,6 +7,8 @@ namespace {
 
 constexpr int kSteps = 8;
 constexpr double kSmallStep = 1e-10, kFarOff = 1.5;
+// of a least sum of squares, which is reached more slowly where sheets do not meet in a point
+constexpr double kSmallStepOfSum = 1e-4;
 constexpr double kLeastVolume = 0.01;  // of the box of three unit normals
 
 /// The vector d with rows[k] . d = b[k]; nothing where the rows nearly lie in a plane.
@@ -59,12 +61,14 @@ std::optional<Vec3d> nearest_on_edge(const Surfel& s, const SheetPair& pair, Vec
 
 std::optional<Vec3d> corner_of(const Surfel& s) {
     Vec3d x;
+    const bool is_of_three = s.n_sheets() == 3;
+    const double small = is_of_three ? kSmallStep : kSmallStepOfSum;
     for (int step = 0; step < kSteps; ++step) {
-        const auto d = s.n_sheets() == 3 ? step_of_three(s, x) : step_of_all(s, x);
+        const auto d = is_of_three ? step_of_three(s, x) : step_of_all(s, x);
         if (!d) return std::nullopt;
         x += *d;
         if (!(sq_length(x) < kFarOff * kFarOff)) return std::nullopt;
-        if (sq_length(*d) < kSmallStep * kSmallStep) return x;
+        if (sq_length(*d) < small * small) return x;
     }
     return std::nullopt;
 }

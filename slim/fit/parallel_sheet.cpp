@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kExplained = 3;       // times what noise and price explain
 constexpr double kLeastPoints = 24;    // of a sheet, to say that it fills the disc
-constexpr double kBorder = 0.08;       // lean, over rho: of a straight border 0.15 rho off
+constexpr double kBorder = 0.04;       // lean, over rho: of a straight border 0.35 rho off
 constexpr double kByChance = 0.3;      // of a single point's lean, standard deviation
 constexpr double kSurely = 3;          // standard deviations
 
@@ -22,7 +22,7 @@ std::size_t count_sideways(const BallPoints<T>& p, std::span<const SetAside<T>> 
     const Vec3f up = to_float(sheet.frame.normal);
     std::vector<SetAside<T>> sideways;
     for (const SetAside<T>& a : aside)
-        if (dot(up, Vec3f{p.nx[a.index], p.ny[a.index], p.nz[a.index]}) >= sheet.sideways)
+        if (dot(up, Vec3f{p.nx[a.index], p.ny[a.index], p.nz[a.index]}) >= kOtherSideCos)
             sideways.push_back(a);
     return count_off_sheet<T>(p, sideways, sheet.frame, sheet.fit, sheet.tolerance);
 }

@@ -25,13 +25,7 @@ struct SheetFit {
     double sq_explained;   ///< eps^2 that noise and price explain, length^2
     double tolerance;      ///< farther off it is another side's, length
     double contrary_share; ///< of normals that noise turns out of a height field
-    /// cosine to the sheet's normal from which on a point faces sideways, as at a fold
-    float sideways = kOtherSideCos;
 };
-
-/// The same where edges get sheets of their own: the faces of a sharp edge that is less than 90
-/// degrees may face away by more than kOtherSideCos, those of two sheets are parallel.
-inline constexpr float kSidewaysAtEdges = -0.94f;
 
 /// points: without those set aside, which the fit left out.
 /// Cost: a pass over the points.

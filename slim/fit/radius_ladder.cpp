@@ -118,12 +118,12 @@ SheetEnd RadiusLadder::end_of(const LadderFit& found, const LadderWork& work) co
     const std::size_t off =
         count_off_sheet<float>(ball, work.aside, found.frame, found.fit, tolerance);
     if (within_noise(off, ball.n, rules_.contrary_share)) return SheetEnd::goes_on;
+    if (rules_.look_for_edges) return SheetEnd::ends;  // sheets of an acute edge, of a thin plate
     const double explained =
         energy_.noise_variance + energy_of(found.degree).price(ball.radius);
     return end_of_sheet<float>(
         ball, work.aside,
-        {found.frame, found.fit, explained, tolerance, rules_.contrary_share,
-         rules_.look_for_edges ? kSidewaysAtEdges : kOtherSideCos});
+        {found.frame, found.fit, explained, tolerance, rules_.contrary_share});
 }
 
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,

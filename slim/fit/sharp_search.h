@@ -12,7 +12,7 @@ namespace slim {
 /// Share of contrary normals of a cloud up to which one of them says "edge".
 inline constexpr double kCleanNormals = 1e-3;
 
-/// Bytes of a surfel of 1, 2, 3 sheets in the file over those of one sheet (quadratic; the other
+/// Bytes of a surfel of so many sheets in the file over those of one sheet (quadratic; the other
 /// degrees differ by less than a tenth).
 double sharp_price(std::size_t n_sheets);
 

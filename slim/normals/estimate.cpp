@@ -23,7 +23,7 @@ constexpr std::size_t kMostOfPatch = 512;
 
 // A noisy scan line is a strip, flat in its noise's plane: many more neighbours lie in another.
 constexpr double kFlat = 1.0 / 16, kOff = 0.7071;  // variances across and along; cosine
-constexpr std::size_t kManyMore = 16, kStripSamples = 300;
+constexpr std::size_t kManyMore = 16, kStripSamples = 300, kFewestStripSamples = 50;
 
 // neighbours of a point that the graph lists of more, evenly: what signs are voted by
 constexpr std::size_t kListed = 16;
@@ -127,11 +127,11 @@ Strips strips_of(const NearestSearch& search, std::span<const std::uint32_t> wan
 
 std::size_t neighbors_beyond_strips(const NearestSearch& search,
                                     std::span<const std::uint32_t> samples, std::size_t k) {
-    std::vector<std::uint32_t> wanted(samples.begin(),
-                                      samples.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                            samples.size(), kStripSamples)));
-    std::sort(wanted.begin(), wanted.end());
+    std::vector<std::uint32_t> wanted(samples.begin(), samples.end());
     std::erase_if(wanted, [&](std::uint32_t i) { return search.is_repeat(i); });
+    if (wanted.size() < kFewestStripSamples) return k;
+    wanted.resize(std::min(wanted.size(), kStripSamples));
+    std::sort(wanted.begin(), wanted.end());
     while (kManyMore * k <= search.size() && 2 * k <= kMostOfPatch) {
         const Strips found = strips_of(search, wanted, k);
         if (2 * found.n_flat < wanted.size() || 2 * found.n_off < found.n_flat) break;

@@ -22,7 +22,7 @@ struct SmoothModelRules {
 /// How much of a mesh lies at edges.
 struct EdgesSeen {
     std::size_t asked = 0;     ///< vertices that were looked at
-    std::size_t at_edges = 0;  ///< of these, where two or three sheets describe 60
+    std::size_t at_edges = 0;  ///< of these, where two sheets or more describe 60
                                ///< vertices or more better than one does
     double share() const {
         return asked > 0 ? static_cast<double>(at_edges) / static_cast<double>(asked) : 0;

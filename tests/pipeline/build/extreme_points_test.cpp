@@ -38,6 +38,7 @@ TEST_F(Extremes, Row06AllPointsInOnePlaceAreRefusedWithTheReason) {
         const std::string floats = write_floats("same.ply", cloud_at({1, 2, 3}, n));
         EXPECT_EQ(code_of([&] { built(floats); }), ExitCode::bad_data);
         EXPECT_FALSE(warned_of("finer detail"));
+        EXPECT_TRUE(warned_of("stored at one place"));
     }
     const std::string one = write_text("one.xyz", std::vector<Vec3d>(1, {1, 2, 3}));
     EXPECT_EQ(code_of([&] { built(one); }), ExitCode::bad_data);

@@ -31,6 +31,18 @@ TEST_F(FitStage, MissingNormalsAreExit6AndNamed) {
     EXPECT_NE(message_.find("slices 1:"), std::string::npos) << message_;
 }
 
+TEST_F(FitStage, NormalsOfAnotherVersionAreNamed) {
+    slice(write(sampled("sphere", 2000), "c.ply"), 1);
+    normals();
+    const auto path = manifest_path(oriented_points_path(file("work"), 0));
+    std::ifstream in(path);
+    auto manifest = nlohmann::json::parse(in);
+    for (auto& one : manifest["result"]["noise"]) one.erase("bins");
+    std::ofstream(path) << manifest.dump();
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::bad_data);
+    EXPECT_NE(message_.find("no manifest of this version"), std::string::npos) << message_;
+}
+
 TEST_F(FitStage, WritesSurfelsAndCounts) {
     slice(write(sampled("sphere", 10000), "c.ply"), 1);
     normals();

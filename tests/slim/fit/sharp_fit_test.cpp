@@ -64,8 +64,8 @@ Corner edge(double angle_deg, bool convex) {
 }
 
 std::optional<SharpFit> fit_corner(const Corner& corner, std::size_t n_sheets, double noise = 0,
-                                   std::uint64_t seed = 5, int degree = 2) {
-    PointBlock block = corner.sample(500, seed, noise);
+                                   std::uint64_t seed = 5, int degree = 2, bool on_edges = true) {
+    PointBlock block = corner.sample(500, seed, noise, on_edges);
     for (Vec3d& p : block.position) p = kCenter + p * 0.25;
     BallPoints<double> ball;
     gather_ball(tree_of(block), kCenter, 0.25, ball);
@@ -141,12 +141,17 @@ Corner apex(std::size_t n, double slope, bool convex) {
     return out;
 }
 
+/// The same of points that lie on faces alone, as those that meshes of faces are given do.
+std::optional<SharpFit> fit_faces(const Corner& corner, std::size_t n_sheets) {
+    return fit_corner(corner, n_sheets, 0, 5, 2, false);
+}
+
 TEST(SharpFit, RecoversAnApexOfFourToSixFaces) {
     for (std::size_t n = 4; n <= kMostSheets; ++n)
         for (const bool convex : {true, false}) {
             SCOPED_TRACE(testing::Message() << n << (convex ? " convex" : " concave"));
             const Corner corner = apex(n, 1.5, convex);
-            const auto fit = fit_corner(corner, n);
+            const auto fit = fit_faces(corner, n);
             ASSERT_TRUE(fit);
             EXPECT_EQ(fit->n_sheets, n);
             EXPECT_EQ(fit->outer, convex ? Join::max : Join::min);
@@ -164,7 +169,7 @@ TEST(SharpFit, RecoversFourFacesOfWhichOneIsUnlike) {
     corner.joined = [](const std::vector<double>& f) {
         return std::min(f[3], std::max({f[0], f[1], f[2]}));
     };
-    const auto fit = fit_corner(corner, 4);
+    const auto fit = fit_faces(corner, 4);
     ASSERT_TRUE(fit);
     EXPECT_EQ(fit->outer, Join::min);
     EXPECT_EQ(fit->inner, Join::max);
@@ -174,7 +179,7 @@ TEST(SharpFit, RecoversFourFacesOfWhichOneIsUnlike) {
 
 TEST(SharpFit, FlatFacesMayMeetAtTenDegreesButNoisyOnesNot) {
     const Corner corner = edge(10, true);
-    const auto fit = fit_corner(corner, 2);
+    const auto fit = fit_faces(corner, 2);
     ASSERT_TRUE(fit);
     EXPECT_LT(fit->sq_error, 1e-20);
     expect_same_solid(corner, *fit, 2e-3);

@@ -86,6 +86,19 @@ TEST(ScanLines, NeighboursOfAPlainSurfaceAreNoStrips) {
     }
 }
 
+TEST(ScanLines, RepeatsSayNothingOfStrips) {
+    std::vector<Vec3d> positions;
+    for (std::size_t i = 0; i < 300; ++i)
+        for (int copy = 0; copy < 40; ++copy)
+            positions.push_back(normalized(random_in_cube(7, i)));
+    const PointBlock block = along_curve(block_of(positions, std::vector<Vec3f>(positions.size())));
+    const NearestSearch search(block.position);
+    std::vector<std::uint32_t> repeats;
+    for (const std::uint32_t i : all_of(block))
+        if (search.is_repeat(i)) repeats.push_back(i);
+    EXPECT_EQ(neighbors_beyond_strips(search, repeats, 16), 16u);
+}
+
 TEST(ScanLines, PointsThatHaveNothingButALineAreCounted) {
     PointBlock block = circles(20000, 2000, 0);
     std::size_t degenerate = 0;
