@@ -118,12 +118,13 @@ double least_reference(const Bbox& bounds) {
 /// Where a light shines and how far its power is measured.
 void aim(WordList& words, const LightSetting& setting, LightSource& light) {
     const Vec3d middle = setting.bounds.center() + setting.origin;
+    const bool has_target = words.has("to");
     const Vec3d target = words.vector("to", middle) - setting.origin;
     const double distance = length(light.position - target);
     light.reference = distance;
-    if (!words.has("to"))
+    if (!has_target)
         light.reference = std::max(distance, least_reference(setting.bounds));
-    const bool aimed = light.kind != LightKind::point || words.has("to");
+    const bool aimed = light.kind != LightKind::point || has_target;
     if (!(light.reference > 0) || (aimed && !(distance > 0)))
         words.fail("expected it to be elsewhere than what it shines at (to)");
     if (!(light.reference < kFarthest * std::max(setting.bounds.diagonal(), 1e-300)))

@@ -161,7 +161,8 @@ TEST_F(RenderSays, HowManyBytesAPixelTakes) {
     c.aov = {"normal", "mean"};
     EXPECT_EQ(run(c)["plane_bytes"], 1 + 4 * 4);
     c.aov = {"normal"}, c.lines = {"parabolic"};
-    EXPECT_EQ(run(c)["plane_bytes"], 1 + (3 + 3 + 3) * 4);
+    // Normals, and the four of a line: positions, Hessians and what the surfels err by.
+    EXPECT_EQ(run(c)["plane_bytes"], 1 + (3 + 3 + 3 + 1) * 4);
 }
 
 TEST_F(RenderSays, AnglesOfViewAsTheLibraryTakesThem) {

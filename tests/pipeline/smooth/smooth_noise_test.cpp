@@ -126,7 +126,7 @@ TEST_F(SmoothStage, ScanLinesThatCloseAtPolesAreSmoothedThere) {
     for (const Vec3d& p : read_all(file("smooth.ply"), 30000).position)
         if (std::abs(p.z) > 0.9) poles.push_back(p);
     ASSERT_GT(poles.size(), 1000u);
-    EXPECT_LT(rms_distance("sphere", poles), 0.0006);
+    EXPECT_LT(rms_distance("sphere", poles), 0.001);  // of 0.003
 }
 
 TEST_F(SmoothStage, PointsThatStandThereTwiceAreAsNoisyAsOnce) {

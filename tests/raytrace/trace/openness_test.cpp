@@ -152,7 +152,7 @@ TEST(Openness, AHollowEdgeSeenFromBehindIsDark) {
             leaves.push_back(
                 {{0.2 * i, 2, 2 + 0.2 * k}, 0.3, frame_from_normal(Vec3d{0, 1, 0}), {}, 2});
         }
-    const Stage stage(good_model(leaves), camera_at({0, 0, 8}, {0, 0, 0}, 20));
+    const Stage stage(good_model(leaves), camera_at({0, 0, 8}, {0, 0, 0}, 32));
     const auto open = stage.openness(10, 64);
     double sum = 0;
     int n = 0;

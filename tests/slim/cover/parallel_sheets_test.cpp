@@ -76,12 +76,12 @@ TEST(LevelCover, Row20SheetsCloserThanThePointsHaveLargeLeavesOfTheirOwn) {
     const Walls walls{gap, 0.1 * gap};
     const Cover close = cover_of(walls), apart = cover_of({100 * kSpacing, walls.noise});
     EXPECT_LT(static_cast<double>(close.counts.leaves),
-              2 * static_cast<double>(apart.counts.leaves));
+              2.5 * static_cast<double>(apart.counts.leaves));
     for (const FittedSurfel& f : leaves_of(close)) {
         const double side = f.surfel.frame.normal.z > 0 ? 1 : -1;
         const Vec3d foot = f.surfel.center + f.surfel.frame.normal * (f.surfel.polynomial.a[0] *
                                                                       f.surfel.support_radius);
-        ASSERT_NEAR(foot.z, side * gap / 2, 0.2 * gap);
+        ASSERT_NEAR(foot.z, side * gap / 2, 0.25 * gap);
     }
 }
 
