@@ -158,15 +158,20 @@ void copy_columns(const PointBlock& from, PointBlock& out, std::size_t at) {
 struct SliceSelection::Part {
     std::string path;
     SliceReader slice;
-    std::vector<std::size_t> taken;  // of every piece, how many points
-    std::vector<PointBlock> kept;    // those of a piece that is taken in part
+    std::vector<std::size_t> taken;          // of every piece, how many points
+    std::vector<std::vector<bool>> chosen;   // which; empty: all or none of them, or kept
+    std::vector<PointBlock> kept;            // a few of a piece
     std::size_t n = 0;
 
     explicit Part(const std::string& of_slice)
-        : path(of_slice), slice(of_slice), taken(slice.pieces().size()), kept(taken.size()) {}
+        : path(of_slice),
+          slice(of_slice),
+          taken(slice.pieces().size()),
+          chosen(taken.size()),
+          kept(taken.size()) {}
 
-    /// choose(columns, i) says which points are wanted where a box does not. A piece of which it is
-    /// asked is read once: what is wanted of it is kept.
+    /// choose(columns, i) says which points are wanted where a box does not. A piece of which few
+    /// are is read once: these are kept. More would fill the heaps of all threads.
     template <class Choose>
     void take(const std::function<WantedOf(const Bbox&)>& wanted_of, const Choose& choose) {
         parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
@@ -184,8 +189,9 @@ struct SliceSelection::Part {
         parallel_blocks(taken.size(), 1, [&](std::size_t i, std::size_t) {
             if (taken[i] == 0) return;
             if (!kept[i].empty()) return copy_columns(kept[i], out, at[i]);
-            slice.with_piece(i,
-                             [&](const PieceColumns& columns) { columns.copy_to({}, out, at[i]); });
+            slice.with_piece(i, [&](const PieceColumns& columns) {
+                columns.copy_to(chosen[i], out, at[i]);
+            });
         });
     }
 
@@ -193,18 +199,23 @@ private:
     /// By one thread: while it waited for others it might read another piece into the same bytes.
     template <class Choose>
     void keep(std::size_t i, const PieceColumns& columns, const Choose& choose) {
-        std::vector<bool> chosen(slice.pieces()[i].n_points);
-        for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = choose(columns, k);
-        const auto n_chosen =
-            static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
-        taken[i] = n_chosen;
-        if (n_chosen == 0) return;
+        constexpr std::size_t kFew = 4;  // one in so many
+        std::vector<bool> wanted(slice.pieces()[i].n_points);
+        for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = choose(columns, k);
+        const auto n_wanted =
+            static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), true));
+        taken[i] = n_wanted;
+        if (n_wanted == 0 || n_wanted == wanted.size()) return;
+        if (kFew * n_wanted > wanted.size()) {
+            chosen[i] = std::move(wanted);
+            return;
+        }
         PointBlock& to = kept[i];
-        to.position.resize(n_chosen);
-        to.id.resize(n_chosen);
-        if (slice.has_normals()) to.normal.resize(n_chosen);
-        if (slice.has_scans()) to.scan.resize(n_chosen);
-        columns.copy_to(chosen, to, 0);
+        to.position.resize(n_wanted);
+        to.id.resize(n_wanted);
+        if (slice.has_normals()) to.normal.resize(n_wanted);
+        if (slice.has_scans()) to.scan.resize(n_wanted);
+        columns.copy_to(wanted, to, 0);
     }
 };
 

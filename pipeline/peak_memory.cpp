@@ -45,8 +45,8 @@ std::uint64_t high_water_mark() {
 }
 
 // Of the memory that may be taken: while the slices so far took no more, what they freed is kept.
-// Larger ones may follow, and what lies between blocks is a tenth (pipeline/notes/0005).
-constexpr double kRoomy = 0.75;
+// Larger ones may follow, and what lies between blocks is a tenth (pipeline/notes/0005, 0006).
+constexpr double kRoomy = 0.85;
 constexpr int kUsualMaps = 65536;  // blocks that glibc maps by themselves at a time, unless told
 
 void set_kept(std::uint64_t largest_block, std::uint64_t at_the_end, int most_maps = kUsualMaps) {

@@ -39,8 +39,8 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
 
 /// k, or twice as many and so on where the neighbours of most samples lie in a plane that is not
 /// that of many more: scan lines far from each other whose noise is thick within their own plane.
-/// samples: by falling priority; 300 that are no repeats serve, k is kept of fewer than 50. Cost: 10
-/// us a sample.
+/// samples: by falling priority; 300 that are no repeats serve, k is kept of fewer than 50. Cost:
+/// 10 us a sample.
 std::size_t neighbors_beyond_strips(const NearestSearch& search,
                                     std::span<const std::uint32_t> samples, std::size_t k);
 

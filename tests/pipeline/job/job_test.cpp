@@ -118,7 +118,8 @@ TEST(Job, RefusesUnknownTablesAndKeysWithTheirLine) {
         {"[output]\ndirr = 'x'\n", ":4: unknown key 'dirr' (did you mean 'dir'?)"},
         {"[[view]]\nname = 'a'\n[[view]]\nname = 'a'\n", ":5: a second view of the name 'a'"},
         {"[fit.more]\n", "unknown table [more]"},
-        {"[fit]\nsharp = 'off'\n[[view]]\nlines = ['crease']\n", "expected sharp = \"on\" in [fit]"},
+        {"[fit]\nsharp = 'off'\n[[view]]\nlines = ['crease']\n",
+         "expected sharp = \"on\" in [fit]"},
         {"[input.scan]\nshape = 'torus'\n", "expected either files or a scan"},
     };
     for (const auto& [text, message] : cases) {

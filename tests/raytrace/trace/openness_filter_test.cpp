@@ -72,8 +72,8 @@ TEST(OpennessFilter, TakesNoiseOfFewSamplesAway) {
     EXPECT_GT(rms_from(f.filtered(4096), 0.5f), 0.9 * rms_from(f.open, 0.5f));
 }
 
-// A place of the 4 x 4 has the same samples everywhere: what it differs by is no grain but a pattern
-// of stripes.
+// A place of the 4 x 4 has the same samples everywhere: what it differs by is no grain but a
+// pattern of stripes.
 TEST(OpennessFilter, TakesThePatternOfInterleavedSamplesAway) {
     const auto of_place = [](int x, int y) { return noise(x % 4, y % 4); };
     float mean = 0;
