@@ -1,5 +1,6 @@
 #include "pipeline/build/cloud_survey.h"
 
+#include "slim/base/common_box.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 
@@ -36,17 +37,6 @@ private:
     std::uint64_t done_ = 0;
     std::uint64_t total_ = 0;
 };
-
-/// What both boxes hold; empty() where that is nothing.
-Bbox common(const Bbox& a, const Bbox& b) {
-    Bbox out;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        out.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
-        out.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
-        if (!(out.lo[axis] <= out.hi[axis])) return {};
-    }
-    return out;
-}
 
 /// Takes the chunks of one input after another into a survey.
 class Surveyor {

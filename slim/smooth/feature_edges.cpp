@@ -19,6 +19,8 @@ constexpr std::size_t kLeastPoints = 60;  ///< of a fold of a scan fewer
                                           ///< agree, of a part's edge more
 constexpr double kLeastShare = 0.08;      ///< parts: 9.0 % and more; scans and
                                           ///< heads: 5.3 % and less (notes/0008)
+constexpr double kFacets = 0.866;         ///< cosine of normals: rows of vertices of one
+                                          ///< normal, as bends have, make flat facets
 constexpr double kSure = 3;               ///< standard errors
 constexpr std::size_t kGrain = 8;
 
@@ -56,6 +58,14 @@ CoverRules rules_of(const SmoothModelRules& model) {
     return rules;
 }
 
+/// Whether no two of the sheets are facets of a bend.
+bool is_edge(const Surfel& s) {
+    for (std::size_t a = 1; a < s.n_sheets(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (dot(s.sheet_frame(a).normal, s.sheet_frame(b).normal) > kFacets) return false;
+    return s.n_sheets() > 1;
+}
+
 bool is_sure(const EdgesSeen& seen) {
     const double n = static_cast<double>(seen.asked), p = std::max(seen.share(), 1 / n);
     return std::abs(seen.share() - kLeastShare) > kSure * std::sqrt(p * (1 - p) / n);
@@ -86,7 +96,8 @@ EdgesSeen feature_edges(const Mesh& mesh, const SmoothModelRules& model) {
                 LeafCandidate c;
                 c.point = pyramid.by_priority()[i];
                 maker.choose(c, work);
-                at_edge[i] = c.n_sheets > 1 && c.surfel.fitted.n_points >= kLeastPoints;
+                const FittedSurfel& found = c.surfel.fitted;
+                at_edge[i] = found.n_points >= kLeastPoints && is_edge(found.surfel);
             }
         });
         seen.asked = last;

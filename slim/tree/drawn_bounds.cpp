@@ -1,5 +1,6 @@
 #include "slim/tree/drawn_bounds.h"
 
+#include "slim/base/common_box.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
 #include "slim/tree/drawn_hull.h"
@@ -34,16 +35,6 @@ Bbox box_about(const Vec3d& center, const Vec3d& reach) {
     box.extend(center - reach);
     box.extend(center + reach);
     return box;
-}
-
-Bbox common(const Bbox& a, const Bbox& b) {
-    Bbox out;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        out.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
-        out.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
-        if (!(out.lo[axis] <= out.hi[axis])) return {};
-    }
-    return out;
 }
 
 /// One of six: up or down an axis.

@@ -30,9 +30,7 @@ Mesh sheet(std::size_t n, const Height& z) {
 
 /// Roofs side by side, as steep as stairs; a wave with the same rise.
 double roofs(double x, double) { return std::abs(std::remainder(x, 0.5)); }
-double wave(double x, double y) {  // bent along, too: rows of equal normals would be facets
-    return 0.125 * std::cos(4 * M_PI * (x + 0.05 * std::sin(2 * M_PI * y)));
-}
+double wave(double x, double) { return 0.125 * std::cos(4 * M_PI * x); }
 
 SmoothModelRules rules() { return {.diagonal = std::sqrt(2.0), .noise_variance = 1e-12}; }
 
