@@ -28,8 +28,8 @@ Footprint footprint_of(const BallPoints<double>& ball, const Frame<double>& fram
 /// `clearly` of its radius.
 bool misses_center(const FittedSurfel& surfel, double noise_variance, double clearly);
 
-/// Adds the signs of an acute edge, whose other face is among what was set aside as facing away: the
-/// two sides of a sheet stand back to back, these do not (slim/fit/notes/0018).
+/// Adds the signs of an acute edge, whose other face is among what was set aside as facing away:
+/// the two sides of a sheet stand back to back, these do not (slim/fit/notes/0018).
 void list_acute_edges(const BallPoints<double>& ball, std::span<const SetAside<double>> aside,
                       CoveringSurfel& out);
 
