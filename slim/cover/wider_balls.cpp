@@ -65,10 +65,7 @@ bool is_well_fitted(const CoveringSurfel& leaf) {
 }
 
 bool has_edge_signs(const CoveringSurfel& leaf) {
-    // Where edges are real, those of a tip's own point are one or two.
-    const std::size_t few =
-        leaf.edges_are_real ? std::min(kFewSigns, leaf.covered.size() / 2) : kFewSigns;
-    return leaf.edges.size() > few || !leaf.edge_points.empty();
+    return leaf.edges.size() > kFewSigns || !leaf.edge_points.empty();
 }
 
 bool ends_before_air(const CoveringSurfel& leaf) {
