@@ -19,6 +19,7 @@ constexpr double kSharpTurn = 40 * M_PI / 180;  // more ends a region
 constexpr double kFacetTurn = 12 * M_PI / 180;  // more may be an edge of its own
 constexpr double kLeastTurn = 2 * M_PI / 180;   // less does not bend it
 constexpr double kParallel = 0.966;             // cos 15 degrees: edges that run side by side
+constexpr double kOneLine = 1e-4;               // of its length: nearer is an edge met in its middle
 constexpr std::size_t kMostPaired = 2000;       // sharp edges of which each pair is looked at
 constexpr double kSparseShare = 0.5;            // of a piece's area, in large faces
 
@@ -147,7 +148,8 @@ std::vector<double> thicknesses(const std::vector<SharpEdge>& edges) {
         for (std::size_t j = 0; j < i; ++j) {
             if (edges[i].piece != edges[j].piece || share_a_region(edges[i], edges[j])) continue;
             const double d = apart(edges[i], edges[j]);
-            if (d > 0) out[i] = std::min(out[i], d), out[j] = std::min(out[j], d);
+            if (d > kOneLine * length(edges[i].to - edges[i].from))
+                out[i] = std::min(out[i], d), out[j] = std::min(out[j], d);
         }
     return out;
 }
