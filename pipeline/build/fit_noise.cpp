@@ -129,7 +129,10 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);
     out.are_estimated = 2 * said.estimated > said.points;
-    out.contrary_share = said.points > 0 ? said.noisy / said.points : 0;
+    // What stands contrary among normals that faces gave is a thin part's other side or an edge.
+    const bool are_faces_own =
+        is_made_of_faces(plan) && said.not_own <= kFewEstimated * said.points;
+    out.contrary_share = said.points > 0 && !are_faces_own ? said.noisy / said.points : 0;
     return out;
 }
 

@@ -243,8 +243,11 @@ void LeafMaker::sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) c
     auto found = sharp_.choose(center, c.choice, work.ladder);
     if (!found) {
         const Vec3d normal = normalized(to_double(block_.normal[c.point]));
+        const double before = c.choice.radius;
         c.choice.radius =
             static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
+        // A tip's own point: no larger ball holds more of a surface.
+        if (c.choice.radius < 0.99 * kGoldenRatio * kGoldenRatio * before) c.choice.limited = false;
         return;
     }
     found->radius = static_cast<float>(found->radius);
