@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/cover/scatter.h"
+#include "slim/cover/strays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,10 +23,13 @@ constexpr double kBlurred = 0.25;
 // points of a ball: of fewer there is no saying where a surface ends
 constexpr std::size_t kFewForAir = 8;
 constexpr double kThickForAir = 0.1;  // eps / rho: thicker leaves have no surface to stand off from
+constexpr double kSparser = 1.3;  // times the usual finest ball: strays' may be as large
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
-LadderRules ladder_rules(const CoverRules& rules) {
+/// ends_with_points: leaves that go on past another sheet become smaller where they end.
+LadderRules ladder_rules(const CoverRules& rules, bool ends_with_points) {
     LadderRules ladder = rules.ladder;
+    if (ends_with_points) ladder.most_lean = 2 * kLeanOfBorder;
     ladder.top_rung = rules.top_rung();
     ladder.look_for_edges = rules.sharp;
     return ladder;
@@ -36,22 +40,26 @@ bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
 }
 
+/// The radius of the smallest ball that holds enough points.
+double finest_of(const RadiusChoice& choice) {
+    return choice.forced ? choice.radius : choice.finest;
+}
+
 }  // namespace
 
 LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules, const PointPyramid& pyramid)
     : block_(points),
       rules_(rules),
       pyramid_(pyramid),
+      spacing_(rules.spacing > 0 || points.size() == 0 ? rules.spacing : spacing_here()),
       ladder_(pyramid, rules.energy(), level_radius(rules.diagonal, 1), rules.least_radius,
-              rules.degree, ladder_rules(rules)),
+              rules.degree, ladder_rules(rules, ends_with_points())),
       windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
       sharp_(pyramid, rules.energy(), rules.typical_variance,
              level_radius(rules.diagonal, 1 + rules.top_rung()), rules.usual_degree(),
              rules.ladder),
-      place_(points.size()),
-      spacing_(rules.spacing) {
-    if (!(spacing_ > 0) && points.size() > 0) spacing_ = spacing_here();
+      place_(points.size()) {
     parallel_blocks(pyramid_.all().size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
@@ -83,8 +91,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     c.choice = choose_radius(place_[c.point], normal, c.level, work);
-    const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
-    c.sparse = finest > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
+    c.sparse = finest_of(c.choice) > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
@@ -92,8 +99,20 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     if (may_widen && relative_noise() < kLittleNoise) widen(c, center, normal, work);
     if (may_widen && are_edges_in_noise() && c.choice.degree < 3)
         widen_over_plate(c, center, normal, work);
+    if (is_resolved && c.n_sheets == 1) end_with_points(center, normal, c.choice, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
+}
+
+/// Whether a point, where points are sparser than usual, is one of a cloud's strays. A sample's are
+/// all sparse.
+bool LeafMaker::is_among_strays(const LeafCandidate& c, LeafWork& work) const {
+    const double finest = finest_of(c.choice);
+    const double density = rules_.stray_density;
+    if (!(density > 0) || rules_.is_sample() || finest < kSparser * kFinestBall * spacing_)
+        return false;
+    return stands_among_strays(pyramid_.all(), block_.position[c.point], finest, density,
+                               work.exact.ball);
 }
 
 bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
@@ -120,6 +139,9 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
 /// sqrt(lambda) over the spacing.
 double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_variance) / spacing_; }
 
+/// Whether single points say where a sheet ends.
+bool LeafMaker::ends_with_points() const { return relative_noise() < kBlurred; }
+
 /// A leaf with its points, and where it stands in the air if it ended early.
 CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal,
                                        const RadiusChoice& choice, LeafWork& work) const {
@@ -137,7 +159,7 @@ void LeafMaker::list_with_air(const RadiusChoice& choice, const LeafWork& work,
     const bool is_thin = leaf.fitted.fit_error <= kThickForAir * leaf.fitted.surfel.support_radius;
     const bool ended_early =
         (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
-    if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
+    if (ended_early && is_thin && edges() != Edges::real && ends_with_points())
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
 }
 
@@ -166,6 +188,11 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
                                          rules_.usual_degree(), rules_.noise_variance,
                                          work.exact.ball, work.sharp);
+        return;
+    }
+    if (is_among_strays(c, work)) {
+        c.choice.isolated = true;
+        c.leaf = false;
         return;
     }
     bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;

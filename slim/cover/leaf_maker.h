@@ -72,6 +72,7 @@ private:
 
     double spacing_here() const;
     double relative_noise() const;
+    bool ends_with_points() const;
     bool passes_over(const CoveringSurfel& leaf) const;
     bool is_too_large(const LeafCandidate& c) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
@@ -100,20 +101,23 @@ private:
     enum class Glance : std::uint8_t { undecided, scatter, unexplained };
     Glance glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
                   LeafWork& work) const;
+    bool is_among_strays(const LeafCandidate& c, LeafWork& work) const;
     bool leaves_center(const LeafCandidate& c) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);
     /// leaf_maker_inwards.cpp.
+    void end_with_points(const Vec3d& center, const Vec3d& normal, RadiusChoice& choice,
+                         LeafWork& work) const;
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;
     const CoverRules& rules_;
     const PointPyramid& pyramid_;
+    double spacing_;
     RadiusLadder ladder_;
     RadiusWindows windows_;
     SharpSearch sharp_;
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
-    double spacing_;
 };
 
 }  // namespace slim

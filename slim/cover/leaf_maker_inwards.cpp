@@ -1,5 +1,6 @@
-// Leaves at borders, centred further inwards.
+// Leaves at borders: smaller, or centred further inwards.
 
+#include "slim/cover/leaf_end.h"
 #include "slim/cover/leaf_maker.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@ namespace {
 
 // of rho: how far its centre moves, so that it still covers the point
 constexpr double kInwards = 0.45;
+constexpr int kMostSmaller = 6;          // times that a leaf becomes smaller to end with its points
 constexpr double kClearlySmaller = 0.8;  // share of rho: the data further inwards ask for less
 
 /// Index in the full tree of the point nearest to p within a radius.
@@ -31,6 +33,19 @@ std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p
 
 }  // namespace
 
+/// A ladder that goes on past another sheet comes to balls in which its own sheet ends: at the rim
+/// of a thin thing. There a leaf is so small that it is drawn hardly beyond its points (notes/0018).
+void LeafMaker::end_with_points(const Vec3d& center, const Vec3d& normal, RadiusChoice& choice,
+                                LeafWork& work) const {
+    if (!choice.past_sheet || !ends_with_points()) return;
+    for (int i = 0; i < kMostSmaller; ++i) {
+        const double share = share_at_end(fit(center, normal, choice, work, Lists::made));
+        if (share == 1 || share * choice.radius < choice.finest) return;
+        choice.radius = static_cast<float>(share * choice.radius);
+        choice.saturated = false;
+    }
+}
+
 /// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that
 /// covers the border point as well reaches beyond it by a quarter of that only; it takes the leaf's
 /// place if its own radius allows it. If the radius there is smaller, the border must not have a
@@ -48,13 +63,14 @@ std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower,
     const Vec3d normal = normalized(to_double(tree.normal(*place)));
     if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
     const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
+    RadiusChoice moved_choice = choice;
     // Never larger than at the border: it still stands near it.
-    const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
+    moved_choice.radius = std::min<double>(static_cast<float>(choice.radius), rho);
+    end_with_points(center, normal, moved_choice, work);
+    const double radius = moved_choice.radius;
     if (choice.forced || (edges() != Edges::real && radius < choice.finest)) return {};
     if (radius < kClearlySmaller * rho) return radius;
     if (radius < lower || length(center - from) > 0.5 * radius) return {};
-    RadiusChoice moved_choice = choice;
-    moved_choice.radius = radius;
     CoveringSurfel moved = fit_with_air(center, normal, moved_choice, work);
     if (rounds_off(moved) || passes_over(moved)) return kGoldenRatio * radius;
     const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
