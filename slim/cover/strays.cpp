@@ -15,7 +15,7 @@ namespace slim {
 namespace {
 
 // Times the density of strays, which is their mean without those near a surface, and deviations.
-constexpr double kDenser = 3, kByChance = 3;
+constexpr double kDenser = 6, kByChance = 6;
 constexpr double kFillsSpace = 0.12;  // thick: at an edge 0.085, at a corner of a cube 0.13
 constexpr double kGrowsFast = 4.8;    // growth
 constexpr double kOff = 0.1;          // off, of a centre above a surface that the ball reaches
@@ -47,7 +47,7 @@ bool stands_among_strays(const PointTree& points, const Vec3d& center, double ra
     const double inner = kGoldenRatio * radius;
     const double expected =
         stray_density * 4 / 3 * std::numbers::pi * inner * inner * inner;
-    const double most = kDenser * expected + kByChance * std::sqrt(expected) + 1;
+    const double most = kDenser * expected + kByChance * std::sqrt(expected) + 3;
     const auto enough = static_cast<std::size_t>(most) + 1;
     if (count_in_ball(points, center, inner, enough) >= enough) return false;
     gather_ball(points, center, 2 * radius, ball);
