@@ -42,7 +42,7 @@ TEST(Strays, FillSpaceOrLieOffASurface) {
 TEST(Strays, AreHardlyDenserThanTheOthers) {
     const auto fill = [](double x, double y, double z) { return Vec3d{x, y, z}; };
     EXPECT_TRUE(is_stray(0.27, fill, 500));  // as these are
-    EXPECT_FALSE(is_stray(0.27, fill, 20));  // a bush
+    EXPECT_FALSE(is_stray(0.27, fill, 2));  // a bush
 }
 
 TEST(Strays, ASurfaceAnEdgeALineOrTwoSheetsAreNone) {
