@@ -71,7 +71,8 @@ nlohmann::json rules_json(const CoverRules& rules) {
 std::string shared_values(const CoverRules& rules) {
     return fmt::format("lambda {} contrary {} spacing {} typical {} normals {} refits {} strays {}",
                        rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
-                       rules.typical_variance, rules.follow_normals, rules.refits, rules.stray_density);
+                       rules.typical_variance, rules.follow_normals, rules.refits,
+                       rules.stray_density);
 }
 
 }  // namespace slim

@@ -34,7 +34,8 @@ std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p
 }  // namespace
 
 /// A ladder that goes on past another sheet comes to balls in which its own sheet ends: at the rim
-/// of a thin thing. There a leaf is so small that it is drawn hardly beyond its points (notes/0018).
+/// of a thin thing. There a leaf is so small that it is drawn hardly beyond its points
+/// (notes/0018).
 void LeafMaker::end_with_points(const Vec3d& center, const Vec3d& normal, RadiusChoice& choice,
                                 LeafWork& work) const {
     if (!choice.past_sheet || !ends_with_points()) return;

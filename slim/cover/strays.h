@@ -22,7 +22,8 @@ BallShape shape_of(const BallPoints<double>& ball);
 /// are (notes/0019): about it points are hardly denser than those, and in the ball of twice the
 /// radius they fill space, or are a surface that the centre lies off. To be asked where points are
 /// sparse only: noise thicker than their spacing looks like that.
-/// stray_density: strays to the volume; ball: workspace. Cost: a ball of four times the points on a surface.
+/// stray_density: strays to the volume; ball: workspace.
+/// Cost: a ball of four times the points on a surface.
 bool stands_among_strays(const PointTree& points, const Vec3d& center, double radius,
                          double stray_density, BallPoints<double>& ball);
 
