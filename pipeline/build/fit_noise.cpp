@@ -25,6 +25,7 @@ constexpr double kFewEstimated = 0.01;
 // lambda over the squared spacing, at most, of points on faces, which have no noise: what edges of
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
+constexpr double kStrayed = 2;  // the plain mean over lambda: 1 without strays and noisy parts
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -108,6 +109,11 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
     return out;
 }
 
+double volume_of(const Bbox& box) {
+    const Vec3d e = box.extent();
+    return e.x * e.y * e.z;
+}
+
 }  // namespace
 
 GlobalNoise read_global_noise(const std::string& work, double lambda, const SlicePlan& plan) {
@@ -124,6 +130,10 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double floor = 16 * quantum * quantum;
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), floor);
+    const bool is_strayed = chosen.value > kStrayed * robust_noise(chosen).variance;
+    const double volume = volume_of(plan.bounds);
+    if (is_strayed && volume > 0)
+        out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
     out.floored = lambda <= 0 && measured < floor;
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&

@@ -2,6 +2,7 @@
 
 #include "pipeline/build/given_normals.h"
 #include "pipeline/build/normals_rims.h"
+#include "pipeline/build/own_points.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
@@ -48,11 +49,6 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     for (std::uint32_t i = 0; i < points.size(); ++i)
         if (!(sq_length(points.normal[i]) > 0)) out.push_back(i);
     return out;
-}
-
-std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
-    return static_cast<std::size_t>(
-        std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
 }
 
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are

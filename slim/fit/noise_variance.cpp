@@ -2,6 +2,7 @@
 
 #include "slim/fit/normal_variance.h"
 #include "slim/normals/covariance.h"
+#include "slim/normals/scan_line.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,14 +18,11 @@ constexpr std::size_t kFew = kFewestSamples;
 
 // of the squared spacing: below it a neighbourhood is flat
 constexpr double kRounding = 1e-12;
-// of the largest eigenvalue: below it a neighbourhood is a line, which is flat whatever the noise
-constexpr double kLine = 1.0 / 8;
-constexpr double kThin = 1.0 / 16, kOff = 0.7071;  // of the middle one; cosine
 
 /// 0 of a plane, 1 of a ball and of a line of a scan whose next ones are far (normals notes/0005).
 double flatness_of(const Spread& s) {
     if (!(s.largest > 0)) return 0;
-    return s.middle > kLine * s.largest ? s.smallest / s.middle : 1;
+    return is_on_line(s) ? 1 : s.smallest / s.middle;
 }
 
 // Strays are fewer, and so many times the variance that all others stay below.
@@ -51,8 +49,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     std::vector<Flatness> found(n);
     // A noisy scan line is flat in the plane of its noise, which is not that of the normals.
     const auto is_strip = [&](const Spread& s, std::uint32_t i) {
-        return !normals.empty() && s.smallest < kThin * s.middle &&
-               std::abs(dot(s.normal, to_double(normals[i]))) < kOff;
+        return !normals.empty() && is_flat(s) && is_other_plane(s, to_double(normals[i]));
     };
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
         if (neighbors.size() < 3) return;
@@ -143,6 +140,12 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
     return places;
 }
 
+/// Of a usual neighbourhood.
+double sq_reach_of(const NoiseVariance& noise) {
+    const double sq_spacing = noise.spacing * noise.spacing;
+    return static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
+}
+
 }  // namespace
 
 NoiseVariance estimate_noise_variance(const NearestSearch& search,
@@ -157,9 +160,17 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
     return out;
 }
 
+double stray_share(const NoiseVariance& noise) {
+    if (noise.n_sampled == 0) return 0;
+    const double most =
+        std::max(kBeyondOthers * noise.bins.quantile(0.5), kNoSurface * sq_reach_of(noise));
+    const double others = static_cast<double>(noise.bins.mean_up_to(most).n);
+    return 1 - others / static_cast<double>(noise.n_sampled);
+}
+
 RobustNoise robust_noise(const NoiseVariance& noise) {
     const double sq_spacing = noise.spacing * noise.spacing;
-    const double sq_reach = static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
+    const double sq_reach = sq_reach_of(noise);
     const VarianceBins& bins = noise.bins;
     const VarianceBins::Bin others = bins.mean_up_to(
         std::max(kBeyondOthers * bins.quantile(1 - kMostStrays), kNoSurface * sq_reach));

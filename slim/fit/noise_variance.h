@@ -55,6 +55,10 @@ struct RobustNoise {
     double flatness = 0;
 };
 
+/// Share of the samples that no surface of the usual spacing explains and that are far beyond the
+/// median: strays, but for those near a surface.
+double stray_share(const NoiseVariance& noise);
+
 /// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that
 /// no surface of the usual spacing explains and that are far beyond nearly all others are strays
 /// and left out. Noise of a part, more than edges show and not in the median, adds to lambda what

@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/normals/covariance.h"
+#include "slim/normals/scan_line.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,16 +14,12 @@ namespace {
 // middle / largest eigenvalue below which the points lie on a line
 constexpr double kSpansPlane = 1e-10;
 
-// Below it they lie on a scan line whose next ones are far: of scans spaced alike one in a thousand
-// is, and of its neighbours not even half are (notes/0005).
-constexpr double kLine = 1.0 / 8;
 constexpr std::size_t kFewLines = 100;  // less than one in so many points is let be
-// From here on more neighbours are a patch.
+// middle / largest eigenvalue from which on more neighbours of a point on a line are a patch
 constexpr double kPatch = 1.0 / 4;
 constexpr std::size_t kMostOfPatch = 512;
 
-// A noisy scan line is a strip, flat in its noise's plane: many more neighbours lie in another.
-constexpr double kFlat = 1.0 / 16, kOff = 0.7071;  // variances across and along; cosine
+// The plane of a strip is not that of many more neighbours.
 constexpr std::size_t kManyMore = 16, kStripSamples = 300, kFewestStripSamples = 50;
 
 // neighbours of a point that the graph lists of more, evenly: what signs are voted by
@@ -31,9 +28,7 @@ constexpr std::size_t kListed = 16;
 /// What the neighbours of a point are.
 enum class Kind : std::uint8_t { unknown, patch, line };
 
-Kind kind_of(const Spread& spread, double least) {
-    return spread.middle > least * spread.largest ? Kind::patch : Kind::line;
-}
+Kind kind_of(const Spread& spread) { return is_on_line(spread) ? Kind::line : Kind::patch; }
 
 /// Lists some of a point's neighbours, evenly; of fewer the rest of the row is the point itself.
 void list_neighbors(NeighborGraph& graph, std::size_t row, std::span<const std::uint32_t> found) {
@@ -73,7 +68,7 @@ std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search
         std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
         search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
             const Spread spread = spread_of(points.position, neighbors);
-            is_left[r] = kind_of(spread, kPatch) == Kind::line;
+            is_left[r] = !(spread.middle > kPatch * spread.largest);
             if (is_left[r] != 0) return;
             points.normal[wanted[r]] = normalized(to_float(spread.normal));
             list_neighbors(graph, rows[r], neighbors);
@@ -116,9 +111,9 @@ Strips strips_of(const NearestSearch& search, std::span<const std::uint32_t> wan
     Strips found;
     for (std::size_t w = 0; w < wanted.size(); ++w) {
         const Spread& s = few[w];
-        if (kind_of(s, kLine) == Kind::line || s.smallest > kFlat * s.middle) continue;
+        if (is_on_line(s) || !is_flat(s)) continue;
         ++found.n_flat;
-        found.n_off += std::abs(dot(s.normal, many[w].normal)) < kOff;
+        found.n_off += is_other_plane(s, many[w].normal);
     }
     return found;
 }
@@ -159,7 +154,7 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         const Spread spread = spread_of(points.position, neighbors);
         const bool counts = counted.empty() || counted[searched[r]];
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
-        kinds[searched[r]] = kind_of(spread, kLine);
+        kinds[searched[r]] = kind_of(spread);
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         list_neighbors(graph, rows[r], neighbors);
     });

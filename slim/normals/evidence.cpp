@@ -1,6 +1,7 @@
 #include "slim/normals/evidence.h"
 
 #include "slim/normals/covariance.h"
+#include "slim/normals/outside.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,6 @@ constexpr double kOff = 0.7071;            // cosine
 constexpr std::size_t kFewestFlat = 50;
 constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in a hundred is flat
 constexpr double kManyOff = 0.15;
-constexpr double kClearFlux = 0.15;        // over the size, of a shape that has an inside
 constexpr double kSmallHole = 0.25;        // over the area
 constexpr double kMostArea = 100;          // medians: what stands for more is a stray far off
 

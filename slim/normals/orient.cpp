@@ -1,5 +1,6 @@
 #include "slim/normals/orient.h"
 
+#include "slim/normals/outside.h"
 #include "slim/normals/sign_groups.h"
 #include "slim/normals/sign_merge.h"
 
@@ -14,8 +15,6 @@ namespace {
 constexpr float kSteep = 0.5f;  // |n_z| of a slope of 60 degrees
 // share of points less steep in a scene that is seen from above
 constexpr double kMostlyFlat = 0.8;
-// |sum (p - c) . n| / sum |p - c| of a shape that has an outside
-constexpr double kClearFlux = 0.15;
 // |sum of normals| over their number of a shape that is closed but for small holes: of a bowl 0.5
 constexpr double kSmallHole = 0.25;
 // hints on a component's side less those on the other, of all: enough to outweigh a closed shape
