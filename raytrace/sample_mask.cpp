@@ -1,7 +1,6 @@
 #include "raytrace/sample_mask.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace slim {
 namespace {
@@ -27,9 +26,8 @@ bool SampleMask::any_sample(const PixelWindow& s) const {
     const auto up = [](int n) { return (n + kSide - 1) / kSide; };
     const int x = s.x / kSide, y = s.y / kSide;
     const PixelWindow on = shared({x, y, up(s.x + s.width) - x, up(s.y + s.height) - y}, part_);
-    const auto width = static_cast<std::size_t>(on.width);
     for (int row = on.y; row < on.y + on.height; ++row)
-        if (std::memchr(pixel(on.x, row), 1, width)) return true;
+        if (any_of_row(on.x, row, on.width)) return true;
     return false;
 }
 
@@ -54,14 +52,12 @@ PixelWindow SampleMask::bounds_in(const PixelWindow& window) const {
     const PixelWindow on = shared(window, part_);
     int x0 = on.x + on.width, x1 = on.x, y0 = on.y + on.height, y1 = on.y;
     for (int y = on.y; y < on.y + on.height; ++y) {
+        if (!any_of_row(on.x, y, on.width)) continue;
         const std::uint8_t* const row = pixel(on.x, y);
-        const auto width = static_cast<std::size_t>(on.width);
-        const void* const first = std::memchr(row, 1, width);
-        if (!first) continue;
-        const std::uint8_t* last = row + width;
-        while (last[-1] == 0) --last;
-        x0 = std::min(x0, on.x + static_cast<int>(static_cast<const std::uint8_t*>(first) - row));
-        x1 = std::max(x1, on.x + static_cast<int>(last - row));
+        int first = 0, last = on.width;
+        while (row[first] == 0) ++first;
+        while (row[last - 1] == 0) --last;
+        x0 = std::min(x0, on.x + first), x1 = std::max(x1, on.x + last);
         y0 = std::min(y0, y), y1 = y + 1;
     }
     if (x0 >= x1) return {};

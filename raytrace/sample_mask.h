@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,16 @@ private:
         return wanted_.data() +
                static_cast<std::size_t>(y - part_.y) * static_cast<std::size_t>(part_.width) +
                static_cast<std::size_t>(x - part_.x);
+    }
+
+    /// Whether any of n pixels of a row of the part is wanted.
+    bool any_of_row(int x, int y, int n) const {
+        const std::uint8_t* const row = pixel(x, y);
+        std::uint64_t any = 0, eight;
+        int k = 0;
+        for (; k + 8 <= n; k += 8) std::memcpy(&eight, row + k, 8), any |= eight;
+        for (; k < n; ++k) any |= row[k];
+        return any != 0;
     }
 
     PixelWindow part_;

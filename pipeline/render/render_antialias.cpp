@@ -173,7 +173,9 @@ void smooth_edges(const RenderJob& job, const PicturePart& part, Frames& frames)
             drawing.draw(windows[i].drawn, samples);
             light_counts[i] = samples.light_counts;
             for (EdgePicture& p : pictures)
-                copy_marked(painted(job, p.aov, samples), windows[i], part.drawn, p);
+                if (p.aov == "shaded") copy_marked(samples.shaded, windows[i], part.drawn, p);
+                else
+                    copy_marked(painted(job, p.aov, samples), windows[i], part.drawn, p);
         }
     });
     for (const TraceCounts& counts : light_counts) frames.plain.light_counts += counts;

@@ -129,6 +129,14 @@ void leave_out_unmarked(const MarkedTiles* marked, ScreenRect& rect) {
     if (marked && !rect.empty() && !marked->any(rect)) rect = {};
 }
 
+/// Whether a ball is seen on tiles that are drawn, before more is known of its surfel.
+bool may_be_seen(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
+                 const MarkedTiles* marked) {
+    if (!marked) return true;
+    const ScreenRect rect = screen_rect(view, window, c, radius);
+    return !rect.empty() && marked->any(rect);
+}
+
 /// Surfels of the cut that have records, worked out side by side.
 template <int Degree>
 class RecordBatch {
@@ -234,7 +242,7 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
         item.general = 0;
         bound_ball(view, window, c, radius, item, list.whole[i], list.core[i]);
         leave_out_unmarked(marked, list.whole[i].rect);
-    } else if (c.z + radius >= view.near_plane) {
+    } else if (c.z + radius >= view.near_plane && may_be_seen(view, window, c, radius, marked)) {
         batch.add(c, tree, node, i);
     } else {
         list.whole[i].rect = {};
