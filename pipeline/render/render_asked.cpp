@@ -1,6 +1,7 @@
 #include "pipeline/render/render_asked.h"
 
 #include "pipeline/contains.h"
+#include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
 #include "slim/base/error.h"
 
@@ -115,6 +116,10 @@ void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
             config.model +
             ": aov color: the model has no colours: build it with --color, from a PLY "
             "with red, green and blue");
+    if (!has_colors && tints_shaded(config, aovs))
+        throw ConfigError(config.model +
+                          ": material color=scan: the model has no colours: build it with --color, "
+                          "from a PLY with red, green and blue");
     // Those of a model are by its own surfels, which further models do not have.
     if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
     if (degree >= 3) return;

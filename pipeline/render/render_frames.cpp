@@ -24,18 +24,33 @@ RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
 
 }  // namespace
 
-RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
-                        double lod, Channels wanted, RenderedFrame& frame) {
+namespace {
+
+/// What of a frame does not depend on how it is drawn.
+void place_frame(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                 RenderedFrame& frame) {
     frame.size = size, frame.window = window;
     frame.pixels = pixel_view(job.camera, size.width, size.height);
     frame.view = shade_view(job.camera, size, window.x, window.y);
-    RenderRequest request{job.camera, size.width, size.height,     wanted,
-                          lod,        window,     job.config.loose};
-    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     frame.diagonals.clear();
     if (job.models().size() > 1)
         for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
-    return render_surface(job, request, frame);
+}
+
+RenderRequest request_of(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                         double lod, Channels wanted) {
+    RenderRequest request{job.camera, size.width, size.height,     wanted,
+                          lod,        window,     job.config.loose};
+    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
+    return request;
+}
+
+}  // namespace
+
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                        double lod, Channels wanted, RenderedFrame& frame) {
+    place_frame(job, size, window, frame);
+    return render_surface(job, request_of(job, size, window, lod, wanted), frame);
 }
 
 namespace {
@@ -139,15 +154,35 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
     return job.config.supersample == 1 ? std::vector<std::string>() : averaged_aovs(job);
 }
 
-void draw_samples(const RenderJob& job, const PixelWindow& window, const SampleMask& only,
-                  const CoarsePlanes* around, Channels wanted, RenderedFrame& frame) {
-    constexpr int k = SampleMask::kSide;
-    frame.only = &only;
-    draw_buffer(job, {job.size.width * k, job.size.height * k}, samples_of(window),
-                job.config.lod * k, wanted, frame);
-    frame.view.around = around;
-    light_frame(job, k, job.wants("shaded"), frame);
-    drop_directions(job, frame);
+namespace {
+
+PictureSize sample_size(const RenderJob& job) {
+    return {job.size.width * SampleMask::kSide, job.size.height * SampleMask::kSide};
+}
+
+RenderRequest sample_request(const RenderJob& job, const PixelWindow& window, Channels wanted) {
+    return request_of(job, sample_size(job), samples_of(window),
+                      job.config.lod * SampleMask::kSide, wanted);
+}
+
+}  // namespace
+
+SampleDrawing::SampleDrawing(const RenderJob& job, const SampleMask& only,
+                             const CoarsePlanes* around, Channels wanted)
+    : job_(job), only_(only), around_(around), wanted_(wanted) {
+    if (!job.traced)
+        ready_.emplace(job.tree, sample_request(job, only.part(), wanted), &only);
+}
+
+void SampleDrawing::draw(const PixelWindow& window, RenderedFrame& frame) const {
+    frame.only = &only_;
+    place_frame(job_, sample_size(job_), samples_of(window), frame);
+    if (ready_) ready_->draw(frame.window, frame.buffer);
+    else
+        render_surface(job_, sample_request(job_, window, wanted_), frame);
+    frame.view.around = around_;
+    light_frame(job_, SampleMask::kSide, job_.wants("shaded"), frame);
+    drop_directions(job_, frame);
 }
 
 Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {

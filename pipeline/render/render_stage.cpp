@@ -13,6 +13,7 @@
 #include "pipeline/render/render_film.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_inputs.h"
+#include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_reference.h"
 #include "pipeline/render/render_summary.h"
 #include "pipeline/render/render_trace.h"
@@ -34,7 +35,7 @@ using Json = nlohmann::json;
 /// Whether a picture takes all of the model: rays and the blend of colours go through trees
 /// of all its leaves.
 bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    return config.mode != "forward" || contains(aovs, "color");
+    return config.mode != "forward" || takes_colors(config, aovs);
 }
 
 Json ranges_json(const RenderJob& job) {
@@ -199,7 +200,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
 
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    ModelReads reads(model, takes_all_leaves(config, aovs), contains(aovs, "color"));
+    ModelReads reads(model, takes_all_leaves(config, aovs), takes_colors(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
     std::optional<TracedModels> traced;
@@ -214,7 +215,8 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     RenderJob job{config, tree, aovs, plan, size, cameras.at(0),
                   lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
                   frames, header, traced ? &*traced : nullptr, &reads, share};
-    if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
+    if (takes_colors(config, aovs)) job.shadings.colors.emplace(tree, model.colors());
+    job.tints = tints_shaded(config, aovs);
     check_job(job, context.reporter);
     make_folder(job.plan);
     choose_looks(job, context.reporter);

@@ -4,6 +4,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_bands.h"
+#include "pipeline/render/render_colors.h"
 #include "pipeline/render/render_lights.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
@@ -66,7 +67,7 @@ struct FramePlanes {
 
     explicit FramePlanes(const RenderedFrame& frame)
         : normals(turned(frame)),
-          planes{frame.pixels, frame.window, frame.buffer, normals, frame.only} {}
+          planes{frame.pixels, frame.window, frame.buffer, normals, frame.only, frame.tints} {}
     FramePlanes(const FramePlanes&) = delete;
     FramePlanes& operator=(const FramePlanes&) = delete;
 
@@ -137,9 +138,11 @@ bool is_plain(const RenderConfig& config) {
 
 Channels light_channels(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const bool shaded = contains(aovs, "shaded"), open = contains(aovs, "ao");
+    Channels channels = 0;
     if (is_traced(config) ? shaded || open : shaded && !is_plain(config))
-        return kNormalChannel | kPositionChannel;
-    return 0;
+        channels |= kNormalChannel | kPositionChannel;
+    if (shaded && shades_scan_colors(config.material)) channels |= kSurfelIdChannel;
+    return channels;
 }
 
 ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
@@ -219,6 +222,8 @@ void find_openness(const FrameLight& light, RenderedFrame& frame) {
 }
 
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {
+    frame.tints.clear();
+    if (light.colors) frame.tints = scan_colors(*light.colors, frame);
     if (light.traced)
         shade_traced(light, factor, frame);
     else if (is_plain(light.config))

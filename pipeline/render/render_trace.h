@@ -7,6 +7,7 @@
 #include "raytrace/camera.h"
 #include "raytrace/trace/look.h"
 #include "raytrace/trace/trace_scene.h"
+#include "slim/color/color_blend.h"
 #include "slim/model/surfel_tree.h"
 
 #include <memory>
@@ -59,6 +60,7 @@ struct FrameLight {
     const ModelHeader& header;
     const Camera& camera;
     const TracedModels* traced = nullptr;
+    const ColorBlend* colors = nullptr;  ///< of the scan, if the material has them
 };
 
 /// Fills frame.open, the ambient openness of every hit, and if a picture shows it
