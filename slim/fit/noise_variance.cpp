@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <unordered_set>
 #include <vector>
 
 namespace slim {
@@ -116,6 +115,10 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
 std::vector<std::uint32_t> first_points(const NearestSearch& search,
                                         std::span<const std::uint32_t> samples) {
     std::vector<std::uint32_t> first(samples.begin(), samples.end());
+    const auto may_repeat = [&](std::uint32_t i) {
+        return search.has_repeats(i / BoxTree::kBucket) && search.is_repeat(i);
+    };
+    if (std::none_of(samples.begin(), samples.end(), may_repeat)) return first;
     std::vector<std::uint32_t> order(samples.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(),
@@ -129,14 +132,17 @@ std::vector<std::uint32_t> first_points(const NearestSearch& search,
 }
 
 /// The samples with each replaced by the first point at its place, and every place once, at its
-/// highest priority. Cost: of the samples, not of all points.
+/// highest priority. Cost: of the samples, and a bit of each point.
 std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
                                            std::span<const std::uint32_t> samples) {
-    std::unordered_set<std::uint32_t> taken(samples.size());
+    std::vector<bool> taken(search.size());
     std::vector<std::uint32_t> places;
     places.reserve(samples.size());
-    for (const std::uint32_t first : first_points(search, samples))
-        if (taken.insert(first).second) places.push_back(first);
+    for (const std::uint32_t first : first_points(search, samples)) {
+        if (taken[first]) continue;
+        taken[first] = true;
+        places.push_back(first);
+    }
     return places;
 }
 
