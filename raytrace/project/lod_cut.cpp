@@ -61,8 +61,9 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 
 namespace {
 
-/// Over a ball's radius: how far what is below it reaches where each ball holds its children
-/// (slim/tree/notes/0009), 4.2 at most. Trees of before hang some on balls far away.
+/// Over its radius: an internal surfel whose subtree reaches farther stands in for nothing. Where
+/// balls hold their children none does (2.7 at most, slim/tree/notes/0009); trees of before hang
+/// some leaves on balls far away.
 constexpr double kFarthestHeld = 5;
 
 /// Whether an internal surfel is drawn for all below it: one of at most lod_px in diameter, or one
