@@ -26,8 +26,8 @@ struct BallLinks {
 /// The parent of each ball: the nearest internal one of the finest of the coarser levels where that
 /// holds it: its core reaches no farther from the middle than that of a ball of the next level
 /// whose centre lies within. So what is below a ball lies within 2.7 of its radii (notes/0009).
-/// cost  a nearest neighbour for each ball, and for each orphan one on every level up to its parent;
-///       an index of one level at a time
+/// cost  a nearest neighbour for each ball, and for each orphan one on every level up to its
+///       parent; an index of one level at a time
 BallLinks link_balls(std::span<const LinkedBall> balls);
 
 }  // namespace slim

@@ -97,7 +97,8 @@ void write_close_up(const std::string& path) {
     std::mt19937 random(3);
     const auto number = [&] { return random() * 0x1p-32; };
     const auto point = [&](double x, double y) {
-        const double bumps = std::exp(-50 * (x * x + y * y)) * std::sin(200 * x) * std::sin(200 * y);
+        const double fade = std::exp(-50 * (x * x + y * y));
+        const double bumps = fade * std::sin(200 * x) * std::sin(200 * y);
         out << x << ' ' << y << ' ' << 0.1 * std::sin(3 * x) * std::cos(2 * y) + 0.002 * bumps
             << '\n';
     };

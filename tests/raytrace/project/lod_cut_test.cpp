@@ -10,7 +10,7 @@
 namespace slim {
 namespace {
 
-/// Trees of older programs: a leaf a third of the sphere away hangs on each 50th coarse ball.
+/// As trees of older programs say: what is below each 50th coarse ball reaches seven radii far.
 SurfelTreeData with_far_leaves() {
     SurfelTreeData model = test::two_level_sphere(1, 1500, 12000);
     const SurfelTree tree = model.view();
@@ -25,8 +25,9 @@ SurfelTreeData with_far_leaves() {
 std::vector<std::uint32_t> cut_of(const SurfelTreeData& model) {
     RenderRequest request = test::iso_request(model, 160, 160, true);
     request.camera.width = 12;
+    const PixelView view = pixel_view(request.camera, 160, 160);
     CutCounts counts;
-    return lod_cut(model.view(), pixel_view(request.camera, 160, 160), {0, 0, 160, 160}, {4}, counts);
+    return lod_cut(model.view(), view, {0, 0, 160, 160}, {4}, counts);
 }
 
 TEST(LodCut, NoBallStandsInForLeavesFarFromIt) {
