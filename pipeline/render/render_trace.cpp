@@ -8,7 +8,9 @@
 #include "pipeline/render/render_lights.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
+#include "slim/tree/drawn_beyond.h"
 #include "slim/tree/drawn_bounds.h"
+#include "slim/tree/drawn_hull.h"
 
 #include <algorithm>
 #include <chrono>
@@ -145,11 +147,36 @@ Channels light_channels(const RenderConfig& config, const std::vector<std::strin
     return channels;
 }
 
+namespace {
+
+void append(const std::vector<Vec3d>& more, std::vector<Vec3d>& places) {
+    places.insert(places.end(), more.begin(), more.end());
+}
+
+/// The hull of a model of few leaves whose discs reach far beyond its points, where kept hulls end;
+/// empty of others.
+std::vector<Vec3d> far_hull(const SurfelTree& tree, bool loose, const Bbox& drawn,
+                            std::vector<std::uint32_t>* visited) {
+    constexpr std::size_t kFewNodes = 400;
+    if (tree.n_nodes() > kFewNodes) return {};
+    if (visited)
+        for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) visited->push_back(i);
+    const BeyondBox beyond = drawn_beyond(tree, loose, drawn);
+    if (beyond.places.empty()) return {};
+    std::vector<Vec3d> hull = drawn_hull(tree, false, beyond.box);
+    if (loose) append(drawn_hull(tree, true, beyond.box), hull);
+    append(beyond.places, hull);
+    return hull;
+}
+
+}  // namespace
+
 ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
     ModelHeader header = tree.header();
     header.bounds = drawn_bounds(tree, loose, visited);
-    if (loose)
-        header.hull.insert(header.hull.end(), header.loose_hull.begin(), header.loose_hull.end());
+    if (loose) append(header.loose_hull, header.hull);
+    const std::vector<Vec3d> far = far_hull(tree, loose, header.bounds, visited);
+    if (!far.empty()) header.hull = far;
     return header;
 }
 
