@@ -13,14 +13,14 @@
 namespace slim {
 namespace {
 
-constexpr std::uint64_t kMost = 200000;
+constexpr std::uint64_t kFewest = 10000, kMost = 200000;
 constexpr std::uint64_t kSeed = 0x7369676e;  // of the hash that says who is in the sample
 
 /// Half of a slice at most: slices are as large as the memory allows.
 double share_of_sample(const SlicePlan& plan) {
     std::uint64_t fullest = 0;
     for (const PlanSlice& slice : plan.slices) fullest = std::max(fullest, slice.n_points);
-    const std::uint64_t wanted = std::clamp<std::uint64_t>(fullest / 2, 1, kMost);
+    const std::uint64_t wanted = std::clamp(fullest / 2, kFewest, kMost);
     return std::min(1.0, static_cast<double>(wanted) / static_cast<double>(plan.n_points));
 }
 
