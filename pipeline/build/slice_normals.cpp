@@ -202,9 +202,10 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         audit_estimates(points, search, own, wanted, report);
         if (kFew * report.on_lines > report.estimated)
             reporter.warn(
-                fmt::format("{} points lie on lines too far from each other for normals that say "
-                            "anything: expected lines at most some 100 points' spacing apart, or "
-                            "normals in the input",
+                fmt::format("{} points lie on lines, of wires or a scan, too far from each other for "
+                            "normals that say anything: expected scan lines at most some 100 "
+                            "points' spacing apart (20 where most of the cloud is dense both "
+                            "ways), or normals in the input",
                             report.on_lines));
     }
     if (!mistrusted.empty())
