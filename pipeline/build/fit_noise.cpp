@@ -26,6 +26,8 @@ constexpr double kFewEstimated = 0.01;
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
 constexpr double kStrayed = 2;  // the plain mean over lambda: 1 without strays and noisy parts
+// Where less lies on lines, these are no scan lines (slim/normals/notes/0007).
+constexpr double kMostLinesOfWires = 0.5;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -41,6 +43,7 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
         s.value += share * (one.at("variance").get<double>() - s.value);
         s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
+        s.line_share += share * (one.at("line_share").get<double>() - s.line_share);
         s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
         const auto add_log = [&](double value, double& mean) {  // geometric means
             mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
@@ -125,6 +128,8 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double measured = std::min(robust_noise(chosen).variance, most);
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
+    const double line_share = said.noise.empty() ? 0 : said.noise.front().line_share;
+    out.lines_are_wires = line_share < kMostLinesOfWires;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;

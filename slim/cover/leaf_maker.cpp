@@ -125,6 +125,14 @@ bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work, Lists lists) const {
+    CoveringSurfel leaf = fit_of_choice(center, normal, choice, work, lists);
+    leaf.on_wire = rules_.lines_are_wires && is_wire(leaf);
+    return leaf;
+}
+
+CoveringSurfel LeafMaker::fit_of_choice(const Vec3d& center, const Vec3d& normal,
+                                        const RadiusChoice& choice, LeafWork& work,
+                                        Lists lists) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own
     // curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
@@ -212,7 +220,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         const bool may_shrink = c.choice.forced && c.sparse;
         // In thick noise half of all fits are given up by their measures: nobody asks for their
         // points.
-        bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
+        bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) ||
+                           is_too_large_on_wire(c.surfel);
         if (may_shrink || (!is_given_up && !leaves_center(c)) || attempt == kMostAttempts)
             list_with_air(c.choice, work, c.surfel);
         if (may_shrink) {

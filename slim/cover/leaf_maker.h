@@ -86,6 +86,8 @@ private:
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work, Lists lists) const;
+    CoveringSurfel fit_of_choice(const Vec3d& center, const Vec3d& normal,
+                                 const RadiusChoice& choice, LeafWork& work, Lists lists) const;
     void list_with_air(const RadiusChoice& choice, const LeafWork& work,
                        CoveringSurfel& leaf) const;
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal,

@@ -16,6 +16,7 @@ namespace {
 /// as wholes.
 constexpr double kMarginOfFew = 0.15;
 constexpr std::size_t kFew = 8;
+constexpr double kMarginOfWire = 0.04;
 // over rho: so far an edge's own points may lie before the last covered one
 constexpr double kOnEdge = 0.12;
 constexpr double kAlike = 1e-6;   // over rho: reaches that differ by rounding
@@ -101,6 +102,7 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     for (int k = 0; k < kRimDirections; ++k) {
         const double last = static_cast<double>(covered[direction(k)]);
         double margin = end_beyond(last, n).margin;
+        if (leaf.on_wire) margin = std::min(margin, kMarginOfWire);
         if (leaf.edges_are_real && leaf.covered.size() < kFew)
             margin = std::min(margin, kMarginOfFew);
         out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));

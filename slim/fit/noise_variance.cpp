@@ -43,7 +43,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     std::sort(wanted.begin(), wanted.end());
     struct Flatness {
         double smallest = 0, ratio = 0, sq_reach = 0, normal = 0;
-        bool known = false;
+        bool known = false, line = false;
     };
     std::vector<Flatness> found(n);
     // A noisy scan line is flat in the plane of its noise, which is not that of the normals.
@@ -62,7 +62,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
                     normals.empty()
                         ? 0
                         : normal_variance_of(search.positions(), normals, neighbors, s.normal),
-                    true};
+                    true, !(s.middle > kLine * s.largest)};
     });
     NoiseVariance out;
     out.neighbors = k;
@@ -71,6 +71,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
+        out.line_share += f.line ? 1 : 0;
         if (f.known) out.bins.add(f.smallest, f.ratio);
         if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
         if (f.known) log_smallest += std::log(std::max(f.smallest, kRounding * f.sq_reach));
@@ -79,6 +80,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
+        out.line_share /= static_cast<double>(out.n_sampled);
         const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
         out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
         out.typical = std::exp(log_smallest / static_cast<double>(out.n_sampled));
@@ -93,18 +95,24 @@ std::size_t enough_samples(std::size_t n, std::size_t k, std::size_t fewest) {
     return std::min(n, std::max(n * 10 / k, fewest));
 }
 
+struct FlatNeighbors {
+    std::size_t k = kNoiseNeighbors[0];
+    double line_share = 0;  ///< with the fewest
+};
+
 /// The first k whose neighbourhoods are flat, which shows on a tenth of the samples;
 /// else the flattest.
-std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
-                           std::span<const Vec3f> normals) {
-    std::size_t best = kNoiseNeighbors[0];
+FlatNeighbors flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
+                             std::span<const Vec3f> normals) {
+    FlatNeighbors best;
     double flattest = INFINITY;
     for (const std::size_t k : kNoiseNeighbors) {
         if (k >= search.size()) break;
         const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
-        const double flatness =
-            robust_noise(with_neighbors(search, samples, k, n, normals)).flatness;
-        if (flatness < flattest) best = k, flattest = flatness;
+        const NoiseVariance noise = with_neighbors(search, samples, k, n, normals);
+        const double flatness = robust_noise(noise).flatness;
+        if (k == kNoiseNeighbors[0]) best.line_share = noise.line_share;
+        if (flatness < flattest) best.k = k, flattest = flatness;
         if (flatness <= kFlat) break;
     }
     return best;
@@ -158,9 +166,12 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals, std::size_t fewest) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
-    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places, normals);
+    const FlatNeighbors flat =
+        neighbors > 0 ? FlatNeighbors{neighbors} : flat_neighbors(search, places, normals);
+    const std::size_t k = flat.k;
     NoiseVariance out =
         with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
+    if (neighbors == 0) out.line_share = flat.line_share;
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
         out.independence = normal_independence(search, places, normals, k);
     return out;

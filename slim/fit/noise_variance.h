@@ -23,6 +23,7 @@ struct NoiseVariance {
     double normal = 0;
     double typical = 0;  ///< geometric mean in place of `value`: noise,
                          ///< where edges make up that of a clean cloud
+    double line_share = 0;  ///< of the samples, whose fewest neighbours lie on a line
     double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
