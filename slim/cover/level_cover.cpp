@@ -46,7 +46,8 @@ EdgeQuestion edge_question(const CoverRules& rules, std::size_t n_here) {
             .n_points = rules.n_points > 0 ? static_cast<double>(rules.n_points) : n,
             .noise_variance = rules.noise_variance,
             .typical_variance = rules.typical_variance,
-            .contrary_share = rules.ladder.contrary_share};
+            .contrary_share = rules.ladder.contrary_share,
+            .coordinate_step = rules.coordinate_step};
 }
 
 }  // namespace

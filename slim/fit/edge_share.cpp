@@ -77,7 +77,8 @@ bool is_at_edge(const Vec3d& center, const Vec3d& normal, const PointTree& tree,
     gather_ball(tree, center, radius, work.ball);
     const BallNormal side = average_normal(work.ball, 1.0, normal);
     const LocalFit smooth = fit_ball(work.ball, 1.0, frame_from_normal(side.normal), kDegree);
-    if (smooth.sq_error < kEven * kEven * radius * radius) return false;
+    const double even = std::max(kEven * radius, cloud.coordinate_step);
+    if (smooth.sq_error < even * even) return false;
     const bool is_even = std::sqrt(cloud.noise_variance) < kLittleNoise * radius;
     if (!shows_edge(work.ball, is_even ? kStrict : 1)) return false;
     return are_sheets(2, smooth.sq_error, cloud, work) ||

@@ -7,9 +7,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -44,7 +46,7 @@ Points box_points(const Vec3d& side, std::size_t n, double noise, double tilt = 
     return out;
 }
 
-EdgeShare share_of(const Points& points, double noise, double share = 1) {
+EdgeShare share_of(const Points& points, double noise, double share = 1, double step = 0) {
     const double n = static_cast<double>(points.positions.size());
     PointBlock block = along_curve(block_of(points.positions, points.normals));
     const NoiseVariance measured = measured_noise(points.positions, 0, 20000);
@@ -63,7 +65,8 @@ EdgeShare share_of(const Points& points, double noise, double share = 1) {
                       {.spacing = measured.spacing,
                        .n_points = n,
                        .noise_variance = std::max(measured.value, noise * noise),
-                       .typical_variance = std::max(measured.typical, noise * noise)});
+                       .typical_variance = std::max(measured.typical, noise * noise),
+                       .coordinate_step = step});
 }
 
 Points surface_points(const char* shape, std::size_t n, double noise) {
@@ -97,6 +100,28 @@ TEST(EdgeShare, RoundSurfacesAreNoParts) {
 TEST(EdgeShare, TheSidesOfAThinPlateAreNoEdges) {
     const EdgeShare found = share_of(box_points({1, 1, 0.01}, 40000, 0), 0);
     EXPECT_FALSE(found.are_features()) << found.at_edges << " of " << found.asked;
+}
+
+/// Terraces that coordinates in floats make far from the origin: distinct points of them only, as
+/// a build keeps.
+TEST(EdgeShare, StepsOfTheCoordinatesAreNoEdges) {
+    constexpr double kStep = 1.0 / 32;  // a float's at 500,000
+    const auto rounded = [](Points points) {
+        std::set<std::array<double, 3>> seen;
+        Points out;
+        for (std::size_t i = 0; i < points.positions.size(); ++i) {
+            Vec3d p = points.positions[i];
+            for (std::size_t k = 0; k < 3; ++k) p[k] = kStep * std::round(p[k] / kStep);
+            if (!seen.insert({p.x, p.y, p.z}).second) continue;
+            out.positions.push_back(p), out.normals.push_back(points.normals[i]);
+        }
+        return out;
+    };
+    const Points round = rounded(surface_points("ellipsoid", 20000, 0));
+    EXPECT_TRUE(share_of(round, 0).are_features());  // so that it would tell
+    EXPECT_FALSE(share_of(round, 0, 1, kStep).are_features());
+    // A part stays one where its edges are larger than steps.
+    EXPECT_TRUE(share_of(box_points({1, 1, 1}, 20000, 0), 0, 1, 1e-3).are_features());
 }
 
 TEST(EdgeShare, AFewEdgesAreNotEnough) {
