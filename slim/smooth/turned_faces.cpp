@@ -4,12 +4,19 @@
 #include "slim/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kGrain = 8192;
+constexpr double kAcross = 0.3;     // cosine: at 72 degrees to the surface a face is across it
 constexpr std::uint8_t kStays = 4;  // steps back from which on a vertex stays: 1, 1/2, 1/4, 1/8, 0
+
+/// Cosine of two vectors; NaN if one is zero, which no comparison holds for.
+double leans(const Vec3d& a, const Vec3d& b) {
+    return dot(a, b) / std::sqrt(sq_length(a) * sq_length(b));
+}
 
 /// Twice the area along the normal, by a fan about the first corner.
 Vec3d area_vector(std::span<const std::uint32_t> corners, std::span<const Vec3d> at) {
@@ -30,7 +37,7 @@ public:
         const auto corners = mesh_.face(f);
         const Vec3d before = area_vector(corners, from_), after = area_vector(corners, to_);
         const Vec3d given = to_double(toward_[f]), way = sq_length(given) > 0 ? given : before;
-        return dot(before, way) > 0 && dot(after, way) < 0;
+        return leans(before, way) >= kAcross && leans(after, way) < kAcross;
     }
 
     /// Those of some faces that turn, rising.
