@@ -26,7 +26,6 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.noise_variance = noise.noise_variance;
     rules.least_radius = std::max(2 * plan.coordinate_quantum,
                                   plan.diagonal * std::numeric_limits<double>::epsilon());
-    rules.coordinate_step = plan.coordinate_quantum;
     rules.seed = seed;
     rules.windows = options.radius_rule == "windows";
     rules.weight = options.weight == "gauss" ? FitWeight::gauss : FitWeight::polynomial;

@@ -40,7 +40,6 @@ struct CoverRules {
     double diagonal = 0;          ///< L of the whole job
     double noise_variance = 0;    ///< lambda
     double least_radius = 0;      ///< below it coordinates are rounding
-    double coordinate_step = 0;   ///< between stored coordinates; 0: not known
     std::uint64_t seed = 0;
     LadderRules ladder;
     bool windows = false;  ///< the radius by the paper's windows, not

@@ -46,8 +46,7 @@ EdgeQuestion edge_question(const CoverRules& rules, std::size_t n_here) {
             .n_points = rules.n_points > 0 ? static_cast<double>(rules.n_points) : n,
             .noise_variance = rules.noise_variance,
             .typical_variance = rules.typical_variance,
-            .contrary_share = rules.ladder.contrary_share,
-            .coordinate_step = rules.coordinate_step};
+            .contrary_share = rules.ladder.contrary_share};
 }
 
 }  // namespace

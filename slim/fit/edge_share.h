@@ -14,7 +14,6 @@ struct EdgeQuestion {
     double noise_variance = 0;    ///< lambda
     double typical_variance = 0;  ///< of a typical place
     double contrary_share = 0;    ///< of normals that noise turns out of a height field
-    double coordinate_step = 0;   ///< between stored coordinates: what is finer is rounding
 };
 
 /// How many of a cloud's places lie at feature edges.
@@ -39,11 +38,11 @@ inline constexpr double kEdgeShare = 0.0436;
 /// Looks for feature edges about random points of a cloud with normals: those first by priority, in
 /// balls that hold a fiftieth of its area at any density (of small clouds 160 points), wider in
 /// noise. A place lies at an edge where two or three sheets joined there, no
-/// two of them back to back, follow its points clearly better than one height field does, which
-/// misses them by more than a step of the coordinates, and are borne out (fit_sharp, is_filled). Stops as soon as it is sure by Wald's sequential test, 1 error
+/// two of them back to back, follow its points clearly better than one height field does and are
+/// borne out (fit_sharp, is_filled). Stops as soon as it is sure by Wald's sequential test, 1 error
 /// in 100, at 512 places at the latest. The same for any number of threads; for a job in slices,
 /// whose pyramid is one of a sample, the same but for normals that slices estimate otherwise.
-/// Nothing asked of fewer than 500 points.
+/// Nothing asked of fewer than 500 points, nor where noise is as thick as the shape.
 /// cost  10 to 50 us a place of a scan, of which 96 usually do, 100 us a place of a part
 EdgeShare edge_share(const PointBlock& points, const PointPyramid& pyramid,
                      const EdgeQuestion& cloud);

@@ -7,11 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -46,7 +44,7 @@ Points box_points(const Vec3d& side, std::size_t n, double noise, double tilt = 
     return out;
 }
 
-EdgeShare share_of(const Points& points, double noise, double share = 1, double step = 0) {
+EdgeShare share_of(const Points& points, double noise, double share = 1) {
     const double n = static_cast<double>(points.positions.size());
     PointBlock block = along_curve(block_of(points.positions, points.normals));
     const NoiseVariance measured = measured_noise(points.positions, 0, 20000);
@@ -65,8 +63,7 @@ EdgeShare share_of(const Points& points, double noise, double share = 1, double 
                       {.spacing = measured.spacing,
                        .n_points = n,
                        .noise_variance = std::max(measured.value, noise * noise),
-                       .typical_variance = std::max(measured.typical, noise * noise),
-                       .coordinate_step = step});
+                       .typical_variance = std::max(measured.typical, noise * noise)});
 }
 
 Points surface_points(const char* shape, std::size_t n, double noise) {
@@ -102,26 +99,11 @@ TEST(EdgeShare, TheSidesOfAThinPlateAreNoEdges) {
     EXPECT_FALSE(found.are_features()) << found.at_edges << " of " << found.asked;
 }
 
-/// Terraces that coordinates in floats make far from the origin: distinct points of them only, as
-/// a build keeps.
-TEST(EdgeShare, StepsOfTheCoordinatesAreNoEdges) {
-    constexpr double kStep = 1.0 / 32;  // a float's at 500,000
-    const auto rounded = [](Points points) {
-        std::set<std::array<double, 3>> seen;
-        Points out;
-        for (std::size_t i = 0; i < points.positions.size(); ++i) {
-            Vec3d p = points.positions[i];
-            for (std::size_t k = 0; k < 3; ++k) p[k] = kStep * std::round(p[k] / kStep);
-            if (!seen.insert({p.x, p.y, p.z}).second) continue;
-            out.positions.push_back(p), out.normals.push_back(points.normals[i]);
-        }
-        return out;
-    };
-    const Points round = rounded(surface_points("ellipsoid", 20000, 0));
-    EXPECT_TRUE(share_of(round, 0).are_features());  // so that it would tell
-    EXPECT_FALSE(share_of(round, 0, 1, kStep).are_features());
-    // A part stays one where its edges are larger than steps.
-    EXPECT_TRUE(share_of(box_points({1, 1, 1}, 20000, 0), 0, 1, 1e-3).are_features());
+TEST(EdgeShare, NothingIsAskedWhereNoiseIsAsThickAsTheShape) {
+    const Points box = box_points({1, 1, 1}, 20000, 0.01);
+    EXPECT_TRUE(share_of(box, 0.01).are_features());
+    // Of coordinates rounded to steps of 1/8, say, lambda is that of places in different steps.
+    EXPECT_EQ(share_of(box, 0.1).asked, 0u);
 }
 
 TEST(EdgeShare, AFewEdgesAreNotEnough) {
