@@ -113,7 +113,8 @@ MissingInViews missing_in_views(std::span<const AskedView> views, const BuildSta
                     .push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
                                           fit_remedy(kind, stages.sharp)));
         for (const LeftOut& aov :
-             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
+             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty(),
+                             SaidBy::keys))
             out.certain.push_back(
                 fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
     }

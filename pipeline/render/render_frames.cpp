@@ -2,6 +2,7 @@
 
 #include "pipeline/median.h"
 #include "pipeline/render/render_antialias.h"
+#include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_maps.h"
 #include "raytrace/brute/brute_renderer.h"
@@ -75,8 +76,12 @@ void light_frame(const RenderJob& job, int factor, bool with_shading, RenderedFr
 }
 
 void drop_directions(const RenderJob& job, RenderedFrame& frame) {
-    if (!(job.wants("dir1") || job.wants("dir2")) ||
-        !frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+    const bool shows_some =
+        std::any_of(job.aovs.begin(), job.aovs.end(), [](const std::string& aov) {
+            return aov == "dir1" || aov == "dir2" || is_third_order(aov);
+        });
+    if (!shows_some || !frame.buffer.has(kK1Channel | kK2Channel) ||
+        !frame.buffer.has_any(kDirectionChannel | kThirdOrderChannel))
         return;
     drop_undefined_directions(frame.diagonals.empty()
                                   ? PixelDiagonals(job.tree.header().diagonal)

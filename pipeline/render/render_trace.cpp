@@ -248,6 +248,18 @@ void find_openness(const FrameLight& light, RenderedFrame& frame) {
                                                   *wanted_ground(light), frame.light_counts);
 }
 
+bool lights_are_below_ground(const FrameLight& light, const ShadeView& view) {
+    if (!light.traced || !light.config.ground) return false;
+    const GroundPlane ground = ground_of(light.config, *light.traced);
+    const std::vector<LightSource> lights = rig_of(light.config, light.header, view).lights;
+    return !lights.empty() &&
+           std::all_of(lights.begin(), lights.end(), [&](const LightSource& l) {
+               return l.kind == LightKind::directional
+                          ? dot(l.toward, ground.normal) <= 0
+                          : dot(l.position, ground.normal) <= ground.height;
+           });
+}
+
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {
     frame.tints.clear();
     if (light.colors) frame.tints = scan_colors(*light.colors, frame);

@@ -67,6 +67,9 @@ struct FrameLight {
 /// frame.ground_open.
 void find_openness(const FrameLight& light, RenderedFrame& frame);
 
+/// Whether there is a ground and every light is below it.
+bool lights_are_below_ground(const FrameLight& light, const ShadeView& view);
+
 /// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps
 /// its memory if it can.
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame);
