@@ -11,7 +11,7 @@ namespace slim {
 /// The normal of a point: its own, unit, or that of the others in its bucket where these agree and
 /// its own is across theirs (cosine between kOtherSideCos and kLeastCos), as single ones of grazing
 /// rays are. Along such a normal a point on a plain surface lies anywhere off it, and seen along it
-/// half of the surface faces away (notes/0018). Zero for a point without one.
+/// half of the surface faces away (notes/0020). Zero for a point without one.
 Vec3d sound_normal(const PointTree& points, std::uint32_t place);
 
 /// Whether single normals of a cloud are turned by chance: elsewhere one across its neighbours' may
