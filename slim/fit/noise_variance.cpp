@@ -62,7 +62,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
                     normals.empty()
                         ? 0
                         : normal_variance_of(search.positions(), normals, neighbors, s.normal),
-                    true, !(s.middle > kLine * s.largest)};
+                    true, is_on_line(s)};
     });
     NoiseVariance out;
     out.neighbors = k;
