@@ -225,7 +225,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
-    const FilmCameras cameras(config, header, size, legend_room(config, plan.drawn, size));
+    const FilmCameras cameras(config, header, size, legend_room(config, plan.framed(), size));
     RenderJob job{config, tree, aovs, plan, size, cameras.at(0),
                   lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
                   frames, header, traced ? &*traced : nullptr, &reads, share};

@@ -138,8 +138,10 @@ TEST_F(RenderLegends, AnExrIsFramedAsIfThereWereNoLegendsThatNoPictureHas) {
         return read_exr(c.output).metadata.at("slim:camera");
     };
     const std::string plain = camera({"shaded"});
-    for (const char* aov : {"dir1", "hillshade", "mean", "all"})
+    for (const char* aov : {"dir1", "hillshade", "mean", "all"}) {
         EXPECT_EQ(camera({"shaded", aov}), plain) << aov;
+        EXPECT_EQ(camera({aov, "shaded"}), plain) << aov;  // whose preview has a legend
+    }
     c.legend_room = true;
     EXPECT_NE(camera({"shaded"}), plain);
 }
