@@ -64,7 +64,6 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"sharp", rules.sharp},
             {"follow_normals", rules.follow_normals},
             {"refits", rules.refits},
-            {"lines_are_wires", rules.lines_are_wires},
             {"seed", rules.seed}};
 }
 
