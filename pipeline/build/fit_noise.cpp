@@ -25,8 +25,8 @@ constexpr double kFewEstimated = 0.01;
 // lambda over the squared spacing, at most, of points on faces, which have no noise: what edges of
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
-// Where less lies on lines, these are no scan lines (slim/normals/notes/0007); of 10 points at random
-// 0.9 % do, too.
+// Where less lies on lines, these are no scan lines (slim/normals/notes/0007); of 10 points at
+// random 0.9 % do, too.
 constexpr double kFewestLinesOfWires = 0.015, kMostLinesOfWires = 0.5;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
