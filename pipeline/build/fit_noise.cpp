@@ -26,8 +26,9 @@ constexpr double kFewEstimated = 0.01;
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
 constexpr double kStrayed = 2;  // the plain mean over lambda: 1 without strays and noisy parts
-// Where less lies on lines, these are no scan lines (slim/normals/notes/0007).
-constexpr double kMostLinesOfWires = 0.5;
+// Where less lies on lines, these are no scan lines (slim/normals/notes/0007); of 10 points at
+// random 0.9 % do, too.
+constexpr double kFewestLinesOfWires = 0.015, kMostLinesOfWires = 0.5;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -129,7 +130,7 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
     const double line_share = said.noise.empty() ? 0 : said.noise.front().line_share;
-    out.lines_are_wires = line_share < kMostLinesOfWires;
+    out.lines_are_wires = line_share > kFewestLinesOfWires && line_share < kMostLinesOfWires;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;

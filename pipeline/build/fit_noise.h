@@ -16,7 +16,7 @@ struct GlobalNoise {
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
     double typical_variance = 0;  ///< noise of a typical place, without what edges add to lambda
     double spacing = 0;         ///< square root of the area that a point usually has
-    bool lines_are_wires = false;  ///< most of the cloud is dense both ways
+    bool lines_are_wires = false;  ///< there are some, and most of the cloud is dense both ways
     bool floored = false;
     /// the cloud's own normals tell more of its shape than its positions
     bool normals_inform = false;

@@ -66,7 +66,6 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"follow_normals", rules.follow_normals},
             {"refits", rules.refits},
             {"stray_density", rules.stray_density},
-            {"lines_are_wires", rules.lines_are_wires},
             {"seed", rules.seed}};
 }
 
