@@ -1,6 +1,7 @@
 #include "raytrace/project/forward_renderer.h"
 
 #include "raytrace/project/lod_cut.h"
+#include "raytrace/project/tile_doubts.h"
 #include "raytrace/project/tile_resolve.h"
 #include "raytrace/project/tile_stage_1.h"
 #include "raytrace/project/tile_stage_2.h"
@@ -63,6 +64,8 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
+    settle_doubts<Degree, kWantHessian, kSharpModel, kWantThird>(scene.view, scene.list, entries,
+                                                                 scene.sums, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list.items.span(), entries, scene.sums,
                  t, out);
 }

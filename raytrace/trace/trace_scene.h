@@ -26,6 +26,7 @@ struct TraceCounts {
 /// What a packet hits: the blended surface.
 struct SurfaceHits {
     FloatV t{kFar};  ///< from the rays' origins, scene units; infinite without a hit
+    FloatV first_t{kFar}, first_t_low{0.0f};  ///< of q^; what its float lacks
     LanesOfVec point{Vec3f{}}, point_low{Vec3f{}};  ///< scene coordinates; what their floats lack
     LanesOfVec normal{Vec3f{}};                     ///< unit, outwards
     FloatV clearance{0.0f};  ///< a ray that leaves the surface starts this far off it
@@ -33,6 +34,8 @@ struct SurfaceHits {
     BlendLanes sums;
 
     FloatV::mask_type hit() const { return t < kFar; }
+    /// Some lanes become those of another packet.
+    void take(const FloatV::mask_type& lanes, const SurfaceHits& from, Derivatives wanted);
 };
 
 /// A model and where its frame lies in the job's.
@@ -70,6 +73,10 @@ public:
     FloatV::mask_type unblocked(const RayPacket& rays, TraceCounts& counts) const;
 
 private:
+    /// As surface, whether or not q^ is outvoted.
+    SurfaceHits surface_at_first(const RayPacket& rays, Derivatives wanted,
+                                 TraceCounts& counts) const;
+
     std::vector<ScenePart> parts_;
     std::vector<TraceModel> models_;
     SceneFrame frame_;
