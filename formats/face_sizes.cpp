@@ -18,6 +18,9 @@ namespace {
 constexpr double kSharpTurn = 40 * M_PI / 180;  // more ends a region
 constexpr double kFacetTurn = 12 * M_PI / 180;  // more may be an edge of its own
 constexpr double kLeastTurn = 2 * M_PI / 180;   // less does not bend it
+constexpr double kParallel = 0.966;             // cos 15 degrees: edges that run side by side
+constexpr double kOneLine = 1e-4;               // of its length: nearer it is met in its middle
+constexpr std::size_t kMostPaired = 2000;       // sharp edges of which each pair is looked at
 constexpr double kSparseShare = 0.5;            // of a piece's area, in large faces
 
 using Sides = std::span<const FaceEdges::Side>;
@@ -111,6 +114,45 @@ std::vector<double> widths(const FaceList& faces, const FaceEdges& edges,
     return area;
 }
 
+/// A sharp edge, with the regions that meet there.
+struct SharpEdge {
+    Vec3d from, to;
+    std::uint32_t piece;
+    std::vector<std::uint32_t> regions;
+};
+
+bool share_a_region(const SharpEdge& a, const SharpEdge& b) {
+    return std::find_first_of(a.regions.begin(), a.regions.end(), b.regions.begin(),
+                              b.regions.end()) != a.regions.end();
+}
+
+/// How far apart two edges run side by side; infinite if they do not.
+double apart(const SharpEdge& a, const SharpEdge& b) {
+    const Vec3d along = a.to - a.from, other = b.to - b.from;
+    const double sq = sq_length(along);
+    if (!(std::abs(dot(along, other)) > kParallel * std::sqrt(sq * sq_length(other))))
+        return std::numeric_limits<double>::infinity();
+    const double s = dot(b.from - a.from, along) / sq, t = dot(b.to - a.from, along) / sq;
+    const double begin = std::max(0.0, std::min(s, t)), end = std::min(1.0, std::max(s, t));
+    if (!(begin < end)) return std::numeric_limits<double>::infinity();
+    const double middle = (begin + end) / 2, at = (middle - s) / (t - s);
+    return length(a.from + middle * along - b.from - at * other);
+}
+
+/// How far each edge is from the nearest that runs beside it and bounds no region with it: the
+/// outer and the hollow edge of an angle profile are as near as its webs are thin.
+std::vector<double> thicknesses(const std::vector<SharpEdge>& edges) {
+    std::vector<double> out(edges.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < edges.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            if (edges[i].piece != edges[j].piece || share_a_region(edges[i], edges[j])) continue;
+            const double d = apart(edges[i], edges[j]);
+            if (d > kOneLine * length(edges[i].to - edges[i].from))
+                out[i] = std::min(out[i], d), out[j] = std::min(out[j], d);
+        }
+    return out;
+}
+
 }  // namespace
 
 double SizedEdge::distance(const Vec3d& p) const {
@@ -127,7 +169,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
         return;
     }
     const FaceEdges edges(faces);
-    sparse = find_sparse(faces, joined_by_edges(faces, edges), large, large_share);
+    const Pieces pieces = joined_by_edges(faces, edges);
+    sparse = find_sparse(faces, pieces, large, large_share);
     Groups groups(faces.size());
     edges.for_each_edge([&](const Sides& sides) {
         if (is_smooth(edges, sides)) groups.join(sides[0].face, sides[1].face);
@@ -144,10 +187,21 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             if (std::exchange(last, region_[side.face]) != region_[side.face])
                 found[region_[side.face]].push_back(edge);
     };
+    std::vector<SharpEdge> sharp;
+    edges.for_each_edge([&](const Sides& sides) {
+        if (!sparse[sides[0].face] || is_smooth(edges, sides) || sharp.size() > kMostPaired) return;
+        sharp.push_back({faces.position[sides[0].a], faces.position[sides[0].b],
+                         pieces.first[sides[0].face], {}});
+        for (const auto& side : sides) sharp.back().regions.push_back(region_[side.face]);
+    });
+    if (sharp.size() > kMostPaired) sharp.clear();
+    const std::vector<double> thickness = thicknesses(sharp);
+    std::size_t next = 0;  // of the sharp ones
     edges.for_each_edge([&](const Sides& sides) {
         if (!sparse[sides[0].face]) return;
         if (!is_smooth(edges, sides)) {
-            double size = std::numeric_limits<double>::infinity();
+            double size = next < thickness.size() ? thickness[next++]
+                                                  : std::numeric_limits<double>::infinity();
             for (const auto& side : sides) size = std::min(size, width[region_[side.face]]);
             add(sides, size);
         } else if (const double turn = edges.turn(sides[0], sides[1]); turn > kLeastTurn) {

@@ -25,13 +25,15 @@ struct SizedEdge {
 /// are of the size of the narrower region beside them: twice its area over its outline, which is a
 /// strip's width and a disc's radius; those inside are as large as the radius of
 /// their turn, or as the facets are wide if these turn by 12 degrees or more.
+/// Edges of a piece that run side by side and bound no region together are no larger than the way
+/// between them (slim/fit/notes/0018).
 /// Connected pieces whose faces are mostly small are sampled by their vertices: nothing is said of
 /// them.
 class FaceSizes {
 public:
     /// A face is large with an edge or a way across longer than `large` (model units) and than the
     /// share `large_share` of its piece's diagonal.
-    /// cost  60 bytes a corner while it works, O(n log n)
+    /// cost  60 bytes a corner while it works, O(n log n); each pair of up to 2,000 sharp edges
     FaceSizes(const FaceList& faces, double large, double large_share);
 
     std::size_t n_regions() const { return begin_.size() - 1; }

@@ -4,6 +4,7 @@
 #include "formats/number_text.h"
 #include "slim/base/error.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace slim {
@@ -64,6 +65,11 @@ bool XyzReader::next_row() {
             fail(message("numbers with decimal commas ('", line.substr(0, 40),
                          "'): expected decimal points; convert with: sed 's/,/./g' ", in_.path(),
                          " > points.xyz"));
+        if (before_rows && std::none_of(words_.begin(), words_.end(), [&](std::string_view word) {
+                return parse_number(word, first);
+            }))
+            fail(message("expected numbers, or a line of names with x, y and z (nx ny nz: normals; "
+                         "scan: its number; any case), found '", line.substr(0, 60), "'"));
         row_.resize(words_.size());
         for (std::size_t i = 0; i < words_.size(); ++i)
             if (!parse_number(words_[i], row_[i]))

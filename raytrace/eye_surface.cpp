@@ -16,7 +16,7 @@ constexpr float kSameSurface = 0.5f;  ///< cosine between normals of one surface
 /// Shares of a neighbourhood that face the eye: up to the first a pixel is of a sheet's back, from
 /// the second on an overshoot.
 constexpr float kBack = 0.1f, kOvershoot = 0.3f;
-constexpr std::size_t kPlaces = 32;
+constexpr std::size_t kPlaces = EyeFrame::kPlaces;
 
 /// Even over the unit disc: a spiral with the golden angle, which has no direction of its own.
 std::array<std::array<float, 2>, kPlaces> places_in_disc() {
@@ -73,19 +73,31 @@ std::optional<Vec3f> EyeSurface::normal_near(int x, int y) const {
                     static_cast<std::size_t>(left / 2));
 }
 
-float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
+EyeFrame::EyeFrame(const ShadeView& v, int width, int height)
+    : right(to_float(v.right)),
+      up(to_float(v.up)),
+      back(to_float(v.back)),
+      half_width(static_cast<float>(v.half_width)),
+      half_height(static_cast<float>(v.half_height)),
+      orthographic(v.orthographic),
+      first_x(v.first_x),
+      first_y(v.first_y),
+      whole_width(v.whole_width > 0 ? v.whole_width : width),
+      whole_height(v.whole_height > 0 ? v.whole_height : height),
+      around(v.around) {
     static const std::array<std::array<float, 2>, kPlaces> disc = places_in_disc();
-    const auto reach = static_cast<float>(shade_reach(frame.whole_width, frame.whole_height));
+    const auto reach = static_cast<float>(shade_reach(whole_width, whole_height));
+    const auto nearest = [](float offset) { return static_cast<int>(std::floor(offset + 0.5f)); };
+    for (std::size_t k = 0; k < kPlaces; ++k)
+        places[k] = {nearest(reach * disc[k][0]), nearest(reach * disc[k][1])};
+}
+
+float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     // In the axes of the planes: two products a place instead of a normal turned and made unit.
     const Vec3f eye = frame.to_world(toward_eye), same = frame.to_world(n);
     int hits = 0, front = 0;
-    for (const auto& [dx, dy] : disc) {
-        // lround is a call
-        const auto nearest = [](float offset) {
-            return static_cast<int>(std::floor(offset + 0.5f));
-        };
-        const int px = x + nearest(reach * dx), py = y + nearest(reach * dy);
-        const std::optional<Vec3f> there = normal_near(px, py);
+    for (const auto& [dx, dy] : frame.places) {
+        const std::optional<Vec3f> there = normal_near(x + dx, y + dy);
         if (!there) continue;
         ++hits, front += dot(*there, eye) > 0 && dot(*there, same) > kSameSurface * length(*there);
     }

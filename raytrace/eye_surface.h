@@ -4,6 +4,7 @@
 #include "raytrace/shade.h"
 #include "slim/base/simd.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,18 +26,11 @@ struct EyeFrame {
     int first_x, first_y, whole_width, whole_height;
     const CoarsePlanes* around;
 
-    EyeFrame(const ShadeView& v, int width, int height)
-        : right(to_float(v.right)),
-          up(to_float(v.up)),
-          back(to_float(v.back)),
-          half_width(static_cast<float>(v.half_width)),
-          half_height(static_cast<float>(v.half_height)),
-          orthographic(v.orthographic),
-          first_x(v.first_x),
-          first_y(v.first_y),
-          whole_width(v.whole_width > 0 ? v.whole_width : width),
-          whole_height(v.whole_height > 0 ? v.whole_height : height),
-          around(v.around) {}
+    /// Even over a disc of shade_reach pixels.
+    static constexpr std::size_t kPlaces = 32;
+    std::array<std::array<int, 2>, kPlaces> places;
+
+    EyeFrame(const ShadeView& v, int width, int height);
 
     Vec3f from_world(const Vec3f& d) const { return {dot(right, d), dot(up, d), dot(back, d)}; }
     Vec3f to_world(const Vec3f& d) const { return right * d.x + up * d.y + back * d.z; }
@@ -55,10 +49,13 @@ struct EyeFrame {
     }
     /// The same at s, s + step, ...
     LanesOfVec toward_eye(float s, float step, float t) const {
-        if (orthographic) return {FloatV(0.0f), FloatV(0.0f), FloatV(1.0f)};
         const FloatV lane([](auto k) { return static_cast<float>(k); });
-        const FloatV across = -half_width * (s + lane * step);
-        return LanesOfVec{across, FloatV(-t * half_height), FloatV(1.0f)}.unit();
+        return toward_eye(FloatV(s), lane, step, FloatV(t));
+    }
+    /// The same at s + n step.
+    LanesOfVec toward_eye(const FloatV& s, const FloatV& n, float step, const FloatV& t) const {
+        if (orthographic) return {FloatV(0.0f), FloatV(0.0f), FloatV(1.0f)};
+        return LanesOfVec{-half_width * (s + n * step), -t * half_height, FloatV(1.0f)}.unit();
     }
 };
 

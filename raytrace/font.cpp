@@ -57,6 +57,13 @@ class Pen {
 public:
     Pen(std::vector<Segment>& out, const GlyphPlace& place) : out_(out), place_(place) {}
 
+    void draw(const Glyph& glyph) {
+        draw(glyph.path);
+        origin_ = {glyph.mark_x, glyph.mark_y};
+        draw(glyph.mark);
+    }
+
+private:
     void draw(const char* path) {
         while (*path) {
             const char command = *path++;
@@ -65,8 +72,6 @@ public:
             if (command == 'A') arc(path);
         }
     }
-
-private:
     static float number(const char*& path) {
         char* end = nullptr;
         const float value = std::strtof(path, &end);
@@ -79,8 +84,11 @@ private:
         return {x, number(path)};
     }
     void line_to(const Point2& p) {
-        out_.push_back({place_.pixels(at_), place_.pixels(p)});
+        out_.push_back({placed(at_), placed(p)});
         at_ = p;
+    }
+    Point2 placed(const Point2& p) const {
+        return place_.pixels({p.x + origin_.x, p.y + origin_.y});
     }
     void arc(const char*& path) {
         const Point2 center = point(path), radius = point(path), angles = point(path);
@@ -95,7 +103,7 @@ private:
 
     std::vector<Segment>& out_;
     const GlyphPlace& place_;
-    Point2 at_{0, 0};
+    Point2 at_{0, 0}, origin_{0, 0};
 };
 
 float distance_to(const Segment& s, float x, float y) {
@@ -184,9 +192,9 @@ void draw_text(const Canvas& canvas, std::string_view text, float x, float basel
     GlyphPlace place{x, baseline, style.cap_height / kCapUnits};
     std::vector<Segment> segments;
     while (!text.empty()) {
-        const Glyph& glyph = glyph_of(next_character(text));
+        const Glyph glyph = glyph_of(next_character(text));
         segments.clear();
-        Pen(segments, place).draw(glyph.path);
+        Pen(segments, place).draw(glyph);
         if (!segments.empty())
             CoverageBox(segments, pen_radius(style)).blend(canvas, style.color);
         place.advance(glyph.advance + kGapUnits);
@@ -201,8 +209,8 @@ void draw_turned_text(const Canvas& canvas, std::string_view text, float x, floa
                      style.cap_height / kCapUnits, c, s};
     std::vector<Segment> segments;
     while (!text.empty()) {
-        const Glyph& glyph = glyph_of(next_character(text));
-        Pen(segments, place).draw(glyph.path);
+        const Glyph glyph = glyph_of(next_character(text));
+        Pen(segments, place).draw(glyph);
         place.advance(glyph.advance + kGapUnits);
     }
     if (!segments.empty())

@@ -95,7 +95,15 @@ constexpr Glyph kGlyphs[] = {
     {'#', 9, "M2 0 L4 14 M6 0 L8 14 M.5 9.4 L9 9.4 M0 4.6 L8.5 4.6"},
     {'%', 13, "M2 0 L11 14 M5.6 10.9 A2.8 10.9 2.8 3.1 0 360 M13 3.1 A10.2 3.1 2.8 3.1 0 360"},
     {'^', 7, "M0 9.5 L3.5 14 L7 9.5"},
+    {'&', 10, "M10 0 L2.3 9.6 A4.6 11.2 2.8 2.8 218 -40 L2 6.4 A4 3.8 4 3.8 125 318 L9.4 6.6"},
     {'~', 8, "M0 5 A2.2 5.2 2.1 1.8 180 0 A6 5.2 2 1.8 180 360"},
+    {U'\u00df', 8.6f, "M0 0 L0 10.5 A3.8 10.8 3.8 3.7 180 -60 L4.6 8 A4.6 4 4 4 90 -130"},     // sharp s
+    {U'\u00e6', 15.4f,
+     "M8.2 5 A4.1 5 4.1 5 0 360 M8.2 10 L8.2 5 L15.4 5 A11.8 5 3.6 5 0 318 M8.2 5 L8.2 0"},    // ae
+    {U'\u00c6', 14, "M0 0 L7 14 L14 14 M7 14 L7 0 L14 0 M2.4 4.8 L7 4.8 M7 7.3 L13 7.3"},      // AE
+    {U'\u00f8', 9, "M9 5 A4.5 5 4.5 5 0 360 M0 -.8 L9 10.8"},                                  // o with stroke
+    {U'\u00d8', 12.5f, "M12.5 7 A6.25 7 6.25 7 0 360 M1 -1 L11.5 15"},                         // O with stroke
+    {U'\u0131', 1, "M.5 10 L.5 0"},                                                            // dotless i
     {U'\u2212', 9, "M0 6 L9 6"},                                                // minus
     {U'\u00b0', 5, "M5 11.8 A2.5 11.8 2.5 2.5 0 360"},                          // degree
     {U'\u00b1', 9, "M0 7.5 L9 7.5 M4.5 12 L4.5 3 M0 .6 L9 .6"},                 // plus-minus
@@ -106,13 +114,62 @@ constexpr Glyph kGlyphs[] = {
     {U'\u00d7', 7, "M0 9.5 L7 2.5 M7 9.5 L0 2.5"},                              // times
 };
 
+/// Marks over small letters, their middle at 0.
+constexpr const char* kGrave = "M-1.8 14.4 L.8 12";
+constexpr const char* kAcute = "M1.8 14.4 L-.8 12";
+constexpr const char* kHat = "M-2.4 12 L0 14.4 L2.4 12";
+constexpr const char* kTilde = "M-2.8 12.6 A-1.3 12.7 1.4 1 180 0 A1.4 12.7 1.4 1 180 360";
+constexpr const char* kDots = "M-1.9 13.4 L-1.9 13.5 M1.9 13.4 L1.9 13.5";
+constexpr const char* kRing = "M1.5 13.2 A0 13.2 1.5 1.5 0 360";
+constexpr const char* kCedilla = "M0 0 L0 -1.2 A-.4 -2.5 1.5 1.3 80 -130";
+
+struct Accented {
+    char32_t code, letter;
+    const char* mark;
+};
+constexpr Accented kAccented[] = {
+    {U'\u00c0', 'A', kGrave},   {U'\u00c1', 'A', kAcute}, {U'\u00c2', 'A', kHat},
+    {U'\u00c3', 'A', kTilde},   {U'\u00c4', 'A', kDots},  {U'\u00c5', 'A', kRing},
+    {U'\u00c7', 'C', kCedilla}, {U'\u00c8', 'E', kGrave}, {U'\u00c9', 'E', kAcute},
+    {U'\u00ca', 'E', kHat},     {U'\u00cb', 'E', kDots},  {U'\u00cc', 'I', kGrave},
+    {U'\u00cd', 'I', kAcute},   {U'\u00ce', 'I', kHat},   {U'\u00cf', 'I', kDots},
+    {U'\u00d1', 'N', kTilde},   {U'\u00d2', 'O', kGrave}, {U'\u00d3', 'O', kAcute},
+    {U'\u00d4', 'O', kHat},     {U'\u00d5', 'O', kTilde}, {U'\u00d6', 'O', kDots},
+    {U'\u00d9', 'U', kGrave},   {U'\u00da', 'U', kAcute}, {U'\u00db', 'U', kHat},
+    {U'\u00dc', 'U', kDots},    {U'\u00dd', 'Y', kAcute}, {U'\u00e0', 'a', kGrave},
+    {U'\u00e1', 'a', kAcute},   {U'\u00e2', 'a', kHat},   {U'\u00e3', 'a', kTilde},
+    {U'\u00e4', 'a', kDots},    {U'\u00e5', 'a', kRing},  {U'\u00e7', 'c', kCedilla},
+    {U'\u00e8', 'e', kGrave},   {U'\u00e9', 'e', kAcute}, {U'\u00ea', 'e', kHat},
+    {U'\u00eb', 'e', kDots},    {U'\u00ec', U'\u0131', kGrave},
+    {U'\u00ed', U'\u0131', kAcute},                      {U'\u00ee', U'\u0131', kHat},
+    {U'\u00ef', U'\u0131', kDots},                       {U'\u00f1', 'n', kTilde},
+    {U'\u00f2', 'o', kGrave},   {U'\u00f3', 'o', kAcute}, {U'\u00f4', 'o', kHat},
+    {U'\u00f5', 'o', kTilde},   {U'\u00f6', 'o', kDots},  {U'\u00f9', 'u', kGrave},
+    {U'\u00fa', 'u', kAcute},   {U'\u00fb', 'u', kHat},   {U'\u00fc', 'u', kDots},
+    {U'\u00fd', 'y', kAcute},   {U'\u00ff', 'y', kDots},
+};
+
 constexpr Glyph kMissing{0, 8, "M0 0 L0 14 L8 14 L8 0 L0 0"};
+
+const Glyph* find_glyph(char32_t code) {
+    for (const Glyph& glyph : kGlyphs)
+        if (glyph.code == code) return &glyph;
+    return nullptr;
+}
 
 }  // namespace
 
-const Glyph& glyph_of(char32_t code) {
-    for (const Glyph& glyph : kGlyphs)
-        if (glyph.code == code) return glyph;
+Glyph glyph_of(char32_t code) {
+    if (const Glyph* glyph = find_glyph(code)) return *glyph;
+    for (const Accented& a : kAccented) {
+        if (a.code != code) continue;
+        constexpr float kHigher = 4;  // over capitals
+        Glyph glyph = *find_glyph(a.letter);
+        const bool capital = a.letter >= 'A' && a.letter <= 'Z', below = a.mark == kCedilla;
+        glyph.code = code, glyph.mark = a.mark;
+        glyph.mark_x = glyph.advance / 2, glyph.mark_y = capital && !below ? kHigher : 0.0f;
+        return glyph;
+    }
     return kMissing;
 }
 

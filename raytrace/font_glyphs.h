@@ -10,9 +10,11 @@ struct Glyph {
     char32_t code;
     float advance;  ///< width without the gap to the next glyph
     const char* path;
+    const char* mark = "";  ///< an accent's path, drawn with its origin at (mark_x, mark_y)
+    float mark_x = 0, mark_y = 0;
 };
 
 /// The glyph of a character, or an empty box.
-const Glyph& glyph_of(char32_t code);
+Glyph glyph_of(char32_t code);
 
 }  // namespace slim

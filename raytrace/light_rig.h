@@ -15,6 +15,7 @@ struct Material {
     float specular = Lighting{}.specular;
     int shininess = Lighting{}.shininess;  ///< exponent of the highlight, at least 1
     float mirror = 0;                      ///< share of what is seen that is a mirror image, [0, 1]
+    bool of_scan = false;                  ///< the albedo is to be times the scan's own colours
 
     bool operator==(const Material&) const = default;
 };

@@ -2,6 +2,7 @@
 
 #include "slim/base/check.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,9 @@ namespace slim {
 namespace {
 
 constexpr std::size_t kRowGrain = 16;
+
+/// A pixel's channels.
+using FourV = stdx::simd<float, stdx::simd_abi::deduce_t<float, 4>>;
 
 std::uint8_t quantize(float display) {
     return static_cast<std::uint8_t>(std::lround(display * 255.0f));
@@ -25,12 +29,12 @@ void encode_pixel(const float* in, std::uint8_t* out) {
 /// Mean of one block into out[4]; rows of the block in order, so the sum is always the same.
 void mean_of_block(const Picture& in, int x0, int y0, int factor, float* out) {
     const float scale = 1 / static_cast<float>(factor * factor);
-    for (int c = 0; c < 4; ++c) {
-        float sum = 0;
-        for (int y = y0; y < y0 + factor; ++y)
-            for (int x = x0; x < x0 + factor; ++x) sum += in.pixel(x, y)[c];
-        out[c] = sum * scale;
+    FourV sum(0.0f);
+    for (int y = y0; y < y0 + factor; ++y) {
+        const float* row = in.pixel(x0, y);
+        for (int x = 0; x < factor; ++x) sum += FourV(row + 4 * x, stdx::element_aligned);
     }
+    (sum * scale).copy_to(out, stdx::element_aligned);
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "raytrace/picture_edges.h"
 
+#include "slim/base/check.h"
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstring>
 
 namespace slim {
 namespace {
@@ -12,18 +15,30 @@ namespace {
 constexpr std::size_t kRowGrain = 32, kChannels = 4;
 static_assert(kLanes % kChannels == 0);
 
-/// A row's channels, with its first and last pixel once more at its ends, and room for lanes.
+/// A strip of this many pixels is taken from top to bottom, so that its rows stay in the cache.
+constexpr int kStrip = 64;
+
+/// A row's channels in a strip, with the pixels before and after it (at the picture's sides its
+/// first and last once more), and room for lanes.
 using Row = std::vector<float>;
 
 FloatV load(const Row& row, std::size_t i) { return FloatV(&row[i], stdx::element_aligned); }
 
+/// The columns of a strip, and the ones that it touches.
+struct Strip {
+    int first, n, left, right;  ///< left, right: one pixel more to either side, within the picture
+    Strip(int x, int width)
+        : first(x), n(std::min(kStrip, width - x)), left(std::max(0, x - 1)),
+          right(std::min(width, x + n + 1)) {}
+};
+
 /// The square roots of a row of the picture.
-void take_roots(const Picture& picture, int y, Row& out) {
-    const std::size_t n = kChannels * static_cast<std::size_t>(picture.width);
+void take_roots(const Picture& picture, const Strip& strip, int y, Row& out) {
+    const auto n = kChannels * static_cast<std::size_t>(strip.n);
     float* const inner = out.data() + kChannels;
-    std::copy_n(picture.pixel(0, y), n, inner);
-    std::copy_n(inner, kChannels, out.data());
-    std::copy_n(inner + n - kChannels, kChannels, inner + n);
+    std::copy_n(picture.pixel(strip.first, y), n, inner);
+    std::copy_n(picture.pixel(strip.left, y), kChannels, out.data());
+    std::copy_n(picture.pixel(strip.right - 1, y), kChannels, inner + n);
     for (std::size_t i = 0; i < n + 2 * kChannels; i += kLanes)
         stdx::sqrt(stdx::max(load(out, i), FloatV(0.0f))).copy_to(&out[i], stdx::element_aligned);
 }
@@ -59,24 +74,63 @@ struct ThreeRows {
     }
 };
 
+/// The roots of a picture's rows in a strip, of which some may be known to be 0 all over.
+class StripRows {
+public:
+    StripRows(const Picture& picture, std::span<const std::uint8_t> covered, const Strip& strip)
+        : picture_(picture), covered_(covered), strip_(strip),
+          rows_(kChannels * (kStrip + 2) + 2 * kLanes) {}
+
+    /// Rows [begin, end).
+    void mark(int begin, int end, float contrast, std::vector<std::uint8_t>& marks) {
+        const int last = picture_.height - 1;
+        take(std::max(0, begin - 1), rows_.above, any_[0]);
+        take(begin, rows_.own, any_[1]);
+        for (int y = begin; y < end; ++y) {
+            take(std::min(last, y + 1), rows_.below, any_[2]);
+            if (any_[0] || any_[1] || any_[2]) {
+                const auto n = static_cast<std::size_t>(strip_.n);
+                rows_.find_spans(kChannels * (n + 2));
+                rows_.mark(n, contrast, &marks[picture_.index(strip_.first, y)]);
+            }
+            rows_.above.swap(rows_.own), rows_.own.swap(rows_.below);
+            any_ = {any_[1], any_[2], any_[0]};  // a row that is empty is cleared already
+        }
+    }
+
+private:
+    bool is_covered(int y) const {
+        if (covered_.empty()) return true;
+        return std::memchr(covered_.data() + picture_.index(strip_.left, y), 1,
+                           static_cast<std::size_t>(strip_.right - strip_.left)) != nullptr;
+    }
+    void take(int y, Row& row, bool& any) {
+        const bool was = any;
+        any = is_covered(y);
+        if (any) take_roots(picture_, strip_, y, row);
+        else if (was)
+            std::fill(row.begin(), row.end(), 0.0f);
+    }
+
+    const Picture& picture_;
+    std::span<const std::uint8_t> covered_;
+    Strip strip_;
+    ThreeRows rows_;
+    std::array<bool, 3> any_{};  ///< whether the rows above, own and below may hold anything
+};
+
 }  // namespace
 
-std::vector<std::uint8_t> edge_pixels(const Picture& picture, float contrast) {
+std::vector<std::uint8_t> edge_pixels(const Picture& picture, float contrast,
+                                      std::span<const std::uint8_t> covered) {
     std::vector<std::uint8_t> marks(picture.n_pixels());
-    const auto width = static_cast<std::size_t>(picture.width);
-    const std::size_t n = kChannels * (width + 2);
+    if (!covered.empty()) SLIM_CHECK(covered.size(), ==, marks.size());
     parallel_blocks(static_cast<std::size_t>(picture.height), kRowGrain,
                     [&](std::size_t begin, std::size_t end) {
-                        ThreeRows rows(n + 2 * kLanes);
-                        const int first = static_cast<int>(begin), last = picture.height - 1;
-                        take_roots(picture, std::max(0, first - 1), rows.above);
-                        take_roots(picture, first, rows.own);
-                        for (int y = first; y < static_cast<int>(end); ++y) {
-                            take_roots(picture, std::min(last, y + 1), rows.below);
-                            rows.find_spans(n);
-                            rows.mark(width, contrast, &marks[picture.index(0, y)]);
-                            rows.above.swap(rows.own), rows.own.swap(rows.below);
-                        }
+                        for (int x = 0; x < picture.width; x += kStrip)
+                            StripRows(picture, covered, Strip(x, picture.width))
+                                .mark(static_cast<int>(begin), static_cast<int>(end), contrast,
+                                      marks);
                     });
     return marks;
 }

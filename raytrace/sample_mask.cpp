@@ -16,10 +16,19 @@ PixelWindow shared(const PixelWindow& a, const PixelWindow& b) {
 
 }  // namespace
 
+void SampleMask::copy_row(int x, int y, std::span<std::uint8_t> out) const {
+    std::fill(out.begin(), out.end(), std::uint8_t{0});
+    const PixelWindow on = shared({x, y, static_cast<int>(out.size()), 1}, part_);
+    if (on.width > 0) std::copy_n(pixel(on.x, on.y), on.width, out.data() + (on.x - x));
+}
+
 bool SampleMask::any_sample(const PixelWindow& s) const {
     const auto up = [](int n) { return (n + kSide - 1) / kSide; };
     const int x = s.x / kSide, y = s.y / kSide;
-    return bounds_in({x, y, up(s.x + s.width) - x, up(s.y + s.height) - y}).width > 0;
+    const PixelWindow on = shared({x, y, up(s.x + s.width) - x, up(s.y + s.height) - y}, part_);
+    for (int row = on.y; row < on.y + on.height; ++row)
+        if (any_of_row(on.x, row, on.width)) return true;
+    return false;
 }
 
 SampleMask SampleMask::grown() const {
@@ -43,14 +52,12 @@ PixelWindow SampleMask::bounds_in(const PixelWindow& window) const {
     const PixelWindow on = shared(window, part_);
     int x0 = on.x + on.width, x1 = on.x, y0 = on.y + on.height, y1 = on.y;
     for (int y = on.y; y < on.y + on.height; ++y) {
-        const auto row = wanted_.begin() + static_cast<std::ptrdiff_t>(y - part_.y) * part_.width +
-                         (on.x - part_.x);
-        const auto end = row + on.width, first = std::find(row, end, 1);
-        if (first == end) continue;
-        const auto last = std::find(std::make_reverse_iterator(end),
-                                    std::make_reverse_iterator(first), 1);
-        x0 = std::min(x0, on.x + static_cast<int>(first - row));
-        x1 = std::max(x1, on.x + static_cast<int>(last.base() - row));
+        if (!any_of_row(on.x, y, on.width)) continue;
+        const std::uint8_t* const row = pixel(on.x, y);
+        int first = 0, last = on.width;
+        while (row[first] == 0) ++first;
+        while (row[last - 1] == 0) --last;
+        x0 = std::min(x0, on.x + first), x1 = std::max(x1, on.x + last);
         y0 = std::min(y0, y), y1 = y + 1;
     }
     if (x0 >= x1) return {};

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -30,12 +32,12 @@ public:
     /// Whether a pixel of the picture is wanted; not outside the part.
     bool has_pixel(int x, int y) const {
         const int px = x - part_.x, py = y - part_.y;
-        return px >= 0 && py >= 0 && px < part_.width && py < part_.height &&
-               wanted_[static_cast<std::size_t>(py) * static_cast<std::size_t>(part_.width) +
-                       static_cast<std::size_t>(px)] != 0;
+        return px >= 0 && py >= 0 && px < part_.width && py < part_.height && *pixel(x, y) != 0;
     }
     /// The same of a sample, a pixel of the picture of twice the size.
     bool has_sample(int x, int y) const { return has_pixel(x / kSide, y / kSide); }
+    /// Of pixels of a row from (x, y) on; 0 outside the part.
+    void copy_row(int x, int y, std::span<std::uint8_t> out) const;
     /// Whether any of these samples is.
     bool any_sample(const PixelWindow& samples) const;
 
@@ -45,6 +47,23 @@ public:
     PixelWindow bounds_in(const PixelWindow& window) const;
 
 private:
+    /// One of the part.
+    const std::uint8_t* pixel(int x, int y) const {
+        return wanted_.data() +
+               static_cast<std::size_t>(y - part_.y) * static_cast<std::size_t>(part_.width) +
+               static_cast<std::size_t>(x - part_.x);
+    }
+
+    /// Whether any of n pixels of a row of the part is wanted.
+    bool any_of_row(int x, int y, int n) const {
+        const std::uint8_t* const row = pixel(x, y);
+        std::uint64_t any = 0, eight;
+        int k = 0;
+        for (; k + 8 <= n; k += 8) std::memcpy(&eight, row + k, 8), any |= eight;
+        for (; k < n; ++k) any |= row[k];
+        return any != 0;
+    }
+
     PixelWindow part_;
     std::vector<std::uint8_t> wanted_;
 };

@@ -22,11 +22,15 @@ FloatV power_lanes(FloatV base, int exponent) {
     return product;
 }
 
-/// Some pixels of a row: their places, normals in camera axes and directions to the eye.
+/// Some pixels: normals in camera axes and directions to the eye.
 struct PixelLanes {
-    int x, y, n;
+    int n;
     std::uint32_t hit;  ///< a bit each
     LanesOfVec normal, toward_eye;
+};
+
+struct Place {
+    int x, y;
 };
 
 /// The first n of some floats; zeros then.
@@ -41,7 +45,7 @@ PixelLanes load_lanes(const EyeSurface& surface, int x, int y) {
     const std::size_t i = surface.index(x, y);
     // without a hit the vectors stay as they are: setting them first cost a quarter of the time
     PixelLanes p;
-    p.x = x, p.y = y, p.n = std::min(kLanes, surface.width - x);
+    p.n = std::min(kLanes, surface.width - x);
     p.hit = bits_of_bytes(&surface.hit[i], static_cast<std::size_t>(p.n));
     if (p.hit == 0) return p;
     const NormalPlanes& n = surface.normals;
@@ -55,13 +59,14 @@ PixelLanes load_lanes(const EyeSurface& surface, int x, int y) {
     return p;
 }
 
-/// Silhouettes are few: one by one.
-void turn_to_eye(const EyeSurface& surface, PixelLanes& p) {
+/// Silhouettes are few: one by one. place(lane) is where a pixel is.
+template <class PlaceOf>
+void turn_to_eye(const EyeSurface& surface, const PlaceOf& place, PixelLanes& p) {
     const auto away = static_cast<std::uint32_t>(lane_bits(p.normal.dot(p.toward_eye) < 0.0f));
     for (std::uint32_t bits = away & p.hit; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
-        p.normal.set(lane,
-                     surface.eye_normal(p.x + lane, p.y, p.normal.at(lane), p.toward_eye.at(lane)));
+        const Place at = place(lane);
+        p.normal.set(lane, surface.eye_normal(at.x, at.y, p.normal.at(lane), p.toward_eye.at(lane)));
     }
 }
 
@@ -104,9 +109,72 @@ void store_lanes(const LanesOfVec& color, const FloatV& alpha, int n, float* rgb
         const FloatV zero(0.0f);
         return store_lanes({zero, zero, zero}, zero, p.n, rgba);
     }
-    turn_to_eye(surface, p);
+    turn_to_eye(surface, [&](int lane) { return Place{x + lane, y}; }, p);
     store_lanes(reflected(lighting, p),
                 select<FloatV>(lanes_of_bits(p.hit), FloatV(1.0f), FloatV(0.0f)), p.n, rgba);
+}
+
+/// Hits that are gathered from where few are: no lane is spent on what is none.
+class SparseLanes {
+public:
+    SparseLanes(const EyeSurface& surface, const Lighting& lighting)
+        : surface_(surface), lighting_(lighting) {}
+
+    /// The pixel at (x, y), which has a hit.
+    void add(int x, int y, float* rgba) {
+        const auto k = static_cast<std::size_t>(n_);
+        const std::size_t i = surface_.index(x, y);
+        const NormalPlanes& n = surface_.normals;
+        at_[k] = {x, y}, rgba_[k] = rgba;
+        // As load_lanes has it.
+        const int first = x / kLanes * kLanes;
+        number_[0][k] = surface_.frame.across(first);
+        number_[1][k] = static_cast<float>(x - first);
+        number_[2][k] = surface_.frame.upwards(y);
+        number_[3][k] = n.x[i], number_[4][k] = n.y[i], number_[5][k] = n.z[i];
+        if (++n_ == kLanes) shade();
+    }
+    /// What is left of those added.
+    [[gnu::flatten]] void shade() {
+        if (n_ == 0) return;
+        const auto load = [&](std::size_t of) {
+            return FloatV(number_[of].data(), stdx::vector_aligned);
+        };
+        const EyeFrame& frame = surface_.frame;
+        PixelLanes p;
+        p.n = n_, p.hit = (std::uint32_t{1} << n_) - 1;
+        p.normal = frame.from_world(LanesOfVec{load(3), load(4), load(5)}).unit();
+        p.toward_eye = frame.toward_eye(load(0), load(1),
+                                        2 / static_cast<float>(frame.whole_width), load(2));
+        turn_to_eye(surface_, [&](int lane) { return at_[static_cast<std::size_t>(lane)]; }, p);
+        alignas(64) std::array<float, 4 * kLanes> some;
+        const LanesOfVec color = reflected(lighting_, p);
+        store_interleaved(color.x, color.y, color.z, FloatV(1.0f), some.data());
+        for (std::size_t k = 0; k < static_cast<std::size_t>(n_); ++k)
+            std::copy_n(&some[4 * k], 4, rgba_[k]);
+        n_ = 0;
+    }
+
+private:
+    static_assert(kLanes < 32);
+
+    const EyeSurface& surface_;
+    const Lighting& lighting_;
+    int n_ = 0;
+    std::array<Place, kLanes> at_;
+    std::array<float*, kLanes> rgba_;
+    alignas(64) std::array<std::array<float, kLanes>, 6> number_{};
+};
+
+/// Rows of which few pixels have a hit.
+void shade_sparse(const EyeSurface& surface, const Lighting& lighting, const RowRange& rows,
+                  Picture& out) {
+    std::fill(out.rgba.begin(), out.rgba.end(), 0.0f);
+    SparseLanes lanes(surface, lighting);
+    for (int y = rows.begin; y < rows.end; ++y)
+        for (int x = 0; x < surface.width; ++x)
+            if (surface.hit[surface.index(x, y)]) lanes.add(x, y, out.pixel(x, y - rows.begin));
+    lanes.shade();
 }
 
 }  // namespace
@@ -133,6 +201,7 @@ void shade_rows(int width, int height, const ShadeView& view, const NormalPlanes
     out.rgba.resize(4 * out.n_pixels());
     const EyeFrame frame(view, width, height);
     const EyeSurface surface{width, height, frame, normals, hit};
+    if (view.around) return shade_sparse(surface, lighting, rows, out);
     const auto n_rows = static_cast<std::size_t>(out.height);
     parallel_blocks(n_rows, kShadedRows, [&](std::size_t begin, std::size_t end) {
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)

@@ -30,6 +30,7 @@ ShadePoints load_points(const SurfacePlanes& planes, const SceneFrame& frame,
         out.normal.set(lane, {n[0][i], n[1][i], n[2][i]});
         const auto& own = planes.buffer.normal;
         out.outward.set(lane, {own[0][i], own[1][i], own[2][i]});
+        if (!planes.tints.empty()) out.tint.set(lane, planes.tints[i]);
         const Vec3d direction =
             planes.view.ray_direction(block.x_of(lane) + 0.5, block.y_of(lane) + 0.5);
         out.toward_eye.set(lane, to_float(-direction));

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace slim {
@@ -18,6 +19,7 @@ struct ShadePoints {
     LanesOfVec normal{Vec3f{0, 0, 1}},
         toward_eye{Vec3f{0, 0, 1}};      ///< unit; the normal turned to the eye
     LanesOfVec outward{Vec3f{0, 0, 1}};  ///< the normal that the surface has, facing whomever
+    LanesOfVec tint{Vec3f{1, 1, 1}};     ///< the place's own colour, linear, times the material's
     FloatV clearance{0.0f};              ///< rays that leave start this far off the surface
     FloatV::mask_type on{false};
 };
@@ -100,7 +102,8 @@ LanesOfVec lit_color(const SceneRig& rig, const Material& material, const ShadeP
         diffuse = diffuse + LanesOfVec(light.color) * sums.diffuse;
         shine = shine + LanesOfVec(light.color) * sums.shine;
     }
-    const LanesOfVec albedo(material.albedo);
+    const LanesOfVec albedo{material.albedo.x * at.tint.x, material.albedo.y * at.tint.y,
+                            material.albedo.z * at.tint.z};
     return {albedo.x * diffuse.x + material.specular * shine.x,
             albedo.y * diffuse.y + material.specular * shine.y,
             albedo.z * diffuse.z + material.specular * shine.z};
@@ -117,6 +120,7 @@ struct SurfacePlanes {
     const GBuffer& buffer;                             ///< hits and positions
     const std::array<std::vector<float>, 3>& normals;  ///< turned to the eye: turned_normals
     const SampleMask* only = nullptr;  ///< what of the window was drawn, if not all
+    std::span<const Vec3f> tints = {};  ///< colours of the hits, linear; empty: the material's alone
 
     /// Some rows of them, as a part of the picture.
     PixelWindow band(const RowRange& rows) const {

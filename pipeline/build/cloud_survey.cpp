@@ -66,6 +66,7 @@ public:
                     stop_gathering();
                 if (!is_gathering_) count_cells(chunk.position);
             });
+        if (survey_.boxes[i].empty()) survey_.some_have_breadth |= !are_of_a_line(chunk.position);
         survey_.boxes[i].extend(box);
         for (const Vec3f& n : chunk.normal) input.n_bad_normals += is_finite(n) ? 0 : 1;
         for (const std::uint16_t s : chunk.scan)
@@ -114,6 +115,13 @@ private:
     void stop_gathering() {
         is_gathering_ = false;
         count_cells(survey_.gathered.release(false, false).position);
+    }
+
+    static bool are_of_a_line(const std::vector<Vec3d>& positions) {
+        Moments moments;
+        for (const Vec3d& p : positions)
+            if (is_finite(p)) moments.add(p);
+        return moments.are_of_a_line();
     }
 
     static Bbox box_of(const std::vector<Vec3d>& positions) {

@@ -91,6 +91,7 @@ struct CloudSurvey {
     bool is_float32 = false;
     double coordinate_quantum = 0;  ///< largest of the inputs', of points that are no strays
     Spread spread;
+    bool some_have_breadth = false;  ///< an input whose first points are of no line by themselves
 };
 
 /// Reads all clouds once. Up to most_gathered points are kept; cells are counted of more. strict: a

@@ -25,6 +25,9 @@ constexpr double kFewEstimated = 0.01;
 // lambda over the squared spacing, at most, of points on faces, which have no noise: what edges of
 // large turns make of it (slim/fit/noise_variance.cpp has the value of scans)
 constexpr double kOfFaceEdges = 0.01;
+constexpr double kStrayed = 2;  // the plain mean over lambda: 1 without strays and noisy parts
+// Where less lies on lines, these are no scan lines (slim/normals/notes/0007).
+constexpr double kMostLinesOfWires = 0.5;
 
 /// Adds a slice's sums, one for each number of neighbours; values stay means over all samples so
 /// far. A slice that needed fewer neighbours than others stays as it is at its last: flat.
@@ -40,6 +43,7 @@ void add_noise(const nlohmann::json& slice, std::vector<NoiseVariance>& sums) {
         const double share = static_cast<double>(n) / static_cast<double>(s.n_sampled + n);
         s.value += share * (one.at("variance").get<double>() - s.value);
         s.flatness += share * (one.at("flatness").get<double>() - s.flatness);
+        s.line_share += share * (one.at("line_share").get<double>() - s.line_share);
         s.independence += share * (one.at("normal_independence").get<double>() - s.independence);
         const auto add_log = [&](double value, double& mean) {  // geometric means
             mean = s.n_sampled == 0 || !(mean > 0) ? value : mean * std::pow(value / mean, share);
@@ -108,6 +112,11 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
     return out;
 }
 
+double volume_of(const Bbox& box) {
+    const Vec3d e = box.extent();
+    return e.x * e.y * e.z;
+}
+
 }  // namespace
 
 GlobalNoise read_global_noise(const std::string& work, double lambda, const SlicePlan& plan) {
@@ -119,17 +128,26 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double measured = std::min(robust_noise(chosen).variance, most);
     out.spacing = chosen.spacing;
     out.typical_variance = chosen.typical;
+    const double line_share = said.noise.empty() ? 0 : said.noise.front().line_share;
+    out.lines_are_wires = line_share < kMostLinesOfWires;
     const double quantum = std::max(plan.coordinate_quantum,
                                     plan.diagonal * std::numeric_limits<double>::epsilon());
     const double floor = 16 * quantum * quantum;
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), floor);
+    const bool is_strayed = chosen.value > kStrayed * robust_noise(chosen).variance;
+    const double volume = volume_of(plan.bounds);
+    if (is_strayed && volume > 0)
+        out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;
     out.floored = lambda <= 0 && measured < floor;
     out.normals_inform = said.not_own <= kFewEstimated * said.points &&
                          chosen.independence >= kIndependent &&
                          normals_inform(chosen.typical, chosen.normal, chosen.spacing);
     out.are_estimated = 2 * said.estimated > said.points;
-    out.contrary_share = said.points > 0 ? said.noisy / said.points : 0;
+    // What stands contrary among normals that faces gave is a thin part's other side or an edge.
+    const bool are_faces_own =
+        is_made_of_faces(plan) && said.not_own <= kFewEstimated * said.points;
+    out.contrary_share = said.points > 0 && !are_faces_own ? said.noisy / said.points : 0;
     return out;
 }
 

@@ -11,10 +11,12 @@ namespace slim {
 struct GlobalNoise {
     double noise_variance = 0;  ///< lambda, floored at (4 q)^2, q the coordinates' step
     double mean_variance = 0;   ///< lambda with all strays and noisy parts
+    double stray_density = 0;   ///< strays to the volume of the cloud's box; 0 if they hardly count
     bool are_estimated = false;   ///< most of the normals are
     double contrary_share = 0;  ///< of normals that noise turns out of a height field
     double typical_variance = 0;  ///< noise of a typical place, without what edges add to lambda
     double spacing = 0;         ///< square root of the area that a point usually has
+    bool lines_are_wires = false;  ///< most of the cloud is dense both ways
     bool floored = false;
     /// the cloud's own normals tell more of its shape than its positions
     bool normals_inform = false;

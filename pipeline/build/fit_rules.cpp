@@ -36,6 +36,8 @@ CoverRules fit_rules(const FitOptions& options, std::uint64_t seed, const SliceP
     rules.ladder.contrary_share = noise.contrary_share;
     rules.spacing = noise.spacing;
     rules.typical_variance = noise.typical_variance;
+    rules.stray_density = noise.stray_density;
+    rules.lines_are_wires = noise.lines_are_wires;
     rules.follow_normals = noise.normals_inform && !rules.windows;
     // Strays and parts with noise are no detail: a second fit would follow them point by point.
     const double roughness = std::sqrt(noise.mean_variance) / noise.spacing;
@@ -63,13 +65,16 @@ nlohmann::json rules_json(const CoverRules& rules) {
             {"sharp", rules.sharp},
             {"follow_normals", rules.follow_normals},
             {"refits", rules.refits},
+            {"stray_density", rules.stray_density},
+            {"lines_are_wires", rules.lines_are_wires},
             {"seed", rules.seed}};
 }
 
 std::string shared_values(const CoverRules& rules) {
-    return fmt::format("lambda {} contrary {} spacing {} typical {} normals {} refits {}",
-                       rules.noise_variance, rules.ladder.contrary_share, rules.spacing,
-                       rules.typical_variance, rules.follow_normals, rules.refits);
+    return fmt::format(
+        "lambda {} contrary {} spacing {} typical {} normals {} refits {} strays {} wires {}",
+        rules.noise_variance, rules.ladder.contrary_share, rules.spacing, rules.typical_variance,
+        rules.follow_normals, rules.refits, rules.stray_density, rules.lines_are_wires);
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #include "pipeline/build/given_normals.h"
 
+#include "pipeline/build/own_points.h"
 #include "slim/normals/estimate.h"
 #include "slim/normals/patch_signs.h"
 #include "slim/normals/repair.h"
@@ -18,12 +19,6 @@ namespace {
 constexpr double kManyContrary = 0.1;
 // points that say whether given normals are those of a surface, and which side is in
 constexpr double kEvidenceSamples = 2000;
-
-std::size_t count_own(const std::vector<bool>& own, const std::vector<bool>& points) {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) n += points[i] && own[i];
-    return n;
-}
 
 void turn(const std::vector<bool>& which, PointBlock& points) {
     for (std::size_t i = 0; i < which.size(); ++i)

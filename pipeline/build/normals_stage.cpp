@@ -2,6 +2,7 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/build/normals_rims.h"
+#include "pipeline/build/scene_signs.h"
 #include "pipeline/build/sensors.h"
 #include "pipeline/build/slice_normals.h"
 #include "pipeline/folder_lock.h"
@@ -53,7 +54,9 @@ Vec3d vector_of(const nlohmann::json& j) { return {j.at(0), j.at(1), j.at(2)}; }
 nlohmann::json evidence_json(const NormalEvidence& e) {
     return {{"normals", e.n},   {"flat", e.n_flat}, {"off", e.n_off},
             {"area", e.area},   {"sq_size", e.sq_size}, {"flux", e.flux},
-            {"moment", vector_json(e.moment)}, {"area_vector", vector_json(e.area_vector)}};
+            {"moment", vector_json(e.moment)}, {"area_vector", vector_json(e.area_vector)},
+            {"sq_flux", e.sq_flux}, {"flux_normals", vector_json(e.flux_normals)},
+            {"normal_squares", e.normal_squares}};
 }
 
 NormalEvidence evidence_from(const nlohmann::json& j) {
@@ -61,6 +64,8 @@ NormalEvidence evidence_from(const nlohmann::json& j) {
     j.at("normals").get_to(e.n), j.at("flat").get_to(e.n_flat), j.at("off").get_to(e.n_off);
     j.at("area").get_to(e.area), j.at("sq_size").get_to(e.sq_size), j.at("flux").get_to(e.flux);
     e.moment = vector_of(j.at("moment")), e.area_vector = vector_of(j.at("area_vector"));
+    j.at("sq_flux").get_to(e.sq_flux), j.at("normal_squares").get_to(e.normal_squares);
+    e.flux_normals = vector_of(j.at("flux_normals"));
     return e;
 }
 
@@ -92,6 +97,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
                             {"spacing", v.spacing},
                             {"normal_variance", v.normal},
                             {"typical_variance", v.typical},
+                            {"line_share", v.line_share},
                             {"normal_independence", v.independence},
                             {"neighbors", v.neighbors},
                             {"samples", v.n_sampled},
@@ -117,7 +123,7 @@ nlohmann::json report_json(const NormalsReport& r, const std::vector<NoiseVarian
 
 nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& plan,
                                  std::size_t slice, const std::vector<Vec3d>& sensors,
-                                 StageContext& context) {
+                                 const std::optional<SceneSigns>& signs, StageContext& context) {
     const auto input = slice_points_path(config.work, slice);
     const auto output = oriented_points_path(config.work, slice);
     std::optional<PointBlock> handed;
@@ -132,6 +138,7 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
         stamp.input(rim_of(config, plan, i, slice));
     const bool from_above = was_from_above(config, plan, slice);
     stamp.depends(fmt::format("from above {}", from_above));
+    if (signs) stamp.input(scene_signs_path(config.work));
     if (!in_memory) {
         stamp.outputs({output});
         if (auto done = stamp.up_to_date()) return *done;
@@ -141,10 +148,13 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     const NearestSearch search(points.position);
     const std::vector<bool> own = own_points(plan, slice, points, search.boxes());
     const auto n_own = static_cast<std::size_t>(std::count(own.begin(), own.end(), true));
-    // A slice's own centroid says little of its outside; the centre of the whole does.
-    const std::optional<Vec3d> center =
-        plan.slices.size() > 1 ? std::optional(plan.bounds.center()) : std::nullopt;
-    const NormalsReport report = give_normals(points, search, own, center, config, plan, sensors,
+    std::vector<SampledNormal> sampled;
+    if (signs) sampled = signs->of(points);
+    // The centroid of a part's piece says little of its outside; the centre of the whole does.
+    std::optional<WholeScene> whole;
+    if (plan.slices.size() > 1)
+        whole = {plan.bounds.center(), signs.has_value(), sampled, signs && signs->is_flat};
+    const NormalsReport report = give_normals(points, search, own, whole, config, plan, sensors,
                                               from_above, context.reporter);
     std::vector<NoiseVariance> noise;
     const auto measure_noise = [&] { noise = noise_of(points, search, own, plan); };
@@ -212,13 +222,16 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     else
         keep_freed_memory(keeps);
     const std::vector<Vec3d> sensors = read_sensors(config.sensors, plan);
+    std::optional<SceneSigns> signs;
+    if (plan.slices.size() > 1 && signs_carry_over(config, plan))
+        signs = scene_signs(config, plan, sensors, context);
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     NormalEvidence evidence;
     const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (!keeps) return_freed_memory();
-        const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, context);
+        const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, signs, context);
         add_counts(one, sum);
         evidence += evidence_from(one.at("evidence"));
         up_to_date &= one.contains("up_to_date");

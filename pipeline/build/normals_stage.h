@@ -50,7 +50,8 @@ std::filesystem::path oriented_points_path(const std::filesystem::path& work, st
 
 /// Writes oriented.slice of each slice, its points along the Morton curve of the whole job's box.
 /// Where all normals are estimated, a slice takes their signs from the one before (IncompleteError
-/// if that one is missing), so that an object cut in slices has one outside. The result counts, per
+/// if that one is missing) and from a sample of the whole (scene_signs.h), so that an object cut in
+/// slices has one outside. The result counts, per
 /// cause, what was kept, turned and estimated, and holds the slice's share of lambda (noise).
 /// Cost: a core works 0.3 us a point on oriented clouds and 1.2 to 2.6 us where normals are
 /// estimated, 7 in noise of 1 %; memory: 81 and 165 to 210 bytes a point of a slice.

@@ -2,6 +2,7 @@
 
 #include "pipeline/build/given_normals.h"
 #include "pipeline/build/normals_rims.h"
+#include "pipeline/build/own_points.h"
 #include "slim/base/hash.h"
 #include "slim/base/parallel.h"
 #include "slim/fit/noise_variance.h"
@@ -50,11 +51,6 @@ std::vector<std::uint32_t> points_without_normal(const PointBlock& points) {
     return out;
 }
 
-std::size_t count_own(const std::vector<bool>& own, const std::vector<std::uint32_t>& points) {
-    return static_cast<std::size_t>(
-        std::count_if(points.begin(), points.end(), [&](std::uint32_t i) { return own[i]; }));
-}
-
 /// Neighbours enough for a ball of 1.4 times the typical noise; the usual ones where hardly any are
 /// to be estimated.
 std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& search,
@@ -74,7 +70,7 @@ std::size_t neighbors_for_noise(const PointBlock& points, const NearestSearch& s
 /// Estimates and orients the normals of `wanted`; the signs of the others are taken as known.
 void estimate_missing(PointBlock& points, const NearestSearch& search, const std::vector<bool>& own,
                       const std::vector<std::uint32_t>& wanted,
-                      const std::optional<Vec3d>& center, const std::vector<Vec3d>& sensors,
+                      const std::optional<WholeScene>& whole, const std::vector<Vec3d>& sensors,
                       const std::vector<Vec3f>& hints, int neighbors, bool seen_from_above,
                       NormalsReport& report) {
     report.neighbors = neighbors > 0 ? static_cast<std::size_t>(neighbors)
@@ -89,7 +85,7 @@ void estimate_missing(PointBlock& points, const NearestSearch& search, const std
         known[i] = scan < sensors.size() && is_finite(sensors[scan]);
     }
     if (orient_to_sensors(points, wanted, sensors) < wanted.size())
-        report.orientation = orient_by_neighbors(points, std::move(graph), known, center, hints,
+        report.orientation = orient_by_neighbors(points, std::move(graph), known, whole, hints,
                                                  own, seen_from_above);
     report.orientation.by_sensor =
         report.estimated - report.orientation.by_neighbors - report.orientation.by_rule;
@@ -143,9 +139,22 @@ std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::ve
     return samples;
 }
 
+OrientReport orient_sample(PointBlock& points, const NormalsConfig& config,
+                           const std::vector<Vec3d>& sensors) {
+    const NearestSearch search(points.position);
+    points.normal.assign(points.size(), Vec3f{});
+    const std::vector<std::uint32_t> wanted = points_without_normal(points);
+    const std::vector<bool> own(points.size(), true);
+    NormalsReport report;
+    estimate_missing(points, search, own, wanted, std::nullopt, sensors, {}, config.neighbors, false,
+                     report);
+    audit_estimates(points, search, own, wanted, report);
+    return report.orientation;
+}
+
 NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                            const std::vector<bool>& own,
-                           const std::optional<Vec3d>& center,
+                           const std::optional<WholeScene>& whole,
                            const NormalsConfig& config, const SlicePlan& plan,
                            const std::vector<Vec3d>& sensors, bool seen_from_above,
                            Reporter& reporter) {
@@ -184,14 +193,15 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
         report.kept = n_points - std::min(n_points, count_own(own, wanted) + report.turned +
                                                         report.of_contrary_patches);
     if (!wanted.empty()) {
-        estimate_missing(points, search, own, wanted, center, sensors, hints, config.neighbors,
+        estimate_missing(points, search, own, wanted, whole, sensors, hints, config.neighbors,
                          seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
         if (kFew * report.on_lines > report.estimated)
             reporter.warn(
-                fmt::format("{} points lie on lines too far from each other for normals that say "
-                            "anything: expected lines at most some 100 points' spacing apart, or "
-                            "normals in the input",
+                fmt::format("{} points lie on lines, of wires or a scan, too far from each other for "
+                            "normals that say anything: expected scan lines at most some 100 "
+                            "points' spacing apart (20 where most of the cloud is dense both "
+                            "ways), or normals in the input",
                             report.on_lines));
     }
     if (!mistrusted.empty())

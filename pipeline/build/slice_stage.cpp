@@ -147,9 +147,11 @@ void report(const SlicePlan& plan, Reporter& reporter) {
 /// Clouds of several frames, and points that are nearly a line or a speck in their extent, for that
 /// reason or by themselves.
 void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Reporter& reporter) {
-    if (const std::string text = other_frame_text(config.inputs, survey.boxes); !text.empty())
-        reporter.warn(text);
-    if (survey.n_points > 2 && survey.spread.is_line())
+    const std::string other_frame = other_frame_text(config.inputs, survey.boxes);
+    if (!other_frame.empty()) reporter.warn(other_frame);
+    // Clouds far apart are a line and specks to each other, whatever they are.
+    const bool is_told = !other_frame.empty() && survey.some_have_breadth;
+    if (survey.n_points > 2 && survey.spread.is_line() && !is_told)
         reporter.warn(names_of(config.inputs) +
                               ": all points lie on one line: they have no surface, and the "
                               "model may have nothing to draw; are the columns x, y and z?");
@@ -160,7 +162,7 @@ void warn_of_extent(const SliceConfig& config, const CloudSurvey& survey, Report
             names_of(config.inputs), strays.n == 1 ? "a point" : fmt::format("{} points", strays.n),
             strays.example.x, strays.example.y, strays.example.z, strays.n == 1 ? "is" : "are",
             strays.box.diagonal(), survey.bounds.diagonal()));
-    else if (survey.n_points > 2 && survey.spread.has_far_strays())
+    else if (survey.n_points > 2 && survey.spread.has_far_strays() && !is_told)
         reporter.warn(
             fmt::format("{}: a few points lie so far from the others that these are a speck in the "
                         "cloud's extent of {:.3g}, and the "

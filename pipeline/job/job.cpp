@@ -81,12 +81,22 @@ private:
         if (const TomlTable* table = find(root_, "output")) {
             check_tables(*table, {});
             apply_table(*table, fields_of(output_), file_);
+            require_words(*table, "title");
         }
         const fs::path stem = file_.stem();
         job_.folder =
             output_.dir.empty() ? file_.parent_path() / "out" / stem : fs::path(output_.dir);
         job_.title = output_.title.empty() ? stem.string() : output_.title;
         job_.html = output_.html;
+    }
+
+    /// Words that are never a number's: one without quotes is a slip (not after --set, which has
+    /// none).
+    void require_words(const TomlTable& table, const char* key) const {
+        for (const TomlValue& value : table.values)
+            if (value.key == key && value.kind != Field::Kind::text && value.line > 0)
+                throw ConfigError(fmt::format("{}:{}: {}: expected a string, found {}",
+                                              file_.string(), value.line, key, value.items[0]));
     }
 
     void read_input() {

@@ -4,6 +4,7 @@
 #include "pipeline/contains.h"
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_asked.h"
+#include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_line_choice.h"
 #include "slim/fit/edge_share.h"
 
@@ -61,12 +62,13 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
                                            const BuildStages& stages) {
     Channels channels = 0;
     std::set<std::string> aovs, asked;
-    bool lines = false, rays = false, shadows = false, openness = false;
+    bool lines = false, rays = false, shadows = false, openness = false, colors = false;
     for (const AskedView& view : views) {
         const ViewWork work = work_of(view, stages);
         channels |= work.channels;
         aovs.insert(work.aovs.begin(), work.aovs.end());
         asked.insert(view.aovs.begin(), view.aovs.end());
+        colors = colors || takes_colors(view.render, work.aovs);
         lines = lines || !work.lines.drawn.empty();
         const bool cast = view.render.mode == "raytrace", shaded = contains(work.aovs, "shaded");
         rays = rays || cast;
@@ -81,7 +83,7 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
     if (!lines) out.push_back("feature lines: no view asks for them");
     if (std::string text = left_to_the_points(stages.sharp); !text.empty())
         out.push_back(std::move(text));
-    if (!aovs.contains("color"))
+    if (!colors)
         out.push_back(stages.color
                           ? "colours: no view shows them (their section of the model is not read)"
                           : "colours: color = false in [fit] (the model has no section of them)");
@@ -111,7 +113,8 @@ MissingInViews missing_in_views(std::span<const AskedView> views, const BuildSta
                     .push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
                                           fit_remedy(kind, stages.sharp)));
         for (const LeftOut& aov :
-             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty()))
+             left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty(),
+                             SaidBy::keys))
             out.certain.push_back(
                 fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
     }

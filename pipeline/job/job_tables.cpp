@@ -56,6 +56,17 @@ TomlTable without_replaced(TomlTable table) {
     return table;
 }
 
+std::set<std::string> replaced_by_view(const TomlTable& view) {
+    const auto says = [&](const char* key, const char* none) {
+        return std::any_of(view.values.begin(), view.values.end(), [&](const TomlValue& value) {
+            return value.key == key && value.items != std::vector<std::string>{none};
+        });
+    };
+    const bool antialias = says("antialias", "false"), supersample = says("supersample", "1");
+    if (antialias == supersample) return {};  // of both the renderer says that they do not go together
+    return {antialias ? "supersample" : "antialias"};
+}
+
 void append_option(const Field& field, std::vector<std::string>& out) {
     if (field.is_flag()) {
         const bool on = field.items()[0] == "true";

@@ -27,6 +27,10 @@ void check_tables(const TomlTable& in, const std::vector<std::string>& known,
 /// another: of supersample and antialias, which do not go together, the file's.
 TomlTable without_replaced(TomlTable table);
 
+/// The ways to smooth edges that a view's own table leaves without effect: if it says supersample,
+/// the antialias of all views, and the other way round.
+std::set<std::string> replaced_by_view(const TomlTable& view);
+
 /// A field's value as one option, or one per path.
 void append_option(const Field& field, std::vector<std::string>& out);
 

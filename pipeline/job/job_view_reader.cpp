@@ -117,10 +117,14 @@ private:
         const std::vector<std::string> own =
             read_options<RenderConfig>(table, file_, view, kOwnedByView);
         RenderConfig render = render_;
+        const std::set<std::string> replaced = replaced_by_view(table);
+        if (replaced.contains("supersample")) render.supersample = RenderConfig{}.supersample;
+        if (replaced.contains("antialias")) render.antialias = false;
         check_view(table, render);
         if (view.aovs.empty()) view.aovs = usual_aovs_;
         check_aovs(view.aovs, table);
-        const std::set<std::string> own_keys = keys_of(table);
+        std::set<std::string> own_keys = keys_of(table);
+        own_keys.insert(replaced.begin(), replaced.end());
         std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
         note_taken(options, own_keys);
         options.insert(options.end(), own.begin(), own.end());

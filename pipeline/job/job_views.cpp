@@ -98,6 +98,9 @@ void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig&
             "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
     if (contains(aovs, "color") && !color)
         throw ConfigError("aov color needs a model with colours: expected color = true in [fit]");
+    if (tints_shaded(view, aovs) && !color)
+        throw ConfigError(
+            "material color=scan needs a model with colours: expected color = true in [fit]");
 }
 
 }  // namespace slim

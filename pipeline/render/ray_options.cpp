@@ -51,6 +51,8 @@ void check_tracing(const RenderConfig& config, const std::vector<std::string>& a
     refuse_unused(config, aovs);
     if (!config.add.empty() && contains(config.aov, "color"))
         throw ConfigError("aov color shows the colours of one model: leave out add");
+    if (!config.add.empty() && shades_scan_colors(config.material))
+        throw ConfigError("material color=scan shows the colours of one model: leave out add");
     check_lights(config.light);
     ground_height(config), ground_color(config);
     const std::size_t n_materials = parse_materials(config.material).size(),

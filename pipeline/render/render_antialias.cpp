@@ -5,18 +5,25 @@
 #include "raytrace/sample_mask.h"
 #include "raytrace/trace/openness_filter.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <span>
 
 namespace slim {
 namespace {
 
-/// Of windows that samples are drawn in: small ones leave out more of what shows no edge.
-constexpr int kWindowWidth = 64, kWindowHeight = 64;
-/// Windows begin with whole tiles of the doubled picture, as parts of a picture do.
-constexpr int kAlign = 16;
+/// Windows begin where lanes of the doubled picture do; drawn by rays with whole tiles of it, as
+/// parts of a picture do.
+constexpr int kLanesAlign = 8, kTilesAlign = 16;
+static_assert(kLanesAlign * SampleMask::kSide % kLanes == 0);
+/// Sides of windows that samples are drawn in. Small ones leave out more of what shows no edge;
+/// drawn by rays each sets up its lights anew.
+constexpr int kProjected = 16, kTraced = 64;
+/// Windows that a thread draws one after the other, into the same memory.
+constexpr std::size_t kWindowGrain = 4;
 
 /// An AOV's picture and which of its pixels are edges.
 struct EdgePicture {
@@ -63,9 +70,12 @@ std::vector<EdgePicture> edge_pictures(const RenderJob& job,
                                        const std::vector<std::string>& aovs,
                                        const PicturePart& part, Frames& frames) {
     std::vector<EdgePicture> out;
+    // Rays see shadows on a ground, too, where nothing is hit.
+    std::span<const std::uint8_t> covered;
+    if (!job.traced) covered = frames.plain.buffer.hit;
     for (const std::string& aov : aovs) {
         Picture& picture = paint_plain(job, aov, frames);
-        out.push_back({aov, picture, edge_pixels(picture)});
+        out.push_back({aov, picture, edge_pixels(picture, kEdgeContrast, covered)});
         clear_margin(part.inside(), picture.width, out.back().marks);
     }
     return out;
@@ -80,13 +90,11 @@ SampleMask all_marks(const std::vector<EdgePicture>& pictures, const PixelWindow
     return mask;
 }
 
-/// A window grown by a margin and to whole tiles of samples, as far as a part goes.
-PixelWindow with_margin(const PixelWindow& w, int margin, const PixelWindow& part) {
-    const auto down = [&](int n, int least) {
-        return std::max(n - margin, least) / kAlign * kAlign;
-    };
+/// A window grown by a margin and to multiples of some pixels, as far as a part goes.
+PixelWindow with_margin(const PixelWindow& w, int margin, int align, const PixelWindow& part) {
+    const auto down = [&](int n, int least) { return std::max(n - margin, least) / align * align; };
     const auto up = [&](int n, int most) {
-        return std::min((n + margin + kAlign - 1) / kAlign * kAlign, most);
+        return std::min((n + margin + align - 1) / align * align, most);
     };
     const int x = down(w.x, part.x), y = down(w.y, part.y);
     return {x, y, up(w.x + w.width, part.x + part.width) - x,
@@ -99,13 +107,13 @@ struct SampleWindow {
 };
 
 /// Windows that hold all wanted pixels, each in one, and `margin` pixels about these.
-std::vector<SampleWindow> sample_windows(const SampleMask& mask, int margin) {
+std::vector<SampleWindow> sample_windows(const SampleMask& mask, int side, int margin, int align) {
     const PixelWindow& part = mask.part();
     std::vector<SampleWindow> out;
-    for (int y = part.y; y < part.y + part.height; y += kWindowHeight)
-        for (int x = part.x; x < part.x + part.width; x += kWindowWidth) {
-            const PixelWindow w = mask.bounds_in({x, y, kWindowWidth, kWindowHeight});
-            if (w.width > 0) out.push_back({w, with_margin(w, margin, part)});
+    for (int y = part.y; y < part.y + part.height; y += side)
+        for (int x = part.x; x < part.x + part.width; x += side) {
+            const PixelWindow w = mask.bounds_in({x, y, side, side});
+            if (w.width > 0) out.push_back({w, with_margin(w, margin, align, part)});
         }
     return out;
 }
@@ -121,13 +129,12 @@ void copy_marked(const Picture& from, const SampleWindow& window, const PixelWin
                             to.picture.pixel(x - part.x, y - part.y));
 }
 
-/// Calls draw(i) for the windows, at the same time if all of the model may be read: else each tells
-/// what it meets.
+/// Calls draw(begin, end) for the windows, at the same time if all of the model may be read: else
+/// each tells what it meets.
 void for_windows(const RenderJob& job, std::size_t n,
-                 const std::function<void(std::size_t)>& draw) {
-    if (job.reads->whole())
-        return parallel_blocks(n, 1, [&](std::size_t i, std::size_t) { draw(i); });
-    for (std::size_t i = 0; i < n; ++i) draw(i);
+                 const std::function<void(std::size_t, std::size_t)>& draw) {
+    if (job.reads->whole()) return parallel_blocks(n, kWindowGrain, draw);
+    if (n > 0) draw(0, n);
 }
 
 /// Pixels about one that its own look at: openness is filtered over the samples about a sample.
@@ -155,14 +162,21 @@ void smooth_edges(const RenderJob& job, const PicturePart& part, Frames& frames)
     const SampleMask drawn = reach > 0 ? marked.grown() : marked;
     const CoarsePlanes about = planes_around(frames.plain);
     const CoarsePlanes* around = frames.plain.buffer.has(kNormalChannel) ? &about : nullptr;
-    const std::vector<SampleWindow> windows = sample_windows(marked, reach);
+    const std::vector<SampleWindow> windows =
+        job.traced ? sample_windows(marked, kTraced, reach, kTilesAlign)
+                   : sample_windows(marked, kProjected, reach, kLanesAlign);
+    const SampleDrawing drawing(job, drawn, around, job.channels(aovs));
     std::vector<TraceCounts> light_counts(windows.size());
-    for_windows(job, windows.size(), [&](std::size_t i) {
+    for_windows(job, windows.size(), [&](std::size_t begin, std::size_t end) {
         RenderedFrame samples;
-        draw_samples(job, windows[i].drawn, drawn, around, job.channels(aovs), samples);
-        light_counts[i] = samples.light_counts;
-        for (EdgePicture& p : pictures)
-            copy_marked(painted(job, p.aov, samples), windows[i], part.drawn, p);
+        for (std::size_t i = begin; i < end; ++i) {
+            drawing.draw(windows[i].drawn, samples);
+            light_counts[i] = samples.light_counts;
+            for (EdgePicture& p : pictures)
+                if (p.aov == "shaded") copy_marked(samples.shaded, windows[i], part.drawn, p);
+                else
+                    copy_marked(painted(job, p.aov, samples), windows[i], part.drawn, p);
+        }
     });
     for (const TraceCounts& counts : light_counts) frames.plain.light_counts += counts;
 }

@@ -29,6 +29,8 @@ struct RenderedFrame {
                                         ///< several are drawn in; else empty
     std::vector<float> open;            ///< ambient openness, 0 to 1; empty unless asked for
     std::vector<float> ground_open;     ///< the same of the ground, where it is seen
+    std::vector<Vec3f> tints;           ///< the scan's colours at the hits, of a material that has
+                                        ///< them; else empty
     TraceCounts light_counts;           ///< rays for light
     const SampleMask* only = nullptr;   ///< what of the buffer was drawn, if not all
     Picture shaded;                     ///< the part at the picture's size; empty unless asked for

@@ -1,6 +1,7 @@
 #include "pipeline/render/render_asked.h"
 
 #include "pipeline/contains.h"
+#include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_uses.h"
 #include "slim/base/error.h"
 
@@ -23,10 +24,10 @@ const std::map<std::string, Channels>& channel_table() {
         {"color", kNormalChannel | kPositionChannel | kSurfelIdChannel},
         {"dir1", kDirectionChannel | kK1Channel | kK2Channel},
         {"dir2", kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel},
-        {"e1", kThirdOrderChannel},
-        {"e2", kThirdOrderChannel},
-        {"dk1_dt2", kThirdOrderChannel},
-        {"dk2_dt1", kThirdOrderChannel},
+        {"e1", kThirdOrderChannel | kK1Channel | kK2Channel},
+        {"e2", kThirdOrderChannel | kK1Channel | kK2Channel},
+        {"dk1_dt2", kThirdOrderChannel | kK1Channel | kK2Channel},
+        {"dk2_dt1", kThirdOrderChannel | kK1Channel | kK2Channel},
         {"mean", kMeanChannel},
         {"gauss", kGaussChannel},
         {"k1", kK1Channel},
@@ -63,11 +64,12 @@ std::vector<std::string> written_out(const std::vector<std::string>& asked) {
 }  // namespace
 
 bool is_curvature(const std::string& aov) {
-    return (channel_table().at(aov) & kCurvatureChannel) != 0 && aov != "dir1" && aov != "dir2";
+    return (channel_table().at(aov) & kCurvatureChannel) != 0 && aov != "dir1" && aov != "dir2" &&
+           !is_third_order(aov);
 }
 
 bool is_third_order(const std::string& aov) {
-    return channel_table().at(aov) == kThirdOrderChannel;
+    return (channel_table().at(aov) & kThirdOrderChannel) != 0;
 }
 
 std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, int degree,
@@ -79,7 +81,10 @@ std::vector<std::string> possible_aovs(const std::vector<std::string>& asked, in
 }
 
 std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree,
-                                     bool has_colors) {
+                                     bool has_colors, SaidBy said_by) {
+    const auto said = [&](const char* option, const char* key) {
+        return said_by == SaidBy::options ? option : key;
+    };
     std::vector<LeftOut> out;
     if (!contains(asked, "all")) return out;
     const auto add = [&](std::initializer_list<const char*> aovs, std::string reason) {
@@ -91,11 +96,17 @@ std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int 
     };
     if (degree < 3)
         add({"e1", "e2", "dk1_dt2", "dk2_dt1"},
-            fmt::format("a model of degree {} has no third derivatives (build it with degree 3)",
-                        degree));
-    if (!has_colors) add({"color"}, "one model with colours has it (build it with color)");
-    add({"ao"}, "takes rays (mode raytrace) and is to be asked for by name");
-    add({"truth_distance"}, "needs a shape (truth_shape) and is to be asked for by name");
+            fmt::format("a model of degree {} has no third derivatives (build it with {} 3)",
+                        degree, said("--degree", "degree")));
+    const auto add_by_name = [&](const char* aov, const char* why) {
+        add({aov}, fmt::format("{} and is to be asked for by name", why));
+    };
+    if (!has_colors)
+        add({"color"}, fmt::format("one model with colours has it (build it with {})",
+                                   said("--color", "color")));
+    add_by_name("ao", said("takes rays (--mode raytrace)", "takes rays (mode raytrace)"));
+    add_by_name("truth_distance",
+                said("needs a shape (--truth-shape)", "needs a shape (truth_shape)"));
     return out;
 }
 
@@ -115,6 +126,10 @@ void keep_possible_aovs(const RenderConfig& config, int degree, bool has_colors,
             config.model +
             ": aov color: the model has no colours: build it with --color, from a PLY "
             "with red, green and blue");
+    if (!has_colors && tints_shaded(config, aovs))
+        throw ConfigError(config.model +
+                          ": material color=scan: the model has no colours: build it with --color, "
+                          "from a PLY with red, green and blue");
     // Those of a model are by its own surfels, which further models do not have.
     if (!has_colors || !config.add.empty()) std::erase(aovs, "color");
     if (degree >= 3) return;

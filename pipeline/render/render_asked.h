@@ -3,6 +3,7 @@
 #include "pipeline/render/render_config.h"
 #include "raytrace/frame.h"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,12 @@ struct LeftOut {
     std::string aovs;  ///< "e1, e2"
     std::string reason;
 };
+/// How a reader says what he wants: options of a command line, keys of a job.
+enum class SaidBy : std::uint8_t { options, keys };
 /// What "all", if it is among those asked for, passes over of the AOVs that are not asked for by
 /// name.
 std::vector<LeftOut> left_out_of_all(const std::vector<std::string>& asked, int degree,
-                                     bool has_colors);
+                                     bool has_colors, SaidBy said_by);
 
 /// Takes out what this model cannot give: derivatives of curvature unless it is cubic, colour
 /// unless it has any. ConfigError, naming the remedy, if one was asked for by name.

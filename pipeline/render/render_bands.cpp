@@ -13,6 +13,7 @@ constexpr int kBandRows = 128;
 Picture paint_in_bands(const PictureSize& frame, const PictureSize& size, const RowPainter& paint) {
     const int factor = frame.width / size.width;
     if (factor == 1) return paint({0, size.height});
+    if (size.height <= kBandRows) return box_downsample(paint({0, frame.height}), factor);
     Picture out(size.width, size.height);
     for (int y = 0; y < size.height; y += kBandRows) {
         const int end = std::min(size.height, y + kBandRows);

@@ -136,7 +136,8 @@ private:
         field("ambient", ambient, "strength of the light that comes from everywhere", 0, 100);
         field(
             "material", material,
-            "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace)");
+            "of each model, 'color=#rrggbb specular= shininess= mirror=; ...' (mirror: raytrace); "
+            "color=scan: the scan's own colours, of a model built with --color");
         field("shadows", shadows, "raytrace: lights throw shadows");
         field("bounces", bounces, "raytrace: mirror images within mirror images", 0, 16);
         field("ao", ao, "raytrace: ambient occlusion dims the ambient light (alone: --aov ao)");
@@ -150,7 +151,8 @@ private:
         field("ground_height", ground_height,
               "where it cuts the up axis, world (auto: under what is drawn)");
         field("ground_color", ground_color,
-              "#rrggbb, or shadow: only its shadows are seen, over the background");
+              "#rrggbb: opaque, to light from below, too; or shadow: only its shadows are seen, over "
+              "the background");
         field.path("add", add,
                    "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
     }

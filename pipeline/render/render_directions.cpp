@@ -43,8 +43,11 @@ void drop_undefined_directions(const PixelDiagonals& diagonals, GBuffer& b) {
             const double diagonal = diagonals.at(i);
             const auto flat = static_cast<float>(diagonal > 0 ? kFlat / diagonal : kFlat);
             const bool umbilic = k1 - k2 < kUmbilic * std::abs(k1 + k2);
-            if (umbilic || (std::abs(k1) < flat && std::abs(k2) < flat))
+            if (!umbilic && !(std::abs(k1) < flat && std::abs(k2) < flat)) continue;
+            if (b.has(kDirectionChannel))
                 for (auto& plane : b.direction) plane[i] = 0;
+            if (b.has(kThirdOrderChannel))
+                for (auto& plane : b.third) plane[i] = 0;
         }
     });
 }

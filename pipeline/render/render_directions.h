@@ -28,8 +28,8 @@ private:
     std::span<const std::uint16_t> model_;
 };
 
-/// Zeroes the principal directions of a frame (which holds k1 and k2) where there are none:
-/// umbilics, (k1 - k2) / 2 < 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 /
+/// Zeroes the principal directions of a frame (which holds k1 and k2), and what the curvatures do
+/// along them, where there are none: umbilics, (k1 - k2) / 2 < 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 /
 /// diagonal (NUMERICS 5.2).
 void drop_undefined_directions(const PixelDiagonals& diagonals, GBuffer& frame);
 

@@ -31,6 +31,10 @@ struct OutputPlan {
     std::filesystem::path exr;                ///< empty: none
     std::vector<std::filesystem::path> pngs;  ///< one per drawn AOV: all, or the preview's
     std::vector<std::string> drawn;           ///< those AOVs
+    /// Those whose legends cameras leave room for: of data files, which are to overlay, none.
+    std::vector<std::string> framed() const {
+        return exr.empty() ? drawn : std::vector<std::string>();
+    }
     std::filesystem::path stem;               ///< without extension: legends
     std::string number = {};                  ///< "_0001" of a film's picture
     std::filesystem::path named;              ///< with it, as given: the manifest's name

@@ -68,6 +68,7 @@ std::uint64_t plane_bytes(const RenderJob& job, Channels channels) {
     one.resize(1, 1, channels);
     std::uint64_t bytes = 1;
     one.for_each_plane([&](const auto& plane) { bytes += plane.size() * 4; });
+    if (job.tints) bytes += 12;
     if (!job.traced) return bytes;
     // Normals turned to the eye, openness, clearance and model of each hit;
     // TracedPlanes::position_low.

@@ -2,6 +2,7 @@
 
 #include "pipeline/median.h"
 #include "pipeline/render/render_antialias.h"
+#include "pipeline/render/render_asked.h"
 #include "pipeline/render/render_directions.h"
 #include "pipeline/render/render_maps.h"
 #include "raytrace/brute/brute_renderer.h"
@@ -24,18 +25,36 @@ RenderStats render_surface(const RenderJob& job, const RenderRequest& request,
 
 }  // namespace
 
-RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
-                        double lod, Channels wanted, RenderedFrame& frame) {
+namespace {
+
+/// What of a frame does not depend on how it is drawn.
+void place_frame(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                 RenderedFrame& frame) {
     frame.size = size, frame.window = window;
     frame.pixels = pixel_view(job.camera, size.width, size.height);
     frame.view = shade_view(job.camera, size, window.x, window.y);
-    RenderRequest request{job.camera, size.width, size.height,     wanted,
-                          lod,        window,     job.config.loose};
-    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     frame.diagonals.clear();
     if (job.models().size() > 1)
         for (const ModelHeader* model : job.models()) frame.diagonals.push_back(model->diagonal);
-    return render_surface(job, request, frame);
+}
+
+RenderRequest request_of(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                         double lod, Channels wanted) {
+    RenderRequest request{job.camera, size.width, size.height,     wanted,
+                          lod,        window,     job.config.loose};
+    // Single crumbs of a pixel are no matter for a quick picture; edges and lines follow them.
+    request.clean_outlines =
+        job.config.antialias || job.config.supersample > 1 || job.finds_lines();
+    if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
+    return request;
+}
+
+}  // namespace
+
+RenderStats draw_buffer(const RenderJob& job, const PictureSize& size, const PixelWindow& window,
+                        double lod, Channels wanted, RenderedFrame& frame) {
+    place_frame(job, size, window, frame);
+    return render_surface(job, request_of(job, size, window, lod, wanted), frame);
 }
 
 namespace {
@@ -60,8 +79,12 @@ void light_frame(const RenderJob& job, int factor, bool with_shading, RenderedFr
 }
 
 void drop_directions(const RenderJob& job, RenderedFrame& frame) {
-    if (!(job.wants("dir1") || job.wants("dir2")) ||
-        !frame.buffer.has(kDirectionChannel | kK1Channel | kK2Channel))
+    const bool shows_some =
+        std::any_of(job.aovs.begin(), job.aovs.end(), [](const std::string& aov) {
+            return aov == "dir1" || aov == "dir2" || is_third_order(aov);
+        });
+    if (!shows_some || !frame.buffer.has(kK1Channel | kK2Channel) ||
+        !frame.buffer.has_any(kDirectionChannel | kThirdOrderChannel))
         return;
     drop_undefined_directions(frame.diagonals.empty()
                                   ? PixelDiagonals(job.tree.header().diagonal)
@@ -139,15 +162,35 @@ std::vector<std::string> fine_aovs(const RenderJob& job) {
     return job.config.supersample == 1 ? std::vector<std::string>() : averaged_aovs(job);
 }
 
-void draw_samples(const RenderJob& job, const PixelWindow& window, const SampleMask& only,
-                  const CoarsePlanes* around, Channels wanted, RenderedFrame& frame) {
-    constexpr int k = SampleMask::kSide;
-    frame.only = &only;
-    draw_buffer(job, {job.size.width * k, job.size.height * k}, samples_of(window),
-                job.config.lod * k, wanted, frame);
-    frame.view.around = around;
-    light_frame(job, k, job.wants("shaded"), frame);
-    drop_directions(job, frame);
+namespace {
+
+PictureSize sample_size(const RenderJob& job) {
+    return {job.size.width * SampleMask::kSide, job.size.height * SampleMask::kSide};
+}
+
+RenderRequest sample_request(const RenderJob& job, const PixelWindow& window, Channels wanted) {
+    return request_of(job, sample_size(job), samples_of(window),
+                      job.config.lod * SampleMask::kSide, wanted);
+}
+
+}  // namespace
+
+SampleDrawing::SampleDrawing(const RenderJob& job, const SampleMask& only,
+                             const CoarsePlanes* around, Channels wanted)
+    : job_(job), only_(only), around_(around), wanted_(wanted) {
+    if (!job.traced)
+        ready_.emplace(job.tree, sample_request(job, only.part(), wanted), &only);
+}
+
+void SampleDrawing::draw(const PixelWindow& window, RenderedFrame& frame) const {
+    frame.only = &only_;
+    place_frame(job_, sample_size(job_), samples_of(window), frame);
+    if (ready_) ready_->draw(frame.window, frame.buffer);
+    else
+        render_surface(job_, sample_request(job_, window, wanted_), frame);
+    frame.view.around = around_;
+    light_frame(job_, SampleMask::kSide, job_.wants("shaded"), frame);
+    drop_directions(job_, frame);
 }
 
 Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context) {

@@ -3,8 +3,10 @@
 #include "pipeline/render/render_contours.h"
 #include "pipeline/render/render_job.h"
 #include "pipeline/stage.h"
+#include "raytrace/project/forward_picture.h"
 
 #include <chrono>
+#include <optional>
 
 namespace slim {
 
@@ -24,10 +26,25 @@ void add_contours(const RenderJob& job, const PixelWindow& window, StageContext&
 
 double milliseconds_since(std::chrono::steady_clock::time_point start);
 
-/// Draws samples of a window of the picture, shades them and means them, pixel by pixel; pixels
-/// without samples are empty. `around`, which must outlive the frame, is what lies about them.
-void draw_samples(const RenderJob& job, const PixelWindow& window, const SampleMask& only,
-                  const CoarsePlanes* around, Channels wanted, RenderedFrame& frame);
+/// Samples of some pixels of a part of the picture, ready to be drawn window by window.
+class SampleDrawing {
+public:
+    /// `only` are the pixels; `around`, if given, is what lies about their samples. All outlive
+    /// this.
+    SampleDrawing(const RenderJob& job, const SampleMask& only, const CoarsePlanes* around,
+                  Channels wanted);
+
+    /// Draws the samples of a window of the picture, shades them and means them, pixel by pixel;
+    /// pixels without samples are empty. Several windows may be drawn at the same time.
+    void draw(const PixelWindow& window, RenderedFrame& frame) const;
+
+private:
+    const RenderJob& job_;
+    const SampleMask& only_;
+    const CoarsePlanes* around_;
+    Channels wanted_;
+    std::optional<ForwardPicture> ready_;  ///< of forward projection
+};
 
 /// Draws the frames of a part, as often as the job says, and what derives from them.
 Frames draw_frames(const RenderJob& job, const PicturePart& part, StageContext& context);

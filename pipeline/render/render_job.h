@@ -42,6 +42,7 @@ struct RenderJob {
     ModelReads* reads = nullptr;           ///< is told of every node before it is drawn
     RenderShare share = {};                ///< of the film or picture
     ContourLevels contours = {};           ///< of a relief, among the heights seen
+    bool tints = false;  ///< whether the shaded picture has the scan's colours
     std::map<std::string, AovLook> looks = {};
     /// those of the picture, in the order of drawing, once they are found
     std::optional<std::vector<FeatureLine>> found_lines = {};
@@ -60,7 +61,9 @@ struct RenderJob {
         for (std::size_t m = 0; m < edges.size(); ++m) out[m].edges = edges[m];
         return out;
     }
-    FrameLight light() const { return {config, header(), camera, traced}; }
+    FrameLight light() const {
+        return {config, header(), camera, traced, tints ? &*shadings.colors : nullptr};
+    }
     Channels channels(const std::vector<std::string>& of) const {
         return channels_of(of, config.light_maps) | light_channels(config, of);
     }

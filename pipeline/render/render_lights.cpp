@@ -1,6 +1,7 @@
 #include "pipeline/render/render_lights.h"
 
 #include "pipeline/config.h"
+#include "pipeline/contains.h"
 #include "pipeline/render/word_list.h"
 #include "slim/base/error.h"
 
@@ -182,15 +183,33 @@ std::vector<Material> parse_materials(const std::string& text) {
     for (const std::string& description : split_descriptions(text)) {
         WordList words("material", description, false);
         Material m;
-        m.albedo = words.color("color", m.albedo);
+        m.of_scan = words.takes("color", "scan");
+        m.albedo = m.of_scan ? Vec3f{1, 1, 1} : words.color("color", m.albedo);
         m.specular = static_cast<float>(words.number("specular", m.specular, 0, 1));
         m.shininess = static_cast<int>(words.number("shininess", m.shininess, 1, 10000));
         m.mirror = static_cast<float>(words.number("mirror", m.mirror, 0, 1));
+        if (m.of_scan && m.mirror > 0)
+            words.fail("color=scan and mirror: mirror images know no colours of a scan; expected one "
+                       "of the two");
         words.finish();
         materials.push_back(m);
     }
     if (materials.empty()) materials.push_back({});
     return materials;
+}
+
+bool shades_scan_colors(const std::string& text) {
+    const std::vector<Material> materials = parse_materials(text);
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const Material& m) { return m.of_scan; });
+}
+
+bool tints_shaded(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    return contains(aovs, "shaded") && shades_scan_colors(config.material);
+}
+
+bool takes_colors(const RenderConfig& config, const std::vector<std::string>& aovs) {
+    return contains(aovs, "color") || tints_shaded(config, aovs);
 }
 
 }  // namespace slim

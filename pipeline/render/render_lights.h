@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/render/render_config.h"
 #include "raytrace/light_rig.h"
 #include "slim/base/bbox.h"
 #include "slim/base/vec.h"
@@ -38,8 +39,15 @@ std::vector<LightSource> parse_lights(const std::string& text, const LightSettin
 /// Throws what parse_lights does, before there is a model.
 void check_lights(const std::string& text);
 
-/// The materials of --material, one a model: "color=#rrggbb specular= shininess= mirror=; ...".
-/// Throws ConfigError.
+/// The materials of --material, one a model: "color=#rrggbb specular= shininess= mirror=; ...";
+/// color=scan takes the model's own colours. Throws ConfigError.
 std::vector<Material> parse_materials(const std::string& text);
+
+/// Whether one of them has the colours of the scan.
+bool shades_scan_colors(const std::string& text);
+
+/// Whether the shaded picture, and whether any, shows the colours of the scan.
+bool tints_shaded(const RenderConfig& config, const std::vector<std::string>& aovs);
+bool takes_colors(const RenderConfig& config, const std::vector<std::string>& aovs);
 
 }  // namespace slim

@@ -40,11 +40,12 @@ ValueRange range_of(const RenderConfig& config, const std::string& aov,
 /// Whether look_of needs a reference frame for this AOV at all.
 bool needs_reference(const RenderConfig& config, const std::string& aov);
 
-/// What legends take at the right, below or in a corner; nothing where none of the AOVs drawn has
-/// one (unless --legend-room wants it) or the picture is too small for all that they have. Beside a
-/// map, and with --legend-room, it is what the largest of all AOVs would take, the same whatever
-/// else is asked for, so that pictures of one camera overlay; keys alone (of contour lines and
-/// directions) take what they need. The numbers are not known yet: assumed to be of a usual length.
+/// What legends take at the right, below or in a corner; nothing where none of the AOVs drawn
+/// (OutputPlan::framed) has one (unless --legend-room wants it) or the picture is too
+/// small for all that they have. Beside a map, and with --legend-room, it is what the largest of
+/// all AOVs would take, the same whatever else is asked for, so that pictures of one camera
+/// overlay; keys alone (of contour lines and directions) take what they need. The numbers are not
+/// known yet: assumed to be of a usual length.
 LegendRoom legend_room(const RenderConfig& config, const std::vector<std::string>& drawn,
                    const PictureSize& size);
 

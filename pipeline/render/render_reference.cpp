@@ -48,7 +48,8 @@ std::vector<std::string> reference_aovs(const RenderJob& job) {
 Camera camera_of_range(const RenderJob& job, const std::string& name) {
     RenderConfig config = job.config;
     config.camera = name;
-    return make_camera(config, job.header(), job.size, legend_room(config, job.aovs, job.size));
+    return make_camera(config, job.header(), job.size,
+                       legend_room(config, job.plan.framed(), job.size));
 }
 
 /// For each map the union of its ranges from all cameras of same_range.

@@ -13,6 +13,7 @@
 #include "pipeline/render/render_film.h"
 #include "pipeline/render/render_frames.h"
 #include "pipeline/render/render_inputs.h"
+#include "pipeline/render/render_lights.h"
 #include "pipeline/render/render_reference.h"
 #include "pipeline/render/render_summary.h"
 #include "pipeline/render/render_trace.h"
@@ -34,7 +35,7 @@ using Json = nlohmann::json;
 /// Whether a picture takes all of the model: rays and the blend of colours go through trees
 /// of all its leaves.
 bool takes_all_leaves(const RenderConfig& config, const std::vector<std::string>& aovs) {
-    return config.mode != "forward" || contains(aovs, "color");
+    return config.mode != "forward" || takes_colors(config, aovs);
 }
 
 Json ranges_json(const RenderJob& job) {
@@ -139,6 +140,18 @@ void warn_of_sizes(const RenderJob& job, Reporter& reporter) {
                     name(small), name(large), factor));
 }
 
+/// Lamps below a ground light nothing above it, or throw no shadow on it.
+void warn_of_lights_below(const RenderJob& job, Reporter& reporter) {
+    if (!job.wants("shaded") ||
+        !lights_are_below_ground(job.light(), shade_view(job.camera, job.size)))
+        return;
+    reporter.warn(
+        ground_color(job.config)
+            ? "ground: every light is below it, and it is opaque: what is above gets ambient "
+              "light alone (--light, --ground-height; --ground-color shadow lets light through)"
+            : "ground: every light is below it: no shadow falls on it (--light, --ground-height)");
+}
+
 /// Panels have letters of their own; the SVG legends beside them take the reader's.
 void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
     if (const std::string unknown = without_glyphs(config.unit); !unknown.empty())
@@ -151,6 +164,7 @@ void warn_of_letters(const RenderConfig& config, Reporter& reporter) {
 void check_job(const RenderJob& job, Reporter& reporter) {
     require_scale(job);
     warn_of_flat_surfels(job, reporter);
+    warn_of_lights_below(job, reporter);
     warn_of_letters(job.config, reporter);
     warn_of_sizes(job, reporter);
 }
@@ -176,7 +190,8 @@ void say_of_outcome(const RenderJob& job, const RenderOutcome& outcome, Reporter
 void add_model_figures(const RenderConfig& config, const ModelFile& model, const ModelReads& reads,
                        Json& result) {
     const bool shows_colors = !model.colors().empty() && config.add.empty();
-    for (const LeftOut& left : left_out_of_all(config.aov, model.header().degree, shows_colors))
+    for (const LeftOut& left : left_out_of_all(config.aov, model.header().degree, shows_colors,
+                                               SaidBy::options))
         result["left_out"].push_back(left.aovs + ": " + left.reason);
     result["model_bytes"] = model.file_size();
     result["model_bytes_read"] = reads.bytes();
@@ -199,7 +214,7 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
 
     const SurfelTree tree = model.tree();
     require_surfels(config, tree);
-    ModelReads reads(model, takes_all_leaves(config, aovs), contains(aovs, "color"));
+    ModelReads reads(model, takes_all_leaves(config, aovs), takes_colors(config, aovs));
     const OutputPlan plan = plan_outputs(config, aovs);
     check_outputs(config, plan);
     std::optional<TracedModels> traced;
@@ -210,11 +225,12 @@ Json draw(const RenderConfig& config, const RenderShare& share, const fs::path& 
     std::vector<std::uint32_t> met;  // on the way to the bounds, in older files
     const ModelHeader header = traced ? traced->header() : drawn_header(tree, config.loose, &met);
     reads.meet(met);
-    const FilmCameras cameras(config, header, size, legend_room(config, aovs, size));
+    const FilmCameras cameras(config, header, size, legend_room(config, plan.framed(), size));
     RenderJob job{config, tree, aovs, plan, size, cameras.at(0),
                   lines, wanted_window(config, size), load_shadings(config, aovs, tree.header()),
                   frames, header, traced ? &*traced : nullptr, &reads, share};
-    if (job.wants("color")) job.shadings.colors.emplace(tree, model.colors());
+    if (takes_colors(config, aovs)) job.shadings.colors.emplace(tree, model.colors());
+    job.tints = tints_shaded(config, aovs);
     check_job(job, context.reporter);
     make_folder(job.plan);
     choose_looks(job, context.reporter);

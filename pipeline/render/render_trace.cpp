@@ -4,10 +4,13 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/render/ray_options.h"
 #include "pipeline/render/render_bands.h"
+#include "pipeline/render/render_colors.h"
 #include "pipeline/render/render_lights.h"
 #include "raytrace/trace/light_pass.h"
 #include "slim/base/error.h"
+#include "slim/tree/drawn_beyond.h"
 #include "slim/tree/drawn_bounds.h"
+#include "slim/tree/drawn_hull.h"
 
 #include <algorithm>
 #include <chrono>
@@ -66,7 +69,7 @@ struct FramePlanes {
 
     explicit FramePlanes(const RenderedFrame& frame)
         : normals(turned(frame)),
-          planes{frame.pixels, frame.window, frame.buffer, normals, frame.only} {}
+          planes{frame.pixels, frame.window, frame.buffer, normals, frame.only, frame.tints} {}
     FramePlanes(const FramePlanes&) = delete;
     FramePlanes& operator=(const FramePlanes&) = delete;
 
@@ -137,16 +140,43 @@ bool is_plain(const RenderConfig& config) {
 
 Channels light_channels(const RenderConfig& config, const std::vector<std::string>& aovs) {
     const bool shaded = contains(aovs, "shaded"), open = contains(aovs, "ao");
+    Channels channels = 0;
     if (is_traced(config) ? shaded || open : shaded && !is_plain(config))
-        return kNormalChannel | kPositionChannel;
-    return 0;
+        channels |= kNormalChannel | kPositionChannel;
+    if (shaded && shades_scan_colors(config.material)) channels |= kSurfelIdChannel;
+    return channels;
 }
+
+namespace {
+
+void append(const std::vector<Vec3d>& more, std::vector<Vec3d>& places) {
+    places.insert(places.end(), more.begin(), more.end());
+}
+
+/// The hull of a model of few leaves whose discs reach far beyond its points, where kept hulls end;
+/// empty of others.
+std::vector<Vec3d> far_hull(const SurfelTree& tree, bool loose, const Bbox& drawn,
+                            std::vector<std::uint32_t>* visited) {
+    constexpr std::size_t kFewNodes = 400;
+    if (tree.n_nodes() > kFewNodes) return {};
+    if (visited)
+        for (std::uint32_t i = 0; i < tree.n_nodes(); ++i) visited->push_back(i);
+    const BeyondBox beyond = drawn_beyond(tree, loose, drawn);
+    if (beyond.places.empty()) return {};
+    std::vector<Vec3d> hull = drawn_hull(tree, false, beyond.box);
+    if (loose) append(drawn_hull(tree, true, beyond.box), hull);
+    append(beyond.places, hull);
+    return hull;
+}
+
+}  // namespace
 
 ModelHeader drawn_header(const SurfelTree& tree, bool loose, std::vector<std::uint32_t>* visited) {
     ModelHeader header = tree.header();
     header.bounds = drawn_bounds(tree, loose, visited);
-    if (loose)
-        header.hull.insert(header.hull.end(), header.loose_hull.begin(), header.loose_hull.end());
+    if (loose) append(header.loose_hull, header.hull);
+    const std::vector<Vec3d> far = far_hull(tree, loose, header.bounds, visited);
+    if (!far.empty()) header.hull = far;
     return header;
 }
 
@@ -218,7 +248,21 @@ void find_openness(const FrameLight& light, RenderedFrame& frame) {
                                                   *wanted_ground(light), frame.light_counts);
 }
 
+bool lights_are_below_ground(const FrameLight& light, const ShadeView& view) {
+    if (!light.traced || !light.config.ground) return false;
+    const GroundPlane ground = ground_of(light.config, *light.traced);
+    const std::vector<LightSource> lights = rig_of(light.config, light.header, view).lights;
+    return !lights.empty() &&
+           std::all_of(lights.begin(), lights.end(), [&](const LightSource& l) {
+               return l.kind == LightKind::directional
+                          ? dot(l.toward, ground.normal) <= 0
+                          : dot(l.position, ground.normal) <= ground.height;
+           });
+}
+
 void shade_frame(const FrameLight& light, int factor, RenderedFrame& frame) {
+    frame.tints.clear();
+    if (light.colors) frame.tints = scan_colors(*light.colors, frame);
     if (light.traced)
         shade_traced(light, factor, frame);
     else if (is_plain(light.config))

@@ -7,6 +7,7 @@
 #include "raytrace/camera.h"
 #include "raytrace/trace/look.h"
 #include "raytrace/trace/trace_scene.h"
+#include "slim/color/color_blend.h"
 #include "slim/model/surfel_tree.h"
 
 #include <memory>
@@ -59,11 +60,15 @@ struct FrameLight {
     const ModelHeader& header;
     const Camera& camera;
     const TracedModels* traced = nullptr;
+    const ColorBlend* colors = nullptr;  ///< of the scan, if the material has them
 };
 
 /// Fills frame.open, the ambient openness of every hit, and if a picture shows it
 /// frame.ground_open.
 void find_openness(const FrameLight& light, RenderedFrame& frame);
+
+/// Whether there is a ground and every light is below it.
+bool lights_are_below_ground(const FrameLight& light, const ShadeView& view);
 
 /// Fills frame.shaded, at the picture's size: one pixel for `factor` x `factor` of the frame; keeps
 /// its memory if it can.

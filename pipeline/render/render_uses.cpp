@@ -163,9 +163,9 @@ constexpr OptionUse kUses[] = {
     {"bounces", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"shadows", "the aov shaded of rays", ": --mode raytrace", throws_shadows},
     {"lod", "--mode forward", "", takes_lod},
-    {"antialias", "shaded pictures and maps with one sample a pixel",
-     " (not for id and level, which are data, nor for lines alone, which are smooth; not with "
-     "--supersample 2, which takes four everywhere, nor with --mode brute)",
+    {"antialias", "a shaded picture or a map of one sample a pixel",
+     ": pictures of id and level show data, which are never averaged, lines alone are smooth "
+     "already, --supersample takes more samples everywhere, --mode brute one",
      takes_antialias},
     {"range", "a map that it names", ": such as --aov mean", takes_range},
     {"percentile", "a map with a range of its own", ": such as --aov mean without --range",

@@ -54,6 +54,12 @@ std::string WordList::text(const char* key, const std::string& otherwise) {
     return value;
 }
 
+bool WordList::takes(const char* key, std::string_view value) {
+    return std::erase_if(words_, [&](const auto& word) {
+               return word.first == key && word.second == value;
+           }) > 0;
+}
+
 std::vector<double> WordList::numbers(const char* key, std::size_t n,
                                       std::vector<double> otherwise) {
     const std::string value = text(key, "");

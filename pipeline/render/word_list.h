@@ -19,6 +19,8 @@ public:
     const std::string& kind() const { return kind_; }
     bool has(std::string_view key) const;
     std::string text(const char* key, const std::string& otherwise);
+    /// Takes the key out if it has just this value.
+    bool takes(const char* key, std::string_view value);
     double number(const char* key, double otherwise, double min, double max);
     bool on_off(const char* key, bool otherwise);
     Vec3f color(const char* key, const Vec3f& otherwise);

@@ -6,6 +6,7 @@
 #include "slim/neighbors/point_pyramid.h"
 #include "slim/smooth/cloud_sample.h"
 #include "slim/smooth/refit_budget.h"
+#include "slim/smooth/sheet_sides.h"
 
 #include <fmt/format.h>
 
@@ -64,9 +65,10 @@ void fit_anew(const SmoothInput& input, CloudSample sample, std::size_t most_fit
     Bbox box;
     for (const Vec3d& p : sample.points.position) box.extend(p);
     sort_along_curve(sample.points, box);
+    const BallIndex& model = input.index;
+    tell_sheets_apart(model, sample.points);
     const PointPyramid points(sample.points, box, kSeed, sample.share);
     const std::vector<LeafNoise> noise = noise_of_leaves(input);
-    const BallIndex& model = input.index;
     out.share = sample.share;
     std::vector<WideRadius> radii =
         most_fits == 0 ? kept_radii(model, noise, points)

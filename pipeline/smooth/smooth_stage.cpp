@@ -211,10 +211,16 @@ json smooth_faces(const Smoother& smoother) {
                         "weld them, or use "
                         "--mode points",
                         counts.held, counts.points));
+    if (smoothed.turned.turned > 0)
+        smoother.context.reporter.info(
+            fmt::format("{} faces would have turned over: {} vertices go a share of their way",
+                        smoothed.turned.turned, smoothed.turned.n_held_back));
     json result = counts.to_json("mesh");
     if (!edges.is_null()) result["at_edges"] = edges;
     result["faces"] = mesh.n_faces();
     result["faces_unsupported"] = smoothed.faces_unsupported;
+    result["faces_turned"] = smoothed.turned.turned;
+    result["vertices_held_back"] = smoothed.turned.n_held_back;
     result["held"] = counts.held;
     return result;
 }

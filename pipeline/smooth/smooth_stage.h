@@ -46,7 +46,8 @@ struct SmoothConfig {
 /// Points go on the surface fitted anew to them (RefittedSurface), a mesh's faces on the model's
 /// own. Points without support, or whose line meets no surface in reach, are kept as they are.
 /// Keys: mode points moved unsupported opposed astray not_finite rms_displacement (of those that
-/// moved) max_displacement; for a mesh faces faces_unsupported held (vertices of the boundary,
+/// moved) max_displacement; for a mesh faces faces_unsupported faces_turned (that would have turned
+/// over) vertices_held_back (so that they do not: TurnedFaces) held (vertices of the boundary,
 /// which stay) at_edges (share of the mesh at feature edges that the model rounds off,
 /// feature_edges; with an advice where it has some; none of a model with sharp leaves) instead of
 /// opposed, astray, points_by_model (the fits were out of reach) points_held_back (went a share of

@@ -75,15 +75,17 @@ struct BlendedHit {
     BlendSums sums;
 };
 
-/// The first hit that is not outvoted.
+/// The first hit, with clean outlines the first that is not outvoted.
 BlendedHit blended_hit(const Ray& ray, double t_near, const std::vector<const Leaf*>& row,
-                       bool sharp_model, Derivatives wanted, RenderStats& stats) {
+                       bool sharp_model, bool clean_outlines, Derivatives wanted,
+                       RenderStats& stats) {
     BlendedHit hit;
     do {
         hit.first = nearest_hit(ray, t_near, hit.first, row, stats);
         if (!hit.first.leaf) break;
         hit.sums = blend_around(ray, hit.first, row, sharp_model, wanted, stats);
-    } while (is_outvoted(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
+    } while (clean_outlines &&
+             is_outvoted(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
     return hit;
 }
 
@@ -149,7 +151,8 @@ std::vector<const Leaf*> leaves_of_row(const PixelView& view, double py,
 }
 
 void render_row(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                const std::vector<Leaf>& leaves, int y, GBuffer& out, RenderStats& stats) {
+                const std::vector<Leaf>& leaves, bool clean_outlines, int y, GBuffer& out,
+                RenderStats& stats) {
     const double py = window.y + y + 0.5;
     const auto row = leaves_of_row(view, py, leaves);
     for (int x = 0; x < window.width; ++x) {
@@ -157,7 +160,8 @@ void render_row(const PixelView& view, const PixelWindow& window, const SurfelTr
         const Ray ray{view.ray_origin(px, py), view.ray_direction(px, py)};
         const double t_near = view.near_plane / dot(ray.direction, view.forward);
         const auto [hit, sums] =
-            blended_hit(ray, t_near, row, !tree.sharp().empty(), derivatives_for(out), stats);
+            blended_hit(ray, t_near, row, !tree.sharp().empty(), clean_outlines,
+                        derivatives_for(out), stats);
         if (!hit.leaf) continue;
         write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
         ++stats.covered_pixels;
@@ -176,7 +180,8 @@ RenderStats render_brute(const SurfelTree& tree, const RenderRequest& request, G
     const std::vector<Leaf> leaves = wanted_leaves(tree, request.loose, stats);
     std::vector<RenderStats> rows(static_cast<std::size_t>(window.height));
     parallel_blocks(rows.size(), 1, [&](std::size_t y, std::size_t) {
-        render_row(view, window, tree, leaves, static_cast<int>(y), out, rows[y]);
+        render_row(view, window, tree, leaves, request.clean_outlines, static_cast<int>(y), out,
+                   rows[y]);
     });
     stats.nodes_visited = tree.n_nodes();
     stats.surfels_drawn = leaves.size();

@@ -78,6 +78,13 @@ PixelBox box_of(const HeightLabel& l) {
 
 bool is_upside_down(const HeightLabel& label) { return std::cos(label.angle_rad) < -0.1f; }
 
+/// Read from the picture's lower side, whichever way is uphill.
+void set_upright(HeightLabel& label) {
+    if (!is_upside_down(label)) return;
+    constexpr float kHalfTurn = std::numbers::pi_v<float>;
+    label.angle_rad += label.angle_rad > 0 ? -kHalfTurn : kHalfTurn;
+}
+
 bool overlap(const PixelBox& a, const PixelBox& b) {
     return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
@@ -128,6 +135,7 @@ private:
         if (!std::all_of(labels_.begin() + before, labels_.end(), is_upside_down))
             labels_.erase(std::remove_if(labels_.begin() + before, labels_.end(), is_upside_down),
                           labels_.end());
+        std::for_each(labels_.begin() + before, labels_.end(), set_upright);
     }
 
     std::optional<HeightLabel> best_place(const MeasuredLine& line, HeightLabel label, float from,

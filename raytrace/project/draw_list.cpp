@@ -125,12 +125,25 @@ void bound_ball(const PixelView& view, const PixelWindow& window, const Vec3d& c
     item.near_blend = c.z - radius, item.far_blend = c.z + radius;
 }
 
+void leave_out_unmarked(const MarkedTiles* marked, ScreenRect& rect) {
+    if (marked && !rect.empty() && !marked->any(rect)) rect = {};
+}
+
+/// Whether a ball is seen on tiles that are drawn, before more is known of its surfel.
+bool may_be_seen(const PixelView& view, const PixelWindow& window, const Vec3d& c, double radius,
+                 const MarkedTiles* marked) {
+    if (!marked) return true;
+    const ScreenRect rect = screen_rect(view, window, c, radius);
+    return !rect.empty() && marked->any(rect);
+}
+
 /// Surfels of the cut that have records, worked out side by side.
 template <int Degree>
 class RecordBatch {
 public:
-    RecordBatch(const PixelView& view, const PixelWindow& window, DrawList<Degree>& list)
-        : view_(view), window_(window), list_(list) {}
+    RecordBatch(const PixelView& view, const PixelWindow& window, const MarkedTiles* marked,
+                DrawList<Degree>& list)
+        : view_(view), window_(window), marked_(marked), list_(list) {}
 
     /// Entry i of the list, which is a node of the tree;
     /// `c` is the surfel's centre in camera coordinates.
@@ -170,8 +183,10 @@ public:
         put_depths(s, form, whole, core);
         std::array<PixelRecord<Degree>*, kSurfelLanes> records{};
         bool any = false;
-        for (std::size_t k = 0; k < batch_.size(); ++k)
+        for (std::size_t k = 0; k < batch_.size(); ++k) {
+            leave_out_unmarked(marked_, to_whole[k]->rect);
             if (!to_whole[k]->rect.empty()) records[k] = &list_.records[entry_[k]], any = true;
+        }
         if (any) fill_pixel_records<Degree>(s, form, grid, records);
         batch_.clear();
     }
@@ -206,6 +221,7 @@ private:
 
     const PixelView& view_;
     const PixelWindow& window_;
+    const MarkedTiles* marked_;
     DrawList<Degree>& list_;
     SurfelBatch batch_;
     std::array<std::size_t, kSurfelLanes> entry_{};
@@ -213,8 +229,8 @@ private:
 
 template <int Degree>
 void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                std::uint32_t node, std::size_t i, DrawList<Degree>& list,
-                RecordBatch<Degree>& batch) {
+                std::uint32_t node, std::size_t i, const MarkedTiles* marked,
+                DrawList<Degree>& list, RecordBatch<Degree>& batch) {
     const Vec3d c = view.camera_from_local(tree.center(node));
     const std::uint8_t flags = tree.node(node).flags;
     const double radius = tree.support_radius(node) * drawn_scale(tree.node(node));
@@ -225,7 +241,8 @@ void fill_entry(const PixelView& view, const PixelWindow& window, const SurfelTr
     if ((flags & kSharp) || is_extreme(view, c, radius)) {
         item.general = 0;
         bound_ball(view, window, c, radius, item, list.whole[i], list.core[i]);
-    } else if (c.z + radius >= view.near_plane) {
+        leave_out_unmarked(marked, list.whole[i].rect);
+    } else if (c.z + radius >= view.near_plane && may_be_seen(view, window, c, radius, marked)) {
         batch.add(c, tree, node, i);
     } else {
         list.whole[i].rect = {};
@@ -255,16 +272,16 @@ SharpRecord sharp_record(const PixelView& view, const Surfel& s, std::uint32_t n
 
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                           std::span<const std::uint32_t> cut) {
+                           std::span<const std::uint32_t> cut, const MarkedTiles* marked) {
     DrawList<Degree> list(cut.size());
     std::vector<std::uint32_t> keys(cut.size());
     std::atomic<bool> any_general = false;
     const double z_root = tree.n_nodes() > 0 ? view.camera_from_local(tree.center(0)).z : 0;
     constexpr std::size_t kGrain = 512;
     parallel_blocks(cut.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        RecordBatch<Degree> batch(view, window, list);
+        RecordBatch<Degree> batch(view, window, marked, list);
         for (std::size_t i = begin; i < end; ++i)
-            fill_entry(view, window, tree, cut[i], i, list, batch);
+            fill_entry(view, window, tree, cut[i], i, marked, list, batch);
         batch.work_out();
         for (std::size_t i = begin; i < end; ++i) {
             list.rects[i] = list.whole[i].rect;
@@ -282,10 +299,10 @@ DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, con
 }
 
 template DrawList<1> draw_list<1>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>);
+                                  std::span<const std::uint32_t>, const MarkedTiles*);
 template DrawList<2> draw_list<2>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>);
+                                  std::span<const std::uint32_t>, const MarkedTiles*);
 template DrawList<3> draw_list<3>(const PixelView&, const PixelWindow&, const SurfelTree&,
-                                  std::span<const std::uint32_t>);
+                                  std::span<const std::uint32_t>, const MarkedTiles*);
 
 }  // namespace slim

@@ -3,6 +3,7 @@
 #include "raytrace/camera.h"
 #include "raytrace/intersect/pixel_record.h"
 #include "raytrace/intersect/sharp_kernel.h"
+#include "raytrace/project/marked_tiles.h"
 #include "raytrace/project/outline.h"
 #include "raytrace/project/screen_rect.h"
 #include "raytrace/renderer.h"
@@ -69,8 +70,10 @@ struct DrawList {
                                        ///< ties in the cut's order
 };
 
+/// `marked`, if given: of the window only these tiles are drawn, and what touches none is off the
+/// screen.
 template <int Degree>
 DrawList<Degree> draw_list(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                           std::span<const std::uint32_t> cut);
+                           std::span<const std::uint32_t> cut, const MarkedTiles* marked = nullptr);
 
 }  // namespace slim

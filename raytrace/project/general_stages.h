@@ -8,14 +8,19 @@
 
 namespace slim {
 
-/// Calls visit(block) for the blocks of a tile that a rectangle touches.
+/// Calls visit(block) for the blocks of a tile that a rectangle touches, of some.
 template <class Visit>
-inline void for_each_block(const TileBuffers& t, const ScreenRect& r, Visit&& visit) {
+inline void for_each_block(TileBuffers& t, const ScreenRect& r, const BlockMask& of,
+                           Visit&& visit) {
     const ScreenRect on = t.on_tile(r);
-    if (on.empty()) return;
+    if (on.empty() || !of.any()) return;
     for (int row = on.y0 / kBlockHeight; row * kBlockHeight < on.y1; ++row)
-        for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column)
-            visit(row * kBlockColumns + column);
+        for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column) {
+            const int block = row * kBlockColumns + column;
+            if (of.has(block)) visit(block);
+            else
+                ++t.counts.blocks_passed;
+        }
 }
 
 // The general kernels, a ray set up for every pixel: sharp surfels, and smooth ones near the eye or
@@ -138,20 +143,20 @@ template <int Degree, bool kSharpModel>
 
 template <int Degree>
 void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect,
-                        float entry, const TileSums& sums, TileBuffers& t) {
+                        const BlockMask& of, float entry, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_block(t, rect, [&](int block) {
+    for_each_block(t, rect, of, [&](int block) {
         first_general_hits<Degree>(s, rim, entry, base, block, sums, t);
     });
 }
 
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect,
-                        const TileSums& sums, TileBuffers& t) {
+                        const BlockMask& of, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_block(t, rect, [&](int block) {
+    for_each_block(t, rect, of, [&](int block) {
         blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, block, sums, t);
     });
 }

@@ -61,6 +61,11 @@ double projected_diameter(const PixelView& view, const Vec3d& center, double rad
 
 namespace {
 
+/// Over its radius: an internal surfel whose subtree reaches farther stands in for nothing. Where
+/// balls hold their children none does (2.7 at most, slim/tree/notes/0009); trees of before hang
+/// some leaves on balls far away.
+constexpr double kFarthestHeld = 5;
+
 /// Whether an internal surfel is drawn for all below it: one of at most lod_px in diameter, or one
 /// that kStandsIn says it of, up to three levels larger, where its children have less than
 /// (lod_px / 2)^2 of its disc each and its error is below lod_px / 64. A leaf may be three levels
@@ -68,6 +73,7 @@ namespace {
 bool is_enough(const PixelView& view, const TreeNode& node, const Vec3d& center, double radius,
                double lod_px) {
     if (node.n_children == 0) return false;
+    if (static_cast<double>(node.bound_radius) > kFarthestHeld * radius) return false;
     constexpr double kLevels = 4.236;  // the ratio of radii
     const double most = node.flags & kStandsIn ? kLevels * lod_px : lod_px;
     // Most are far larger: no root and no division for them.

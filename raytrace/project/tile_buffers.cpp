@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 
 namespace slim {
@@ -57,12 +58,16 @@ void TileBuffers::start(const PixelView& view, const PixelWindow& window, int fi
 
 void TileBuffers::leave_out_others(const SampleMask& only) {
     constexpr int k = SampleMask::kSide;
-    static_assert(kTileSize % k == 0 && kBlockWidth % k == 0);
-    for (int y = 0; y < kTileSize; y += k)
+    static_assert(kTileSize % k == 0 && kBlockWidth % k == 0 && kBlockHeight % k == 0);
+    std::array<std::uint8_t, kTileSize / k> wanted;
+    for (int y = 0; y < kTileSize; y += k) {
+        only.copy_row(x0 / k, (y0 + y) / k, wanted);
         for (int x = 0; x < kTileSize; x += k) {
-            if (only.has_sample(x0 + x, y0 + y)) continue;
-            for (int v = y; v < y + k; ++v) std::fill_n(&z.v[pixel_entry(x, v)], k, -kInfinity);
+            if (wanted[static_cast<std::size_t>(x / k)]) continue;
+            float* const first = &z.v[pixel_entry(x, y)];
+            for (int v = 0; v < k; ++v) std::fill_n(first + v * kBlockWidth, k, -kInfinity);
         }
+    }
 }
 
 /// Offsets from the axis are taken in doubles.

@@ -102,7 +102,7 @@ template <int Degree>
         if (item.general != kFast) {
             flush();
             draw_first_general<Degree>(list.general[item.general], item.rims, list.core[i].rect,
-                                       entry, sums, t);
+                                       t.beyond(some.depths.first(lane)), entry, sums, t);
             continue;
         }
         const float nearest = some.depths.first(lane);

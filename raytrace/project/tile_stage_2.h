@@ -116,7 +116,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
         if (item.general != kFast) {
             flush();
             draw_blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(
-                list.general[item.general], item.rims, list.whole[i].rect, sums, t);
+                list.general[item.general], item.rims, list.whole[i].rect,
+                t.within(some.depths.first(lane), some.depths.second(lane)), sums, t);
             continue;
         }
         BlockMask blocks = some.spans.blocks(lane);

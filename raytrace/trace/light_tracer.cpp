@@ -136,7 +136,13 @@ FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
 FloatV::mask_type LightTracer::unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
                                          const IncidentLight& light, TraceCounts& counts) const {
     if (!look_.shadows) return lit;
-    return scene_.unblocked(leaving(at, lit, light.toward, light.distance), counts);
+    RayPacket rays = leaving(at, lit, light.toward, light.distance);
+    auto reached = lit;
+    if (ground_ && look_.ground->color) {
+        reached = lit && !(ground_->distance(rays) < light.distance);
+        rays.far = select<FloatV>(reached, rays.far, FloatV(-1.0f));
+    }
+    return reached && scene_.unblocked(rays, counts);
 }
 
 LanesOfVec LightTracer::background(const LanesOfVec& direction) const {

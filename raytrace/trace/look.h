@@ -16,7 +16,8 @@ struct Openness {
     int samples = 36;     ///< rounded up to a square
 };
 
-/// A plane under the models: n.p = height, frame of the job. Seen from its upper side only.
+/// A plane under the models: n.p = height, frame of the job. Seen from its upper side only, and one
+/// with a colour keeps light from below off what is above it.
 struct GroundPlane {
     Vec3d normal{0, 1, 0};
     double height = 0;

@@ -164,13 +164,13 @@ void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const Flo
 /// Both stages of lanes whose winner has a frame of its own: found there, told in the scene's.
 void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
                           const FirstHits& hits, const RaysAtHits& scene_at, Derivatives wanted,
-                          SurfaceHits& out, TraceCounts& counts) {
+                          bool find_passing, SurfaceHits& out, TraceCounts& counts) {
     const PlacedRays placed(model.place, scene_rays);
     RaysAtHits at = scene_at;
     const FloatV t = select<FloatV>(at.hit, hits.own_t, FloatV(0.0f)), unit(model.place.unit);
     points_on(placed.rays, t, at);
     blend_in(model, wanted, at, out.sums, counts);
-    pass_in(model, at, out.sums, counts);
+    if (find_passing) pass_in(model, at, out.sums, counts);
     SurfaceHits own;
     own.sums.weight = out.sums.weight, own.sums.offset = out.sums.offset,
     own.sums.gradient = out.sums.gradient;
@@ -261,11 +261,11 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     return hits;
 }
 
-SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
-                                TraceCounts& counts) const {
-    constexpr int kMostRounds = 16;
-    SurfaceHits out = surface_at_first(rays, wanted, counts);
-    for (int round = 0; round < kMostRounds; ++round) {
+SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                                bool clean_outlines) const {
+    SurfaceHits out = surface_at_first(rays, wanted, counts, clean_outlines);
+    const int most_rounds = clean_outlines ? 16 : 0;
+    for (int round = 0; round < most_rounds; ++round) {
         const auto outvoted = out.hit() && out.sums.passing > out.sums.weight;
         if (stdx::none_of(outvoted)) break;
         RayPacket behind = rays;
@@ -273,13 +273,13 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
         behind.far = select<FloatV>(outvoted, rays.far, FloatV(-1.0f));
         behind.last_t = select<FloatV>(outvoted, out.first_t, FloatV(0.0f));
         behind.last_t_low = out.first_t_low;
-        out.take(outvoted, surface_at_first(behind, wanted, counts), wanted);
+        out.take(outvoted, surface_at_first(behind, wanted, counts, true), wanted);
     }
     return out;
 }
 
 SurfaceHits TraceScene::surface_at_first(const RayPacket& rays, Derivatives wanted,
-                                         TraceCounts& counts) const {
+                                         TraceCounts& counts, bool find_passing) const {
     SurfaceHits out;
     const FirstHits hits = first_hits(rays, out.model, counts);
     RaysAtHits at;
@@ -302,14 +302,14 @@ SurfaceHits TraceScene::surface_at_first(const RayPacket& rays, Derivatives want
         const RaysAtHits own = of_model(m);
         if (stdx::none_of(own.hit)) continue;
         blend_in(models_[m], wanted, own, out.sums, counts);
-        pass_in(models_[m], own, out.sums, counts);
+        if (find_passing) pass_in(models_[m], own, out.sums, counts);
     }
     average(at, hits.t, out);
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         if (models_[m].place.is_scene) continue;
         const RaysAtHits own = of_model(m);
         if (stdx::any_of(own.hit))
-            surface_in_own_frame(models_[m], rays, hits, own, wanted, out, counts);
+            surface_in_own_frame(models_[m], rays, hits, own, wanted, find_passing, out, counts);
     }
     for (std::uint64_t bits = lane_bits(at.hit); bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);

@@ -66,16 +66,17 @@ public:
                          TraceCounts& counts) const;
 
     /// Both stages: what is seen along the rays. Lanes that have no weight in stage 2 keep q^
-    /// (sums.weight is 0 there).
-    SurfaceHits surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts) const;
+    /// (sums.weight is 0 there). clean_outlines: as in RenderRequest.
+    SurfaceHits surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                        bool clean_outlines = false) const;
 
     /// Lanes whose ray meets no surface up to its far end: stage 1 only, any hit ends a ray.
     FloatV::mask_type unblocked(const RayPacket& rays, TraceCounts& counts) const;
 
 private:
-    /// As surface, whether or not q^ is outvoted.
-    SurfaceHits surface_at_first(const RayPacket& rays, Derivatives wanted,
-                                 TraceCounts& counts) const;
+    /// As surface, whether or not q^ is outvoted; find_passing: sums.passing says that.
+    SurfaceHits surface_at_first(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                                 bool find_passing) const;
 
     std::vector<ScenePart> parts_;
     std::vector<TraceModel> models_;

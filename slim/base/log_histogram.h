@@ -22,22 +22,25 @@ public:
         if (counts_.empty()) counts_.resize(kBins);
         ++counts_[bin(value)];
         ++n_;
+        if (value > largest_) largest_ = value;
     }
     void add(const LogHistogram& other) {
         if (other.counts_.empty()) return;
         if (counts_.empty()) counts_.resize(kBins);
         for (std::size_t i = 0; i < kBins; ++i) counts_[i] += other.counts_[i];
         n_ += other.n_;
+        largest_ = std::max(largest_, other.largest_);
     }
     std::uint64_t size() const { return n_; }
 
-    /// The value that a share in (0, 1] of all values does not exceed; 0 without values.
+    /// The value that a share in (0, 1] of all values does not exceed, none above the largest; 0
+    /// without values.
     double quantile(double share) const {
         const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(n_)));
         std::uint64_t seen = 0;
         for (std::size_t i = 0; i < counts_.size(); ++i) {
             seen += counts_[i];
-            if (seen >= wanted && seen > 0) return middle(i);
+            if (seen >= wanted && seen > 0) return std::min(middle(i), largest_);
         }
         return 0;
     }
@@ -58,6 +61,7 @@ private:
 
     std::vector<std::uint64_t> counts_;
     std::uint64_t n_ = 0;
+    double largest_ = 0;
 };
 
 }  // namespace slim

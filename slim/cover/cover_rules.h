@@ -55,6 +55,12 @@ struct CoverRules {
     bool refits = false;
     /// Noise of a typical place, length^2: edges add nothing to it, as they do to lambda.
     double typical_variance = 0;
+    /// Strays to the volume: where points are sparser than usual and no denser than a few times
+    /// that, they must show a surface (notes/0019). 0: none.
+    double stray_density = 0;
+    /// What lies on a line is a wire, no scan line whose next ones are far: a leaf of it is small and
+    /// narrow.
+    bool lines_are_wires = false;
     double spacing = 0;  ///< square root of the area that one of the job's
                          ///< points usually has; 0: as these have
     double share = 1;    ///< of the job's points that are here, by

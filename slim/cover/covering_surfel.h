@@ -57,6 +57,7 @@ struct CoveringSurfel {
     double breadth = 1;  ///< least RMS width of the points in the tangent
                          ///< plane, over rho: 0.5 on a surface, 0 on a line
     double middle = 0;  ///< share of the points within half of the radius: a quarter on a surface
+    bool on_wire = false;  ///< its points are a wire's (is_wire): it ends beside the last of them
     std::size_t n_aside = 0;  ///< points in the ball whose normals leave the height field
     Fallback fallback = Fallback::none;
     bool normals_disagree = false;

@@ -3,6 +3,7 @@
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
+#include "slim/cover/sound_normal.h"
 #include "slim/fit/ball_points.h"
 #include "slim/model/rim.h"
 
@@ -73,7 +74,8 @@ struct Marks {
 /// Looks at places that lie together: at those of either half with the leaves that may hold them.
 class FarSearch {
 public:
-    FarSearch(const PointTree& points, double farthest) : points_(points), farthest_(farthest) {}
+    FarSearch(const PointTree& points, double farthest, bool sound)
+        : points_(points), farthest_(farthest), sound_(sound) {}
 
     void look(Places places, const Leaves& leaves, std::vector<FarPoint>& out) const {
         Bbox box;
@@ -97,7 +99,8 @@ private:
         return near;
     }
     void look_at(std::uint32_t place, const Leaves& leaves, std::vector<FarPoint>& out) const {
-        const Vec3d n = to_double(points_.normal(place));
+        const Vec3d n =
+            sound_ ? sound_normal(points_, place) : to_double(points_.normal(place));
         if (!(sq_length(n) > 0)) return;
         const Vec3d p = points_.position(place);
         const Leaves supporters = meeting({p, p}, leaves);
@@ -108,6 +111,7 @@ private:
 
     const PointTree& points_;
     double farthest_;
+    bool sound_;
 };
 
 }  // namespace
@@ -127,8 +131,8 @@ std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leav
 }
 
 std::vector<FarPoint> far_points(const PointTree& points, Places places, const Leaves& leaves,
-                                 double farthest) {
-    const FarSearch search(points, farthest);
+                                 double farthest, bool sound) {
+    const FarSearch search(points, farthest, sound);
     const std::size_t piece = std::max(kLeastPiece, (places.size() + kPieces - 1) / kPieces);
     std::vector<std::vector<FarPoint>> found((places.size() + piece - 1) / piece);
     parallel_blocks(places.size(), piece, [&](std::size_t begin, std::size_t end) {

@@ -22,11 +22,12 @@ std::vector<std::uint32_t> maybe_far(const PointTree& points,
                                      const std::vector<const Surfel*>& leaves, double farthest);
 
 /// The points, of some places of a tree, that are farther than `farthest` from the blend of the
-/// leaves along their own normals (eq. (6), Ohtake 2005; NUMERICS 5.5), in the order of the places.
-/// Points without a normal are left out. places: rising, so that neighbours are looked at together.
-/// The same for any number of threads. Cost: about 1 us a point; a test of a box for every leaf and
-/// 1/64 of the places.
+/// leaves along their own normals (eq. (6), Ohtake 2005; NUMERICS 5.5), in the order of the places;
+/// sound: along sound_normal(). Points without a normal are left out. places: rising, so that
+/// neighbours are looked at together. The same for any number of threads. Cost: about 1 us a point;
+/// a test of a box for every leaf and 1/64 of the places.
 std::vector<FarPoint> far_points(const PointTree& points, std::span<const std::uint32_t> places,
-                                 const std::vector<const Surfel*>& leaves, double farthest);
+                                 const std::vector<const Surfel*>& leaves, double farthest,
+                                 bool sound = false);
 
 }  // namespace slim

@@ -1,10 +1,8 @@
 #include "slim/cover/leaf_maker.h"
 
 #include "slim/base/parallel.h"
-#include "slim/blend/blend.h"
-#include "slim/cover/leaf_rim.h"
 #include "slim/cover/scatter.h"
-#include "slim/fit/sharp_clusters.h"
+#include "slim/cover/strays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,32 +15,21 @@ namespace {
 constexpr double kGuess = 0.4;
 constexpr double kBorder = 0.12;            // lean of a surfel at a border (0.2 if straight)
 constexpr double kCorner = 0.22;            // lean at a corner (0.28 if right-angled)
-constexpr double kClearlySmaller = 0.8;     // share of rho: the data further inwards ask for less
 constexpr int kMostAttempts = 12;
-// of rho: how far its centre moves, so that it still covers the point
-constexpr double kInwards = 0.45;
-constexpr double kFinestBall = 3.3;         // its radius, in spacings
 constexpr double kResolved = 8;  // over the finest radius: a sample says nothing of finer detail
-// eps / rho of a smooth leaf that rounds a real edge or corner off
-constexpr double kRoundsOff = 0.055;
-// sqrt(typical noise) over the usual finest ball: from it on noise is as thick
-constexpr double kThinNoise = 0.015;
-constexpr double kFlat = 0.01;              // eps / rho of a plane that bends nowhere
-constexpr double kOwnNormals = 0.999;       // mean cosine of its points' normals to its own
-// sqrt(lambda) over the usual finest ball: from it on normals feign edges
-constexpr double kNoisy = 0.08;
 constexpr std::size_t kManyPoints = 300;    // of a ball: more say themselves where their leaf ends
 // sqrt(lambda) over the spacing: from it on a single point's plane says little
 constexpr double kBlurred = 0.25;
-// the same: up to it planes say enough for larger balls to be worth their time
-constexpr double kLittleNoise = 0.15;
 // points of a ball: of fewer there is no saying where a surface ends
 constexpr std::size_t kFewForAir = 8;
 constexpr double kThickForAir = 0.1;  // eps / rho: thicker leaves have no surface to stand off from
+constexpr double kSparser = 1.3;  // times the usual finest ball: strays' may be as large
 constexpr double kWaits = 1e-30;            // a radius that no level accepts
 
-LadderRules ladder_rules(const CoverRules& rules) {
+/// ends_with_points: leaves that go on past another sheet become smaller where they end.
+LadderRules ladder_rules(const CoverRules& rules, bool ends_with_points) {
     LadderRules ladder = rules.ladder;
+    if (ends_with_points) ladder.most_lean = 2 * kLeanOfBorder;
     ladder.top_rung = rules.top_rung();
     ladder.look_for_edges = rules.sharp;
     return ladder;
@@ -53,40 +40,9 @@ bool resolves(const RadiusChoice& choice) {
     return !choice.forced && !choice.isolated && choice.radius >= kResolved * choice.finest;
 }
 
-/// Whether the normals of the points about a leaf that are no edge's are its own: estimated ones
-/// turn towards an edge.
-bool has_own_normals(const FittedSurfel& leaf, const BallPoints<double>& ball) {
-    double sum = 0, n = 0;
-    for (std::size_t i = 0; i < ball.n; ++i) {
-        const double along =
-            dot(leaf.surfel.frame.normal, Vec3d{ball.nx[i], ball.ny[i], ball.nz[i]});
-        if (along > kSharpGate) sum += along, ++n;
-    }
-    return sum > kOwnNormals * n;
-}
-
-/// The share of its radius with which a flat leaf beside an edge ends there (slim/fit/notes/0014);
-/// 1 for others.
-double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) {
-    const FittedSurfel& f = leaf.fitted;
-    const bool is_flat = f.surfel.degree < 2 && f.fit_error < kFlat * f.surfel.support_radius;
-    return is_flat && has_own_normals(f, ball) && shows_edge(ball) ? share_at_edges(leaf) : 1;
-}
-
-/// Index in the full tree of the point nearest to p within a radius.
-std::optional<std::uint32_t> nearest_point(const PointTree& tree, const Vec3d& p, double radius) {
-    std::optional<std::uint32_t> best;
-    double best_sq = radius * radius;
-    tree.for_buckets_in_ball(p, radius, [&](std::size_t first, const PointBucket& bucket) {
-        for (std::size_t k = 0; k < PointBucket::kSize; ++k) {
-            const double sq =
-                sq_length(Vec3d{bucket.x[k], bucket.y[k], bucket.z[k]} + (bucket.origin - p));
-            if (sq >= best_sq) continue;
-            best_sq = sq;
-            best = static_cast<std::uint32_t>(first + k);
-        }
-    });
-    return best;
+/// The radius of the smallest ball that holds enough points.
+double finest_of(const RadiusChoice& choice) {
+    return choice.forced ? choice.radius : choice.finest;
 }
 
 }  // namespace
@@ -95,16 +51,15 @@ LeafMaker::LeafMaker(const PointBlock& points, const CoverRules& rules, const Po
     : block_(points),
       rules_(rules),
       pyramid_(pyramid),
+      spacing_(rules.spacing > 0 || points.size() == 0 ? rules.spacing : spacing_here()),
       ladder_(pyramid, rules.energy(), level_radius(rules.diagonal, 1), rules.least_radius,
-              rules.degree, ladder_rules(rules)),
+              rules.degree, ladder_rules(rules, ends_with_points())),
       windows_(pyramid, rules.energy(), level_radius(rules.diagonal, rules.first_level),
                rules.least_radius, rules.degree, rules.ladder),
       sharp_(pyramid, rules.energy(), rules.typical_variance,
              level_radius(rules.diagonal, 1 + rules.top_rung()), rules.usual_degree(),
              rules.ladder),
-      place_(points.size()),
-      spacing_(rules.spacing) {
-    if (!(spacing_ > 0) && points.size() > 0) spacing_ = spacing_here();
+      place_(points.size()) {
     parallel_blocks(pyramid_.all().size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             place_[pyramid_.all().source(i)] = static_cast<std::uint32_t>(i);
@@ -136,8 +91,7 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
     c.choice = choose_radius(place_[c.point], normal, c.level, work);
-    const double finest = c.choice.forced ? c.choice.radius : c.choice.finest;
-    c.sparse = finest > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
+    c.sparse = finest_of(c.choice) > kSparse * kFinestBall * spacing_ / std::sqrt(rules_.share);
     const bool is_resolved = !rules_.is_sample() || resolves(c.choice);
     if (!is_resolved) c.choice = {kWaits, c.choice.degree};
     if (rules_.sharp && is_resolved) sharpen(c, center, work);
@@ -145,8 +99,20 @@ void LeafMaker::choose(LeafCandidate& c, LeafWork& work) const {
     if (may_widen && relative_noise() < kLittleNoise) widen(c, center, normal, work);
     if (may_widen && are_edges_in_noise() && c.choice.degree < 3)
         widen_over_plate(c, center, normal, work);
+    if (is_resolved && c.n_sheets == 1) end_with_points(center, normal, c.choice, work);
     // Rounded here, so that a search remembered gives the same surfel as a fresh one.
     c.choice.radius = static_cast<float>(c.choice.radius);
+}
+
+/// Whether a point, where points are sparser than usual, is one of a cloud's strays. A sample's are
+/// all sparse.
+bool LeafMaker::is_among_strays(const LeafCandidate& c, LeafWork& work) const {
+    const double finest = finest_of(c.choice);
+    const double density = rules_.stray_density;
+    if (!(density > 0) || rules_.is_sample() || finest < kSparser * kFinestBall * spacing_)
+        return false;
+    return stands_among_strays(pyramid_.all(), block_.position[c.point], finest, density,
+                               work.exact.ball);
 }
 
 bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
@@ -159,6 +125,14 @@ bool LeafMaker::is_few_in_noise(const LeafCandidate& c) const {
 
 CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
                               const RadiusChoice& choice, LeafWork& work, Lists lists) const {
+    CoveringSurfel leaf = fit_of_choice(center, normal, choice, work, lists);
+    leaf.on_wire = rules_.lines_are_wires && is_wire(leaf);
+    return leaf;
+}
+
+CoveringSurfel LeafMaker::fit_of_choice(const Vec3d& center, const Vec3d& normal,
+                                        const RadiusChoice& choice, LeafWork& work,
+                                        Lists lists) const {
     // Where normals are clean and edges are looked for, wider balls would lend the edges' own
     // curvature.
     const bool lends = !(rules_.sharp && rules_.ladder.contrary_share < kCleanNormals);
@@ -172,6 +146,9 @@ CoveringSurfel LeafMaker::fit(const Vec3d& center, const Vec3d& normal,
 
 /// sqrt(lambda) over the spacing.
 double LeafMaker::relative_noise() const { return std::sqrt(rules_.noise_variance) / spacing_; }
+
+/// Whether single points say where a sheet ends.
+bool LeafMaker::ends_with_points() const { return relative_noise() < kBlurred; }
 
 /// A leaf with its points, and where it stands in the air if it ended early.
 CoveringSurfel LeafMaker::fit_with_air(const Vec3d& center, const Vec3d& normal,
@@ -190,7 +167,7 @@ void LeafMaker::list_with_air(const RadiusChoice& choice, const LeafWork& work,
     const bool is_thin = leaf.fitted.fit_error <= kThickForAir * leaf.fitted.surfel.support_radius;
     const bool ended_early =
         (choice.forced || choice.limited) && n >= kFewForAir && n <= kManyPoints;
-    if (ended_early && is_thin && edges() != Edges::real && relative_noise() < kBlurred)
+    if (ended_early && is_thin && edges() != Edges::real && ends_with_points())
         leaf.air = air_places(leaf.fitted.surfel, work.exact.ball);
 }
 
@@ -211,51 +188,6 @@ void LeafMaker::make_smaller(LeafCandidate& c, double radius, double lower) {
     c.leaf = c.choice.radius >= lower;
 }
 
-/// Whether the cloud has neither contrary normals nor much noise.
-bool LeafMaker::is_clean() const {
-    const bool is_noisy = std::sqrt(rules_.noise_variance) > kNoisy * kFinestBall * spacing_;
-    return rules_.ladder.contrary_share < kCleanNormals && !is_noisy;
-}
-
-Edges LeafMaker::edges() const {
-    if (!rules_.sharp) return Edges::ignored;
-    return is_clean() ? Edges::real : Edges::doubtful;
-}
-
-/// Whether edges are looked for in a cloud whose noise is more than a share of the spacing.
-bool LeafMaker::are_edges_in_noise() const {
-    return edges() == Edges::doubtful && relative_noise() >= kLittleNoise;
-}
-
-/// Whether a smooth leaf rounds a real edge or corner off (notes/0011). In noise a smaller ball
-/// would be thicker still, and leaves would fall apart into single points.
-bool LeafMaker::rounds_off(const CoveringSurfel& leaf) const {
-    if (std::sqrt(rules_.typical_variance) > kThinNoise * kFinestBall * spacing_) return false;
-    const FittedSurfel& f = leaf.fitted;
-    return edges() == Edges::real && f.n_points > kFewest &&
-           f.fit_error > kRoundsOff * f.surfel.support_radius;
-}
-
-/// Gives a centre near an edge or a corner the radius and number of sheets that beat its smooth
-/// choice. The exact fit must confirm them, here and not later, so that the smooth choice is still
-/// at hand.
-void LeafMaker::sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const {
-    auto found = sharp_.choose(center, c.choice, work.ladder);
-    if (!found) {
-        const Vec3d normal = normalized(to_double(block_.normal[c.point]));
-        c.choice.radius =
-            static_cast<float>(sharp_.clear_radius(center, normal, c.choice, work.ladder));
-        return;
-    }
-    found->radius = static_cast<float>(found->radius);
-    auto fitted = fit_sharp_surfel(pyramid_.all(), center, *found, rules_.usual_degree(),
-                                   rules_.noise_variance, work.exact.ball, work.sharp);
-    if (!fitted) return;
-    c.surfel = std::move(*fitted);
-    c.choice = {found->radius, rules_.usual_degree()};
-    c.n_sheets = found->n_sheets;
-}
-
 void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
     const Vec3d center = block_.position[c.point];
     const Vec3d normal = normalized(to_double(block_.normal[c.point]));
@@ -264,6 +196,11 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             c.surfel = *fit_sharp_surfel(pyramid_.all(), center, {c.choice.radius, c.n_sheets},
                                          rules_.usual_degree(), rules_.noise_variance,
                                          work.exact.ball, work.sharp);
+        return;
+    }
+    if (is_among_strays(c, work)) {
+        c.choice.isolated = true;
+        c.leaf = false;
         return;
     }
     bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
@@ -283,7 +220,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         const bool may_shrink = c.choice.forced && c.sparse;
         // In thick noise half of all fits are given up by their measures: nobody asks for their
         // points.
-        bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean());
+        bool is_given_up = is_scatter(c.surfel, c.choice.forced, c.sparse, is_clean()) ||
+                           is_too_large_on_wire(c.surfel);
         if (may_shrink || (!is_given_up && !leaves_center(c)) || attempt == kMostAttempts)
             list_with_air(c.choice, work, c.surfel);
         if (may_shrink) {
@@ -321,43 +259,6 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         make_smaller(c, radius, lower);
         if (!c.leaf) return;
     }
-}
-
-/// A leaf centred at a border reaches alpha rho beyond the data. One centred further inwards that
-/// covers the border point as well reaches beyond it by a quarter of that only; it takes the leaf's
-/// place if its own radius allows it. If the radius there is smaller, the border must not have a
-/// larger one (a corner sees a quarter of the data only): that radius is returned. Departs from the
-/// paper, whose surfels overhang the borders of scans and sharp edges as discs.
-std::optional<double> LeafMaker::move_inwards(LeafCandidate& c, double lower,
-                                              LeafWork& work) const {
-    const Vec3d from = block_.position[c.point];
-    const double rho = c.surfel.fitted.surfel.support_radius;
-    const Vec3d target = from + normalized(c.surfel.lean) * (kInwards * rho);
-    const auto place = nearest_point(pyramid_.all(), target, 0.5 * kInwards * rho);
-    if (!place) return {};
-    const PointTree& tree = pyramid_.all();
-    const Vec3d center = tree.position(*place);
-    const Vec3d normal = normalized(to_double(tree.normal(*place)));
-    if (dot(normal, c.surfel.fitted.surfel.frame.normal) < kLeastCos) return {};
-    const RadiusChoice choice = choose_radius(*place, normal, c.level, work);
-    // Never larger than at the border: it still stands near it.
-    const double radius = std::min<double>(static_cast<float>(choice.radius), rho);
-    if (choice.forced || (edges() != Edges::real && radius < choice.finest)) return {};
-    if (radius < kClearlySmaller * rho) return radius;
-    if (radius < lower || length(center - from) > 0.5 * radius) return {};
-    RadiusChoice moved_choice = choice;
-    moved_choice.radius = radius;
-    CoveringSurfel moved = fit_with_air(center, normal, moved_choice, work);
-    if (rounds_off(moved) || passes_over(moved)) return kGoldenRatio * radius;
-    const auto covers_point = [&](const Covered& p) { return p.point == c.point && p.in_core; };
-    if (!moved.explains_center ||
-        std::none_of(moved.covered.begin(), moved.covered.end(), covers_point))
-        return {};
-    c.surfel = std::move(moved);
-    c.choice.saturated =
-        choice.saturated && radius == static_cast<double>(static_cast<float>(choice.radius));
-    c.center = tree.source(*place);
-    return {};
 }
 
 }  // namespace slim

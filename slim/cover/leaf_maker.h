@@ -65,19 +65,29 @@ public:
     std::optional<CoveringSurfel> make_own(std::uint32_t point, int n_before, LeafWork& work) const;
 
 private:
+    static constexpr double kFinestBall = 3.3;    ///< the usual one's radius, in spacings
+    /// sqrt(lambda) over the spacing: up to it a single point's plane says enough for larger balls
+    /// to be worth their time.
+    static constexpr double kLittleNoise = 0.15;
+
     double spacing_here() const;
-    Edges edges() const;
-    bool is_clean() const;
     double relative_noise() const;
-    bool are_edges_in_noise() const;
+    bool ends_with_points() const;
     bool passes_over(const CoveringSurfel& leaf) const;
     bool is_too_large(const LeafCandidate& c) const;
-    bool rounds_off(const CoveringSurfel& leaf) const;
     RadiusChoice choose_radius(std::uint32_t place, const Vec3d& normal, int level,
                                LeafWork& work) const;
+    /// leaf_maker_edges.cpp: whether edges are looked for, and leaves at them.
+    Edges edges() const;
+    bool is_clean() const;
+    bool are_edges_in_noise() const;
+    bool rounds_off(const CoveringSurfel& leaf) const;
+    double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,
                        LeafWork& work, Lists lists) const;
+    CoveringSurfel fit_of_choice(const Vec3d& center, const Vec3d& normal,
+                                 const RadiusChoice& choice, LeafWork& work, Lists lists) const;
     void list_with_air(const RadiusChoice& choice, const LeafWork& work,
                        CoveringSurfel& leaf) const;
     CoveringSurfel fit_with_air(const Vec3d& center, const Vec3d& normal,
@@ -93,19 +103,23 @@ private:
     enum class Glance : std::uint8_t { undecided, scatter, unexplained };
     Glance glance(const LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
                   LeafWork& work) const;
+    bool is_among_strays(const LeafCandidate& c, LeafWork& work) const;
     bool leaves_center(const LeafCandidate& c) const;
     void shrink_to_few(LeafCandidate& c, LeafWork& work) const;
     static void make_smaller(LeafCandidate& c, double radius, double lower);
+    /// leaf_maker_inwards.cpp.
+    void end_with_points(const Vec3d& center, const Vec3d& normal, RadiusChoice& choice,
+                         LeafWork& work) const;
     std::optional<double> move_inwards(LeafCandidate& c, double lower, LeafWork& work) const;
 
     const PointBlock& block_;
     const CoverRules& rules_;
     const PointPyramid& pyramid_;
+    double spacing_;
     RadiusLadder ladder_;
     RadiusWindows windows_;
     SharpSearch sharp_;
     std::vector<std::uint32_t> place_;  // of a point in the pyramid's full tree
-    double spacing_;
 };
 
 }  // namespace slim

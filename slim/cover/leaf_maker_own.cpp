@@ -3,6 +3,7 @@
 #include "slim/blend/blend.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/leaf_rim.h"
+#include "slim/cover/sound_normal.h"
 #include "slim/model/surfel_encoder.h"
 
 #include <algorithm>
@@ -34,7 +35,10 @@ bool LeafMaker::is_too_large(const LeafCandidate& c) const {
 
 std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_before,
                                                   LeafWork& work) const {
-    const Vec3d p = block_.position[point], normal = normalized(to_double(block_.normal[point]));
+    const Vec3d p = block_.position[point];
+    const Vec3d normal = has_stray_normals(rules_)
+                             ? sound_normal(pyramid_.all(), place_[point])
+                             : normalized(to_double(block_.normal[point]));
     RadiusChoice choice = choose_radius(place_[point], normal, rules_.last_level, work);
     if (choice.isolated) return {};
     const double finest = choice.forced ? choice.radius : choice.finest;

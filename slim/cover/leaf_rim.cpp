@@ -1,28 +1,22 @@
 #include "slim/cover/leaf_rim.h"
 
+#include "slim/cover/leaf_reach.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 #include <vector>
 
 namespace slim {
 namespace {
 
-/// Of the spacing sqrt(pi / n) of n points in the unit disc: between two neighbouring leaves' last
-/// points there may be a gap, which both must reach across. Of a half-filled disc it is too much
-/// by 1.4.
-constexpr double kMargin = 1.2;
-/// Where n points at random would all lie this side of the last one once in e^7 = 1,100 times only,
-/// the surface has ended: half of a spacing is what a point stands for.
-constexpr double kSurelyEnded = 7;
-constexpr double kMarginOfBorder = 0.5;
 /// Where edges are real, of leaves of few points: more stand beside the surfaces that others cover
 /// as wholes.
 constexpr double kMarginOfFew = 0.15;
 constexpr std::size_t kFew = 8;
+constexpr double kMarginOfWire = 0.04;
 // over rho: so far an edge's own points may lie before the last covered one
 constexpr double kOnEdge = 0.12;
 constexpr double kAlike = 1e-6;   // over rho: reaches that differ by rounding
@@ -34,46 +28,6 @@ constexpr int kLeastShare = 78;   // hundredths of its radius: to where a rim is
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
 constexpr int kLeans = 4;  // directions, 45 degrees: a corner's own point leans between its edges
 constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
-constexpr double kLongestRim = kRimReaches * kRimStep;
-using PerDirection = std::array<float, kRimDirections>;
-
-struct Directions {
-    PerDirection u, v;
-    Directions() {
-        for (int k = 0; k < kRimDirections; ++k) {
-            const auto [x, y] = rim_direction(k);
-            u[static_cast<std::size_t>(k)] = static_cast<float>(x);
-            v[static_cast<std::size_t>(k)] = static_cast<float>(y);
-        }
-    }
-};
-
-/// How far the covered points reach in each direction, over rho; at least 0, where the centre is.
-/// Nothing once they reach farther than any rim everywhere, as they soon do on most surfaces.
-std::optional<PerDirection> reaches_of(const CoveringSurfel& leaf, double longest = kLongestRim) {
-    static const Directions directions;
-    constexpr std::size_t kAtOnce = 24, kRounds = 16;
-    PerDirection reach{};
-    // Points that lie side by side reach one way: those far apart are asked first.
-    for (std::size_t round = 0; round < kRounds; ++round)
-        for (std::size_t i = round; i < leaf.covered.size();) {
-            const std::size_t end = std::min(i + kAtOnce * kRounds, leaf.covered.size());
-            for (; i < end; i += kRounds) {
-                const float u = leaf.covered[i].u, v = leaf.covered[i].v;
-                for (std::size_t k = 0; k < reach.size(); ++k)
-                    reach[k] = std::max(reach[k], directions.u[k] * u + directions.v[k] * v);
-            }
-            if (*std::min_element(reach.begin(), reach.end()) > static_cast<float>(longest))
-                return {};
-        }
-    return reach;
-}
-
-/// Entry of a direction, which may be counted round the circle by one turn.
-std::size_t direction(int k) {
-    return static_cast<std::size_t>((k + kRimDirections) % kRimDirections);
-}
-
 /// How far the leaf may reach in each direction, over rho.
 struct Bounds {
     std::array<double, kRimDirections> reach;
@@ -140,19 +94,6 @@ PerDirection ends_of(const std::vector<EdgePoint>& edge_points, const PerDirecti
     return ends;
 }
 
-/// Part of the unit disc beyond a chord at that distance from its centre.
-double part_beyond(double reach) {
-    const double x = std::min(reach, 1.0);
-    return (std::acos(x) - x * std::sqrt(1 - x * x)) / std::numbers::pi;
-}
-
-/// How far a leaf of n covered points reaches beyond the last of them, over rho.
-double margin_beyond(double last, double n) {
-    const double beyond = part_beyond(last);
-    if (-n * std::log1p(-beyond) < kSurelyEnded) return kMargin * std::sqrt(std::numbers::pi / n);
-    return kMarginOfBorder * std::sqrt(std::numbers::pi * (1 - beyond) / n);
-}
-
 Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     const auto n = static_cast<double>(leaf.covered.size());
     const EdgeVotes votes(leaf.edges, covered);
@@ -160,7 +101,8 @@ Bounds bounds_of(const CoveringSurfel& leaf, const PerDirection& covered) {
     out.lean = ends_of(leaf.edge_points, covered);
     for (int k = 0; k < kRimDirections; ++k) {
         const double last = static_cast<double>(covered[direction(k)]);
-        double margin = margin_beyond(last, n);
+        double margin = end_beyond(last, n).margin;
+        if (leaf.on_wire) margin = std::min(margin, kMarginOfWire);
         if (leaf.edges_are_real && leaf.covered.size() < kFew)
             margin = std::min(margin, kMarginOfFew);
         out.reach[direction(k)] = std::min(last + margin, std::max(last, votes.mean(k)));

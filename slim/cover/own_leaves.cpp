@@ -1,6 +1,7 @@
 #include "slim/cover/own_leaves.h"
 
 #include "slim/cover/far_points.h"
+#include "slim/cover/sound_normal.h"
 #include "slim/model/surfel_encoder.h"
 #include "slim/model/surfel_tree.h"
 
@@ -42,7 +43,8 @@ public:
     std::deque<CoveringSurfel> run() {
         std::vector<std::uint32_t> places = first_places();
         for (int round = 0; round < kRounds && !places.empty(); ++round) {
-            auto far = far_points(points_, places, leaves_, rules_.farthest());
+            auto far = far_points(points_, places, leaves_, rules_.farthest(),
+                                  has_stray_normals(rules_));
             std::stable_sort(far.begin(), far.end(),
                              [](const auto& a, const auto& b) { return a.off > b.off; });
             places = mend(far, static_cast<std::uint8_t>(round + 1));

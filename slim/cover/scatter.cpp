@@ -13,6 +13,8 @@ constexpr std::uint32_t kMany = 15;
 constexpr double kThickOfSparse = 0.03;  // noise is small against so large a leaf
 constexpr double kNarrowOfFew = 0.06;
 constexpr double kNarrow = 0.2;  // breadth of a leaf whose points are a line (0.5 on a surface)
+constexpr double kWire = 0.06;  // the same of a wire's
+constexpr std::uint32_t kFewOfWire = 8;  // fewer points may lie on a line by chance
 constexpr double kThick = 0.15;  // eps / rho of one whose points fill a volume (0.25 at random)
 // eps / rho of points at random, which no energy makes a surface
 constexpr double kThickest = 0.25;
@@ -48,6 +50,14 @@ bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean
     // In the air a clump has no more points in a larger ball, and the larger is the cheaper.
     const bool is_clump = f.n_points > kMany && leaf.middle > kClump;
     return is_line || is_thick || is_torn || is_clump;
+}
+
+bool is_wire(const CoveringSurfel& leaf) {
+    return leaf.fitted.n_points >= kFewOfWire && leaf.breadth < kWire;
+}
+
+bool is_too_large_on_wire(const CoveringSurfel& leaf) {
+    return leaf.on_wire && leaf.fitted.n_points > kMany;
 }
 
 bool is_thicker(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean, double factor) {

@@ -74,6 +74,7 @@ CoveringSurfel cover_by(const PointTree& points, const Vec3d& center, const Ball
     out.fitted.n_points = static_cast<std::uint32_t>(fit.n_points);
     out.fallback = fit.fallback;
     out.normals_disagree = ball_fit.normals_disagree;
+    if (out.edges_are_real) list_acute_edges(ball, ball_fit.aside, out);
     if (lists == Lists::made) list_points(points, ball, noise_variance, out);
     return out;
 }

@@ -15,6 +15,7 @@ constexpr float kAtCenter = 0.9999999f;
 constexpr double kExplained = 4;  // residuals up to this many eps belong to the surfel
 constexpr double kBeside = 9;     // up to this many sqrt(lambda): beside it; rims scatter so far
 constexpr double kEdgeSlope = 0.5;   // sine of the angle between the normals at an edge, 30 degrees
+constexpr double kAcuteSlope = 0.17;  // the same of normals that face away: an edge of 10 degrees
 constexpr double kNotBeside = 0.35;  // of rho: no farther, or what the surfel is blended from ends
 
 /// Whether a point's normal faces the other way than the sheet that it lies nearest to.
@@ -99,10 +100,11 @@ Lean lean_of(const Surfel& s, const Vec3d& local, const Vec3d& normal) {
 /// The sign of an edge that a point of the ball is to a smooth surfel; nothing if its normal is too
 /// much alike. n . (x - p) = 0 for x on the surfel, which is taken as its tangent plane over the
 /// point.
-std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& normal) {
+std::optional<EdgeSign> edge_sign(const Surfel& s, const Vec3d& p, const Vec3d& normal,
+                                  double least_slope = kEdgeSlope) {
     const Vec3d x = s.frame.local_from_world(p);
     const Lean lean = lean_of(s, x, normal);
-    if (!(lean.slope > kEdgeSlope)) return {};
+    if (!(lean.slope > least_slope)) return {};
     const double above = s.polynomial.value(x.x, x.y) - x.z;
     const double reach = (lean.u * x.x + lean.v * x.y - lean.along * above) / lean.slope;
     return EdgeSign{static_cast<float>(lean.u / lean.slope),
@@ -173,6 +175,18 @@ double tolerance_of(const FittedSurfel& f, double noise) {
 bool misses_center(const FittedSurfel& f, double noise_variance, double clearly) {
     return std::abs(f.surfel.polynomial.a[0]) >
            tolerance_of(f, std::sqrt(noise_variance)) + clearly;
+}
+
+void list_acute_edges(const BallPoints<double>& ball, std::span<const SetAside<double>> aside,
+                      CoveringSurfel& out) {
+    const Surfel& s = out.fitted.surfel;
+    for (const SetAside<double>& a : aside) {
+        const std::size_t i = a.index;
+        const Vec3d normal{ball.nx[i], ball.ny[i], ball.nz[i]};
+        if (dot(normal, s.frame.normal) >= static_cast<double>(kOtherSideCos)) continue;
+        const auto sign = edge_sign(s, {ball.x[i], ball.y[i], ball.z[i]}, normal, kAcuteSlope);
+        if (sign) out.edges.push_back(*sign);
+    }
 }
 
 [[gnu::flatten]] void list_points(const PointTree& tree, const BallPoints<double>& ball,

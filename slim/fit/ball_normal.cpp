@@ -62,7 +62,7 @@ template <class T>
 template <class T>
 [[gnu::flatten]] void set_contrary_aside(BallPoints<T>& p, const Vec3d& normal,
                                          std::vector<SetAside<T>>& out) {
-    using V = LanesOfDouble<float>;
+    using V = stdx::rebind_simd_t<float, stdx::native_simd<T>>;  // balls are padded to these
     const auto lanes = [](const std::vector<float>& a, std::size_t i) {
         return V(&a[i], stdx::element_aligned);
     };

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -22,6 +23,7 @@ constexpr double kFewest = 500;       // points of a cloud that is asked
 constexpr double kBall = 160;         // points of a ball ...
 constexpr double kCloud = 8192;       // ... of a cloud thinned to so many
 constexpr double kInNoise = 12;       // times sqrt(lambda): its least radius
+constexpr double kMostWider = 3;      // times that of the ball: noise so thick leaves no place
 constexpr double kMostInBall = 100;   // points that are looked at, after thinning
 constexpr int kDegree = 2;            // of the height field that edges are told from
 constexpr double kEven = 0.015;       // eps / rho: so little an edge of 30 degrees misses
@@ -37,12 +39,14 @@ struct Scale {
     std::size_t level;
 };
 
-Scale scale_of(const PointPyramid& pyramid, const EdgeQuestion& cloud) {
+/// Nothing where noise would make the ball so wide that it is no place but the shape as a whole, as
+/// steps of the coordinates do where a small cloud lies far from the origin.
+std::optional<Scale> scale_of(const PointPyramid& pyramid, const EdgeQuestion& cloud) {
     const double sq_spacing = cloud.spacing * cloud.spacing;
     const double area = kBall / std::min(kCloud, cloud.n_points) * cloud.n_points * sq_spacing;
-    Scale out{std::max(std::sqrt(area / std::numbers::pi),
-                       kInNoise * std::sqrt(cloud.noise_variance)),
-              0};
+    const double usual = std::sqrt(area / std::numbers::pi);
+    Scale out{std::max(usual, kInNoise * std::sqrt(cloud.noise_variance)), 0};
+    if (out.radius > kMostWider * usual) return {};
     const double n_in_ball = std::numbers::pi * out.radius * out.radius / sq_spacing;
     while (out.level + 1 < pyramid.n_levels() &&
            n_in_ball * pyramid.share(out.level) > kMostInBall)
@@ -96,7 +100,8 @@ EdgeShare edge_share(const PointBlock& points, const PointPyramid& pyramid,
                      const EdgeQuestion& cloud) {
     EdgeShare out;
     if (!(cloud.spacing > 0) || cloud.n_points < kFewest) return out;
-    const Scale scale = scale_of(pyramid, cloud);
+    const std::optional<Scale> scale = scale_of(pyramid, cloud);
+    if (!scale) return out;
     const std::size_t most = std::min(kMost, points.size());
     std::array<std::uint8_t, kRound> found{};
     while (out.asked < most && std::abs(out.evidence()) < std::log(kSure)) {
@@ -106,7 +111,7 @@ EdgeShare edge_share(const PointBlock& points, const PointPyramid& pyramid,
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t p = pyramid.by_priority()[first + i];
                 found[i] = is_at_edge(points.position[p], normalized(to_double(points.normal[p])),
-                                      pyramid.level(scale.level), scale.radius, cloud, work);
+                                      pyramid.level(scale->level), scale->radius, cloud, work);
             }
         });
         out.asked += n;

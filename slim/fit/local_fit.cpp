@@ -5,6 +5,7 @@
 #include "slim/fit/slope_system.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -135,9 +136,12 @@ template <int MomentDegree, class T>
 BallSolution<MomentDegree> solve_ball(const BallPoints<T>& points, double shrink,
                                       const Frame<double>& frame) {
     const auto m = accumulate_moments<MomentDegree>(points, frame, shrink);
-    std::size_t n = 0;
-    const T limit = static_cast<T>(shrink * shrink);
-    for (std::size_t i = 0; i < points.n; ++i) n += points.sq[i] < limit ? 1u : 0u;
+    using V = stdx::native_simd<T>;
+    const V limit = static_cast<T>(shrink * shrink);
+    std::size_t n = 0;  // padding is outside
+    for (std::size_t i = 0; i < points.padded(); i += V::size())
+        n += static_cast<std::size_t>(
+            std::popcount(lane_bits(V(&points.sq[i], stdx::element_aligned) < limit)));
     return {m, NestedCholesky(MomentDegree, m.monomial, m.height, m.sq_height), n};
 }
 

@@ -2,12 +2,12 @@
 
 #include "slim/fit/normal_variance.h"
 #include "slim/normals/covariance.h"
+#include "slim/normals/scan_line.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <unordered_set>
 #include <vector>
 
 namespace slim {
@@ -17,14 +17,11 @@ constexpr std::size_t kFew = kFewestSamples;
 
 // of the squared spacing: below it a neighbourhood is flat
 constexpr double kRounding = 1e-12;
-// of the largest eigenvalue: below it a neighbourhood is a line, which is flat whatever the noise
-constexpr double kLine = 1.0 / 8;
-constexpr double kThin = 1.0 / 16, kOff = 0.7071;  // of the middle one; cosine
 
 /// 0 of a plane, 1 of a ball and of a line of a scan whose next ones are far (normals notes/0005).
 double flatness_of(const Spread& s) {
     if (!(s.largest > 0)) return 0;
-    return s.middle > kLine * s.largest ? s.smallest / s.middle : 1;
+    return is_on_line(s) ? 1 : s.smallest / s.middle;
 }
 
 // Strays are fewer, and so many times the variance that all others stay below.
@@ -46,13 +43,12 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     std::sort(wanted.begin(), wanted.end());
     struct Flatness {
         double smallest = 0, ratio = 0, sq_reach = 0, normal = 0;
-        bool known = false;
+        bool known = false, line = false;
     };
     std::vector<Flatness> found(n);
     // A noisy scan line is flat in the plane of its noise, which is not that of the normals.
     const auto is_strip = [&](const Spread& s, std::uint32_t i) {
-        return !normals.empty() && s.smallest < kThin * s.middle &&
-               std::abs(dot(s.normal, to_double(normals[i]))) < kOff;
+        return !normals.empty() && is_flat(s) && is_other_plane(s, to_double(normals[i]));
     };
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
         if (neighbors.size() < 3) return;
@@ -66,7 +62,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
                     normals.empty()
                         ? 0
                         : normal_variance_of(search.positions(), normals, neighbors, s.normal),
-                    true};
+                    true, is_on_line(s)};
     });
     NoiseVariance out;
     out.neighbors = k;
@@ -75,6 +71,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
         out.value += f.smallest;
         out.flatness += f.ratio;
         out.n_sampled += f.known ? 1 : 0;
+        out.line_share += f.line ? 1 : 0;
         if (f.known) out.bins.add(f.smallest, f.ratio);
         if (f.known) log_sq_reach += std::log(f.sq_reach);  // at distinct places: positive
         if (f.known) log_smallest += std::log(std::max(f.smallest, kRounding * f.sq_reach));
@@ -83,6 +80,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     if (out.n_sampled > 0) {
         out.value /= static_cast<double>(out.n_sampled);
         out.flatness /= static_cast<double>(out.n_sampled);
+        out.line_share /= static_cast<double>(out.n_sampled);
         const double mean = log_sq_reach / static_cast<double>(out.n_sampled);
         out.spacing = std::sqrt(std::numbers::pi * std::exp(mean));
         out.typical = std::exp(log_smallest / static_cast<double>(out.n_sampled));
@@ -97,18 +95,24 @@ std::size_t enough_samples(std::size_t n, std::size_t k, std::size_t fewest) {
     return std::min(n, std::max(n * 10 / k, fewest));
 }
 
+struct FlatNeighbors {
+    std::size_t k = kNoiseNeighbors[0];
+    double line_share = 0;  ///< with the fewest
+};
+
 /// The first k whose neighbourhoods are flat, which shows on a tenth of the samples;
 /// else the flattest.
-std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
-                           std::span<const Vec3f> normals) {
-    std::size_t best = kNoiseNeighbors[0];
+FlatNeighbors flat_neighbors(const NearestSearch& search, std::span<const std::uint32_t> samples,
+                             std::span<const Vec3f> normals) {
+    FlatNeighbors best;
     double flattest = INFINITY;
     for (const std::size_t k : kNoiseNeighbors) {
         if (k >= search.size()) break;
         const std::size_t n = std::min(samples.size(), std::max(samples.size() / k, kFew));
-        const double flatness =
-            robust_noise(with_neighbors(search, samples, k, n, normals)).flatness;
-        if (flatness < flattest) best = k, flattest = flatness;
+        const NoiseVariance noise = with_neighbors(search, samples, k, n, normals);
+        const double flatness = robust_noise(noise).flatness;
+        if (k == kNoiseNeighbors[0]) best.line_share = noise.line_share;
+        if (flatness < flattest) best.k = k, flattest = flatness;
         if (flatness <= kFlat) break;
     }
     return best;
@@ -119,6 +123,10 @@ std::size_t flat_neighbors(const NearestSearch& search, std::span<const std::uin
 std::vector<std::uint32_t> first_points(const NearestSearch& search,
                                         std::span<const std::uint32_t> samples) {
     std::vector<std::uint32_t> first(samples.begin(), samples.end());
+    const auto may_repeat = [&](std::uint32_t i) {
+        return search.has_repeats(i / BoxTree::kBucket) && search.is_repeat(i);
+    };
+    if (std::none_of(samples.begin(), samples.end(), may_repeat)) return first;
     std::vector<std::uint32_t> order(samples.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(),
@@ -132,15 +140,24 @@ std::vector<std::uint32_t> first_points(const NearestSearch& search,
 }
 
 /// The samples with each replaced by the first point at its place, and every place once, at its
-/// highest priority. Cost: of the samples, not of all points.
+/// highest priority. Cost: of the samples, and a bit of each point.
 std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
                                            std::span<const std::uint32_t> samples) {
-    std::unordered_set<std::uint32_t> taken(samples.size());
+    std::vector<bool> taken(search.size());
     std::vector<std::uint32_t> places;
     places.reserve(samples.size());
-    for (const std::uint32_t first : first_points(search, samples))
-        if (taken.insert(first).second) places.push_back(first);
+    for (const std::uint32_t first : first_points(search, samples)) {
+        if (taken[first]) continue;
+        taken[first] = true;
+        places.push_back(first);
+    }
     return places;
+}
+
+/// Of a usual neighbourhood.
+double sq_reach_of(const NoiseVariance& noise) {
+    const double sq_spacing = noise.spacing * noise.spacing;
+    return static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
 }
 
 }  // namespace
@@ -149,17 +166,28 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
                                       std::span<const std::uint32_t> samples, std::size_t neighbors,
                                       std::span<const Vec3f> normals, std::size_t fewest) {
     const std::vector<std::uint32_t> places = distinct_places(search, samples);
-    const std::size_t k = neighbors > 0 ? neighbors : flat_neighbors(search, places, normals);
+    const FlatNeighbors flat =
+        neighbors > 0 ? FlatNeighbors{neighbors} : flat_neighbors(search, places, normals);
+    const std::size_t k = flat.k;
     NoiseVariance out =
         with_neighbors(search, places, k, enough_samples(places.size(), k, fewest), normals);
+    if (neighbors == 0) out.line_share = flat.line_share;
     if (!normals.empty() && normals_inform(out.typical, out.normal, out.spacing))
         out.independence = normal_independence(search, places, normals, k);
     return out;
 }
 
+double stray_share(const NoiseVariance& noise) {
+    if (noise.n_sampled == 0) return 0;
+    const double most =
+        std::max(kBeyondOthers * noise.bins.quantile(0.5), kNoSurface * sq_reach_of(noise));
+    const double others = static_cast<double>(noise.bins.mean_up_to(most).n);
+    return 1 - others / static_cast<double>(noise.n_sampled);
+}
+
 RobustNoise robust_noise(const NoiseVariance& noise) {
     const double sq_spacing = noise.spacing * noise.spacing;
-    const double sq_reach = static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
+    const double sq_reach = sq_reach_of(noise);
     const VarianceBins& bins = noise.bins;
     const VarianceBins::Bin others = bins.mean_up_to(
         std::max(kBeyondOthers * bins.quantile(1 - kMostStrays), kNoSurface * sq_reach));

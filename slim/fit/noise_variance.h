@@ -23,6 +23,7 @@ struct NoiseVariance {
     double normal = 0;
     double typical = 0;  ///< geometric mean in place of `value`: noise,
                          ///< where edges make up that of a clean cloud
+    double line_share = 0;  ///< of the samples, whose fewest neighbours lie on a line
     double independence = 0;  ///< normal_independence, where normals_inform; else 0
     std::size_t neighbors = 10;
     std::size_t n_sampled = 0;
@@ -54,6 +55,10 @@ struct RobustNoise {
     double variance = 0;  ///< lambda
     double flatness = 0;
 };
+
+/// Share of the samples that no surface of the usual spacing explains and that are far beyond the
+/// median: strays, but for those near a surface.
+double stray_share(const NoiseVariance& noise);
 
 /// `value` and `flatness`, unless few of the samples make most of them (notes/0016). Samples that
 /// no surface of the usual spacing explains and that are far beyond nearly all others are strays

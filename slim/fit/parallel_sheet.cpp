@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kExplained = 3;       // times what noise and price explain
 constexpr double kLeastPoints = 24;    // of a sheet, to say that it fills the disc
-constexpr double kBorder = 0.04;       // lean, over rho: of a straight border 0.35 rho off
 constexpr double kByChance = 0.3;      // of a single point's lean, standard deviation
 constexpr double kSurely = 3;          // standard deviations
 
@@ -58,9 +57,9 @@ SheetEnd end_of_sheet(const BallPoints<T>& p, std::span<const SetAside<T>> aside
     if (!within_noise(count_sideways(p, aside, sheet), p.n, sheet.contrary_share))
         return SheetEnd::ends;
     const Balance at = balance_of(p, sheet.frame);
-    if (at.lean > kBorder + kSurely * at.by_chance) return SheetEnd::ends;
+    if (at.lean > sheet.most_lean + kSurely * at.by_chance) return SheetEnd::ends;
     const bool is_sure = over <= 1 && static_cast<double>(p.n - aside.size()) >= kLeastPoints &&
-                         at.lean <= kBorder + at.by_chance;
+                         at.lean <= sheet.most_lean + at.by_chance;
     return is_sure ? SheetEnd::goes_on : SheetEnd::in_doubt;
 }
 

@@ -13,10 +13,14 @@ namespace slim {
 /// What becomes of a sheet in a ball that also holds points of another side: at a fold it ends at a
 /// line, beside another sheet it does not (slim/cover/notes/0017).
 enum class SheetEnd : std::uint8_t {
+    alone,     ///< no points of another side
     ends,      ///< in the ball, or its points are no sheet
     in_doubt,  ///< too few points to tell; a larger ball may
     goes_on,   ///< its points fill the disc and are explained
 };
+
+/// That of a straight border 0.35 rho off; 0.22 rho off it is twice as much.
+inline constexpr double kLeanOfBorder = 0.04;
 
 /// What is known of a fit to the points that face its way.
 struct SheetFit {
@@ -25,6 +29,7 @@ struct SheetFit {
     double sq_explained;   ///< eps^2 that noise and price explain, length^2
     double tolerance;      ///< farther off it is another side's, length
     double contrary_share; ///< of normals that noise turns out of a height field
+    double most_lean = kLeanOfBorder;  ///< of its points' mean off the centre, over rho
 };
 
 /// points: without those set aside, which the fit left out.

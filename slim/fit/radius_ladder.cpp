@@ -117,13 +117,13 @@ SheetEnd RadiusLadder::end_of(const LadderFit& found, const LadderWork& work) co
         kOffSheet * std::sqrt(std::min(found.fit.sq_error, energy_.noise_variance));
     const std::size_t off =
         count_off_sheet<float>(ball, work.aside, found.frame, found.fit, tolerance);
-    if (within_noise(off, ball.n, rules_.contrary_share)) return SheetEnd::goes_on;
+    if (within_noise(off, ball.n, rules_.contrary_share)) return SheetEnd::alone;
     if (rules_.look_for_edges) return SheetEnd::ends;  // sheets of an acute edge, of a thin plate
     const double explained =
         energy_.noise_variance + energy_of(found.degree).price(ball.radius);
     return end_of_sheet<float>(
         ball, work.aside,
-        {found.frame, found.fit, explained, tolerance, rules_.contrary_share});
+        {found.frame, found.fit, explained, tolerance, rules_.contrary_share, rules_.most_lean});
 }
 
 std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t level,
@@ -294,7 +294,9 @@ RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, doub
                              falls_to_the_end(*rungs[chosen], *rungs[chosen + 1]));
     const double radius =
         at_the_end ? rung_radius(chosen) : refine(*rungs[chosen], lo, hi, center, normal, work);
-    return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest)};
+    const bool past_sheet = rungs[chosen]->end != SheetEnd::alone;
+    return {radius, degree, saturated, false, false, limited, energy, rung_radius(finest),
+            false, past_sheet};
 }
 
 }  // namespace slim

@@ -21,6 +21,8 @@ struct LadderRules {
                                           ///< times the least upper bound
     /// Of the cloud's normals that noise turns: as many off the sheet are tolerated.
     double contrary_share = 0;
+    /// Past another sheet, over rho: of the points' mean off the centre (parallel_sheet.h).
+    double most_lean = kLeanOfBorder;
     std::size_t sample = 512;             ///< most points of a rung, a larger ball is thinned
     std::size_t most_sample = 4096;       ///< and of one that shows noise alone
     /// Each centre takes the degree that E favours, its price by bytes (notes/0004);
@@ -49,6 +51,7 @@ struct RadiusChoice {
     double finest = 0;       ///< radius of the finest admissible rung
     bool widened = false;    ///< past what limited it: the plain fit of the
                              ///< larger ball allows it (slim/cover/notes/0012)
+    bool past_sheet = false; ///< its ball also holds another sheet (slim/cover/notes/0017)
 };
 
 /// Whether so many of n points may disagree: what noise explains,
@@ -88,7 +91,7 @@ private:
         int index;
         std::size_t level;     // of the pyramid
         int degree;            // of the least energy, if it is chosen
-        SheetEnd end;          // goes_on or in_doubt
+        SheetEnd end;          // not `ends`
         std::size_t n;         // points of its ball
         double energy, upper;  // E, and two standard errors above it
         double noise, noise_upper;    // eps^2 without what the next degree

@@ -1,6 +1,9 @@
 #include "slim/fit/sharp_clusters.h"
 
+#include "slim/base/simd.h"
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace slim {
@@ -76,17 +79,44 @@ double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) 
     return n > 0 ? 1 - along / n : 0;
 }
 
-/// Bit of the cluster that a normal clearly belongs to, or 0.
-unsigned cluster_of(const Vec3d& n, const std::array<Vec3d, kMostSheets>& normal, std::size_t k) {
-    if (!(sq_length(n) > 0)) return 0;
-    std::size_t best = 0;
-    for (std::size_t c = 1; c < k; ++c)
-        if (dot(n, normal[c]) > dot(n, normal[best])) best = c;
-    for (std::size_t c = 0; c < k; ++c) {
-        const double apart = 1 - dot(normal[c], normal[best]);
-        if (c != best && dot(n, normal[best]) - dot(n, normal[c]) < kAmbiguous * apart) return 0;
+using Lanes = stdx::native_simd<double>;
+
+Lanes lanes_at(const std::vector<float>& a, std::size_t i) {
+    return stdx::static_simd_cast<Lanes>(LanesOfDouble<float>(&a[i], stdx::element_aligned));
+}
+
+/// The nearest cluster of each point, by its bit; 0 where a normal is missing, or not clearly that
+/// cluster's: nearer to another by less than kAmbiguous of what lies between the two.
+template <class T>
+void assign_clusters(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& normal,
+                     std::size_t k, std::vector<std::uint8_t>& member) {
+    std::array<std::array<double, kMostSheets>, kMostSheets> margin{};
+    for (std::size_t a = 0; a < k; ++a)
+        for (std::size_t b = 0; b < k; ++b)
+            margin[a][b] = kAmbiguous * (1 - dot(normal[b], normal[a]));
+    for (std::size_t first = 0; first < p.n; first += Lanes::size()) {
+        const Lanes x = lanes_at(p.nx, first), y = lanes_at(p.ny, first), z = lanes_at(p.nz, first);
+        std::array<Lanes, kMostSheets> along;
+        Lanes most = -INFINITY, best = 0;
+        for (std::size_t c = 0; c < k; ++c) {
+            along[c] = x * normal[c].x + y * normal[c].y + z * normal[c].z;
+            const auto nearer = along[c] > most;
+            stdx::where(nearer, most) = along[c];
+            stdx::where(nearer, best) = static_cast<double>(c);
+        }
+        auto clear = x * x + y * y + z * z > 0.0;
+        for (std::size_t a = 0; a < k; ++a) {
+            const auto is_other = best != static_cast<double>(a);
+            for (std::size_t b = 0; b < k; ++b)
+                if (b != a) clear = clear && (is_other || most - along[b] >= margin[a][b]);
+        }
+        const std::uint64_t bits = lane_bits(clear);
+        std::array<double, Lanes::size()> nearest;
+        best.copy_to(nearest.data(), stdx::element_aligned);
+        for (std::size_t lane = 0; lane < Lanes::size(); ++lane)
+            member[first + lane] = static_cast<std::uint8_t>(
+                (bits >> lane & 1) << static_cast<unsigned>(nearest[lane]));
     }
-    return 1u << best;
 }
 
 }  // namespace
@@ -126,27 +156,28 @@ bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clus
                      std::vector<std::uint8_t>& member) {
     auto& normal = clusters.normal;
     seed(p, k, normal);
-    if (member.size() < p.n) member.resize(2 * p.n);
+    if (member.size() < p.padded()) member.resize(2 * p.padded());
     std::array<std::size_t, kMostSheets> count{};
     std::array<double, kMostSheets> off{};
     for (int round = 0; round < kRounds; ++round) {
+        assign_clusters(p, normal, k, member);
         std::array<Vec3d, kMostSheets> sum{};
         count = {};
         for (std::size_t i = 0; i < p.n; ++i) {
-            const Vec3d n = normal_of(p, i);
-            const unsigned bit = cluster_of(n, normal, k);
-            member[i] = static_cast<std::uint8_t>(bit);
-            for (std::size_t c = 0; c < k; ++c) {
-                if (!(bit & 1u << c)) continue;
-                sum[c] += n;
-                ++count[c];
-            }
+            if (member[i] == 0) continue;
+            const auto c = static_cast<std::size_t>(std::countr_zero(member[i]));
+            sum[c] += normal_of(p, i);
+            ++count[c];
         }
+        bool moved = false;
         for (std::size_t c = 0; c < k; ++c) {
             if (!(sq_length(sum[c]) > 0)) continue;
-            normal[c] = normalized(sum[c]);
+            const Vec3d mean = normalized(sum[c]);
+            moved |= mean != normal[c];
+            normal[c] = mean;
             off[c] = 1 - length(sum[c]) / static_cast<double>(count[c]);
         }
+        if (!moved) break;  // what further rounds would find as well
     }
     const auto least = std::max(kLeastMembers, static_cast<std::size_t>(kLeastShare *
                                                                         static_cast<double>(p.n)));

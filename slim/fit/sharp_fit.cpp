@@ -75,10 +75,8 @@ public:
         for (std::size_t k = 0; k < n_sheets; ++k)
             fit_.frame[k] = frame_from_normal(round_normal(clusters.normal[k]));
         if (!fit_sheets()) return std::nullopt;
-        for (int i = 0; i < kRefits; ++i) {
-            assign();
+        for (int i = 0; i < kRefits && assign(); ++i)
             if (!fit_sheets()) return std::nullopt;
-        }
         find_joins();
         measure();
         return fit_;
@@ -90,6 +88,7 @@ private:
         return local.z - fit_.polynomial[k].value(local.x, local.y);
     }
     double cosine(std::size_t k, const Vec3d& x, const Vec3d& n) const {
+        if (plane_[k]) return dot(plane_[k]->gradient, n) / plane_[k]->length;
         const Vec3d local = fit_.frame[k].local_from_world(x);
         const Polynomial<double>& a = fit_.polynomial[k];
         const Vec3d g{-a.d_u(local.x, local.y), -a.d_v(local.x, local.y), 1};
@@ -116,13 +115,21 @@ private:
                 const LocalFit full = full_fit(k);
                 if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
             }
-            fit_.polynomial[k] = best.polynomial;
-            if (!follows_normals(k)) best = level(k);
+            set_sheet(k, best);
+            if (!follows_normals(k)) set_sheet(k, best = level(k));
             error_[k] = std::sqrt(best.sq_error) / p_.radius;
             fit_.degree = std::max(fit_.degree, best.degree);
             fit_.n_coefficients += n_coefficients(best.degree);
         }
         return true;
+    }
+
+    void set_sheet(std::size_t k, const LocalFit& fit) {
+        const Polynomial<double>& a = fit_.polynomial[k] = fit.polynomial;
+        plane_[k].reset();
+        if (std::any_of(a.a.begin() + 3, a.a.end(), [](double c) { return c != 0; })) return;
+        const Vec3d g{-a.a[1], -a.a[2], 1};
+        plane_[k] = Plane{fit_.frame[k].world_from_local(g), length(g)};
     }
 
     /// Whether a sheet's gradients are the normals of the points that are its alone. A plane
@@ -151,13 +158,18 @@ private:
         fit.polynomial.a[0] = sum / weight;
         fit.sq_error =
             p_.radius * p_.radius * std::max(0.0, squares / weight - std::pow(sum / weight, 2));
-        fit_.polynomial[k] = fit.polynomial;
         return fit;
     }
 
     /// Points go to the sheet whose normal they have, and to every other that is nearly as good and
-    /// that they lie on: an edge's own points are on both.
-    void assign() {
+    /// that they lie on: an edge's own points are on both. Whether that changed anything: if not,
+    /// nor would fits.
+    bool assign() {
+        bool changed = false;
+        std::array<std::array<double, kMostSheets>, kMostSheets> apart{};  // 1 - cos
+        for (std::size_t a = 0; a < fit_.n_sheets; ++a)
+            for (std::size_t b = 0; b < fit_.n_sheets; ++b)
+                apart[a][b] = 1 - dot(fit_.frame[b].normal, fit_.frame[a].normal);
         for (std::size_t i = 0; i < p_.n; ++i) {
             const Vec3d x = place_of(p_, i), n = normal_of(p_, i);
             std::array<double, kMostSheets> cosines{};
@@ -168,64 +180,49 @@ private:
             }
             unsigned bits = 0;
             for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
-                const double apart = 1 - dot(fit_.frame[k].normal, fit_.frame[best].normal);
-                const bool alike = k == best || cosines[k] >= cosines[best] - kAmbiguous * apart;
+                const bool alike =
+                    k == best || cosines[k] >= cosines[best] - kAmbiguous * apart[best][k];
                 const double tolerance = kExplained * std::max(error_[k], noise_);
                 if (alike && cosines[k] >= kLeastCos && std::abs(value(k, x)) <= tolerance)
                     bits |= 1u << k;
             }
+            changed |= work_.sheets[i] != bits;
             work_.sheets[i] = static_cast<std::uint8_t>(bits);
         }
+        return changed;
     }
 
-    /// Sum of squared residuals of the points about the surface joined in one way.
-    double misfit(std::size_t first, Join outer, Join inner) const {
-        SharpSheets joins;
-        joins.n_extra = fit_.n_sheets - 1;
-        joins.outer = outer;
-        joins.inner = inner;
-        double sum = 0;
+    void find_heights() {
+        if (work_.heights.size() < p_.n) work_.heights.resize(2 * p_.n);
         for (std::size_t i = 0; i < p_.n; ++i) {
             if (!work_.sheets[i]) continue;
-            std::array<double, kMostSheets> f{};
-            for (std::size_t k = 0; k < fit_.n_sheets; ++k) f[k] = value(k, place_of(p_, i));
-            std::swap(f[0], f[first]);
-            sum += std::pow(joins.joined(f), 2);
+            for (std::size_t k = 0; k < fit_.n_sheets; ++k)
+                work_.heights[i][k] = value(k, place_of(p_, i));
         }
-        return sum;
     }
 
-    /// The way to join that the points follow best; of three sheets or more the one that is unlike
-    /// goes first: F = outer(f_0, inner(f_1, f_2, ...)). Sides of single sheets would not do: a
-    /// face with a notch lies on both sides of the notch's walls.
     void find_joins() {
-        double least = INFINITY;
-        std::size_t best_first = 0;
-        const std::size_t n_first = fit_.n_sheets == 2 ? 1 : fit_.n_sheets;
-        for (std::size_t first = 0; first < n_first; ++first)
-            for (const Join outer : {Join::max, Join::min})
-                for (const Join inner : {Join::max, Join::min}) {
-                    const bool symmetric = outer == inner;
-                    if (symmetric ? first > 0 : fit_.n_sheets == 2) continue;
-                    const double sum = misfit(first, outer, inner);
-                    if (!(sum < least)) continue;
-                    least = sum;
-                    best_first = first;
-                    fit_.outer = outer;
-                    fit_.inner = inner;
-                }
-        std::swap(fit_.frame[0], fit_.frame[best_first]);
-        std::swap(fit_.polynomial[0], fit_.polynomial[best_first]);
+        find_heights();
+        const WayToJoin way = best_way_to_join(fit_.n_sheets, {work_.heights.data(), p_.n},
+                                               {work_.sheets.data(), p_.n});
+        fit_.outer = way.outer;
+        fit_.inner = way.inner;
+        std::swap(fit_.frame[0], fit_.frame[way.first]);
+        std::swap(fit_.polynomial[0], fit_.polynomial[way.first]);
+        std::swap(plane_[0], plane_[way.first]);
     }
 
     /// eps^2 about the joined surface over the points whose normal some sheet has.
     void measure() {
         const Surfel joined = fit_.surfel({}, 1);
+        if (work_.beside.size() < p_.n) work_.beside.resize(2 * p_.n);
         double rss = 0, weight = 0, sq_weight = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {
             const Vec3d x = place_of(p_, i);
-            if (nearest_normal(x, normal_of(p_, i)).second < kLeastCos) continue;
             const double f = joined.value(x);
+            const auto [sheet, cosine] = nearest_normal(x, normal_of(p_, i));
+            work_.beside[i] = {f, cosine, sheet};
+            if (cosine < kLeastCos) continue;
             const double g = static_cast<double>(fit_weight(p_.weight, p_.sq[i]));
             rss += g * f * f;
             weight += g;
@@ -237,23 +234,23 @@ private:
         const double sq_error =
             weight > 0 ? rss / weight / std::max(freedom, kLeastShare) : INFINITY;
         fit_.sq_error = p_.radius * p_.radius * sq_error;
-        count_off(joined, std::sqrt(sq_error));
+        count_off(std::sqrt(sq_error));
     }
 
     /// Points that lie off the joined surface, or off the sheet whose normal they have: a mean over
     /// the ball would hide the few points of a third face, and sheets where there is no surface at
     /// all.
-    void count_off(const Surfel& joined, double error) {
+    void count_off(double error) {
         const double tolerance = kExplained * std::max(error, noise_);
         fit_.n_off = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d x = place_of(p_, i);
-            const double f = std::abs(joined.value(x));
-            const auto [sheet, cosine] = nearest_normal(x, normal_of(p_, i));
-            if (cosine < kLeastCos)
+            const auto& at = work_.beside[i];
+            const double f = std::abs(at.height);
+            if (at.cosine < kLeastCos)
                 fit_.n_off += f > kOffSheet * noise_;
             else
-                fit_.n_off += std::max(f, std::abs(value(sheet, x))) > tolerance;
+                fit_.n_off +=
+                    f > tolerance || std::abs(value(at.sheet, place_of(p_, i))) > tolerance;
         }
     }
 
@@ -273,6 +270,12 @@ private:
     SharpWork<T>& work_;
     SharpFit fit_;
     std::array<double, kMostSheets> error_{};  // eps of each sheet, relative
+    /// The gradient of a sheet without terms of higher order, world axes, and its length.
+    struct Plane {
+        Vec3d gradient;
+        double length;
+    };
+    std::array<std::optional<Plane>, kMostSheets> plane_;
 };
 
 }  // namespace

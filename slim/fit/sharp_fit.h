@@ -3,6 +3,7 @@
 #include "slim/base/frame.h"
 #include "slim/fit/ball_points.h"
 #include "slim/fit/local_fit.h"
+#include "slim/fit/sharp_joins.h"
 #include "slim/model/surfel.h"
 
 #include <array>
@@ -35,6 +36,15 @@ template <class T>
 struct SharpWork {
     BallPoints<T> part;              ///< the points of one sheet
     std::vector<std::uint8_t> sheets;  ///< of each point of the ball: bit i, it belongs to sheet i
+    /// heights over each sheet, of points that belong to one
+    std::vector<SheetHeights> heights;
+    /// Of each point: its height over the joined surface, the sheet whose normal it has, and the
+    /// cosine of its own to that.
+    struct Beside {
+        double height, cosine;
+        std::size_t sheet;
+    };
+    std::vector<Beside> beside;
 };
 
 /// Fits `n_sheets` (2 to kMostSheets) height fields of up to `degree`, each to its own points:

@@ -13,7 +13,25 @@ namespace {
 constexpr int kMostFailures = 4;        // steps without two clusters before an edge is in sight
 constexpr double kRoughest = 0.07;      // eps over rho: beyond it sheets explain nothing
 constexpr double kRoughestNoisy = 0.1;  // the same where eps is noise
+constexpr float kElsewhere = 1e-8f;     // squared distance over rho: nearer is the centre's place
+// radius of the leaf of a tip's own point over the way to the next: nothing is as wide there
+constexpr double kOfTip = 0.1;
 constexpr double kNoise = 1.2;          // eps^2 over lambda up to which it may be
+
+/// Whether all points of a ball but the centre's own were set aside: of a tip.
+bool is_tip(const BallPoints<float>& ball) {
+    for (std::size_t i = 0; i < ball.n; ++i)
+        if (ball.sq[i] > kElsewhere && ball.sq[i] < 1) return false;
+    return true;
+}
+
+/// How near, over the radius, the nearest of those points lies.
+double nearest_aside(const LadderWork& work) {
+    double least = 1;
+    for (const SetAside<float>& a : work.aside)
+        if (a.sq > kElsewhere) least = std::min(least, std::sqrt(double{a.sq}));
+    return least;
+}
 
 }  // namespace
 
@@ -87,6 +105,7 @@ double SharpSearch::clear_radius(const Vec3d& center, const Vec3d& normal,
     set_contrary_aside(work.ball, normal, work.aside);
     double least = 1;
     for (const SetAside<float>& a : work.aside) least = std::min(least, std::sqrt(double{a.sq}));
+    if (is_tip(work.ball)) return smooth.radius * kOfTip * nearest_aside(work);
     return smooth.radius * std::max(least, kGoldenRatio * kGoldenRatio);
 }
 

@@ -42,8 +42,9 @@ public:
                                  LadderWork& work) const;
 
     /// For a forced leaf that no sheets can mend, beside an edge of a cloud with clean normals: its
-    /// radius, cut down to the nearest point with a contrary normal (by g^2 at most), so that it
-    /// does not stand out over the edge as a disc. Else the choice's own radius.
+    /// radius, cut down to the nearest point with a contrary normal (by g^2 at most; of a tip's own
+    /// point, whose ball is of other faces, to a tenth of the way to the nearest), so that it does
+    /// not stand out over the edge as a disc. Else the choice's own radius.
     double clear_radius(const Vec3d& center, const Vec3d& normal, const RadiusChoice& smooth,
                         LadderWork& work) const;
 

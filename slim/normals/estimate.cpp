@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/normals/covariance.h"
+#include "slim/normals/scan_line.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,16 +14,17 @@ namespace {
 // middle / largest eigenvalue below which the points lie on a line
 constexpr double kSpansPlane = 1e-10;
 
-// Below it they lie on a scan line whose next ones are far: of scans spaced alike one in a thousand
-// is, and of its neighbours not even half are (notes/0005).
-constexpr double kLine = 1.0 / 8;
 constexpr std::size_t kFewLines = 100;  // less than one in so many points is let be
-// From here on more neighbours are a patch.
+// middle / largest eigenvalue from which on more neighbours of a point on a line are a patch
 constexpr double kPatch = 1.0 / 4;
 constexpr std::size_t kMostOfPatch = 512;
+// Where most of the cloud is dense both ways, lines are wires: what lies farther from one than so
+// many reaches of its neighbours is no next line of a scan (notes/0007). 16 on a line reach 8
+// spacings to both sides; lines q spacings apart are a patch from 1.1 q on, and as numbers double
+// some are found up to q = 20.
+constexpr double kFarthestOfFew = 3;
 
-// A noisy scan line is a strip, flat in its noise's plane: many more neighbours lie in another.
-constexpr double kFlat = 1.0 / 16, kOff = 0.7071;  // variances across and along; cosine
+// The plane of a strip is not that of many more neighbours.
 constexpr std::size_t kManyMore = 16, kStripSamples = 300, kFewestStripSamples = 50;
 
 // neighbours of a point that the graph lists of more, evenly: what signs are voted by
@@ -31,9 +33,7 @@ constexpr std::size_t kListed = 16;
 /// What the neighbours of a point are.
 enum class Kind : std::uint8_t { unknown, patch, line };
 
-Kind kind_of(const Spread& spread, double least) {
-    return spread.middle > least * spread.largest ? Kind::patch : Kind::line;
-}
+Kind kind_of(const Spread& spread) { return is_on_line(spread) ? Kind::line : Kind::patch; }
 
 /// Lists some of a point's neighbours, evenly; of fewer the rest of the row is the point itself.
 void list_neighbors(NeighborGraph& graph, std::size_t row, std::span<const std::uint32_t> found) {
@@ -60,29 +60,50 @@ std::vector<std::uint32_t> rows_on_lines(const NeighborGraph& graph,
     return out;
 }
 
+/// Squared distance of the farthest of a point's neighbours.
+double sq_reach_of(const std::vector<Vec3d>& positions, std::uint32_t point,
+                   std::span<const std::uint32_t> neighbors) {
+    double most = 0;
+    for (const std::uint32_t i : neighbors)
+        most = std::max(most, sq_length(positions[i] - positions[point]));
+    return most;
+}
+
 /// Estimates the normals of rows whose neighbours lie on a line from more of them: twice as many
-/// until they are a patch. Returns the rows that never have one; they are as they were.
+/// until they are a patch. Returns the rows that never have one; they are as they were. farthest:
+/// of a patch, in reaches of the neighbours that the graph lists; infinite: as far as may be
 std::vector<std::uint32_t> widen(PointBlock& points, const NearestSearch& search,
                                  NeighborGraph& graph, std::vector<std::uint32_t> rows,
-                                 std::size_t k) {
+                                 std::size_t k, double farthest) {
     const std::size_t most = std::min(kMostOfPatch, points.size());
+    std::vector<std::uint32_t> alone;
     while (!rows.empty() && k < most) {
         k = std::min(2 * k, most);
         std::vector<std::uint32_t> wanted;
         for (const std::uint32_t row : rows) wanted.push_back(graph.points[row]);
-        std::vector<std::uint8_t> is_left(rows.size());  // a byte each: threads write side by side
+        enum : std::uint8_t { has_patch, left, too_far };
+        std::vector<std::uint8_t> state(rows.size());  // a byte each: threads write side by side
         search.for_each(wanted, k, [&](std::size_t r, std::span<const std::uint32_t> neighbors) {
+            const std::uint32_t i = wanted[r];
+            const double near = sq_reach_of(points.position, i, graph.of(rows[r]));
+            if (sq_reach_of(points.position, i, neighbors) > farthest * farthest * near) {
+                state[r] = too_far;
+                return;
+            }
             const Spread spread = spread_of(points.position, neighbors);
-            is_left[r] = kind_of(spread, kPatch) == Kind::line;
-            if (is_left[r] != 0) return;
-            points.normal[wanted[r]] = normalized(to_float(spread.normal));
+            state[r] = spread.middle > kPatch * spread.largest ? has_patch : left;
+            if (state[r] == left) return;
+            points.normal[i] = normalized(to_float(spread.normal));
             list_neighbors(graph, rows[r], neighbors);
         });
         std::size_t n_left = 0;
-        for (std::size_t r = 0; r < rows.size(); ++r)
-            if (is_left[r] != 0) rows[n_left++] = rows[r];
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            if (state[r] == left) rows[n_left++] = rows[r];
+            if (state[r] == too_far) alone.push_back(rows[r]);
+        }
         rows.resize(n_left);
     }
+    rows.insert(rows.end(), alone.begin(), alone.end());
     return rows;
 }
 
@@ -116,9 +137,9 @@ Strips strips_of(const NearestSearch& search, std::span<const std::uint32_t> wan
     Strips found;
     for (std::size_t w = 0; w < wanted.size(); ++w) {
         const Spread& s = few[w];
-        if (kind_of(s, kLine) == Kind::line || s.smallest > kFlat * s.middle) continue;
+        if (is_on_line(s) || !is_flat(s)) continue;
         ++found.n_flat;
-        found.n_off += std::abs(dot(s.normal, many[w].normal)) < kOff;
+        found.n_off += is_other_plane(s, many[w].normal);
     }
     return found;
 }
@@ -159,12 +180,13 @@ NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,
         const Spread spread = spread_of(points.position, neighbors);
         const bool counts = counted.empty() || counted[searched[r]];
         if (counts && !(spread.middle > kSpansPlane * spread.largest)) ++lines;
-        kinds[searched[r]] = kind_of(spread, kLine);
+        kinds[searched[r]] = kind_of(spread);
         points.normal[searched[r]] = normalized(to_float(spread.normal));
         list_neighbors(graph, rows[r], neighbors);
     });
     const std::vector<std::uint32_t> on_lines = rows_on_lines(graph, rows, kinds);
-    const std::vector<std::uint32_t> left = widen(points, search, graph, on_lines, k);
+    const double farthest = on_lines.size() < rows.size() ? kFarthestOfFew : INFINITY;
+    const std::vector<std::uint32_t> left = widen(points, search, graph, on_lines, k, farthest);
     graph.n_on_lines = static_cast<std::size_t>(
         std::count_if(left.begin(), left.end(), [&](std::uint32_t row) {
             return counted.empty() || counted[graph.points[row]];

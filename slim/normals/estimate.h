@@ -30,7 +30,8 @@ struct NeighborGraph {
 /// order (sort_along_curve): a repeat takes the normal of the point before it, which is its only
 /// neighbour in the graph returned. search: over the block's positions
 /// Where neighbours lie on a scan line whose next ones are far, twice as many are taken until they
-/// are a patch, up to 512 (notes/0005); not where such points are one in a hundred or fewer.
+/// are a patch, up to 512 (notes/0005); not where such points are one in a hundred or fewer; where
+/// they are less than half, not far (wires over a ground, notes/0007).
 /// The graph lists 16 of the k at most. Cost: 0.8 us a point and core at k = 16, of a point on a
 /// line up to 15; 78 bytes a point.
 NeighborGraph estimate_normals(PointBlock& points, const NearestSearch& search,

@@ -1,5 +1,8 @@
 #include "slim/normals/orient.h"
 
+#include "slim/base/parallel.h"
+#include "slim/normals/enclosure.h"
+#include "slim/normals/outside.h"
 #include "slim/normals/sign_groups.h"
 #include "slim/normals/sign_merge.h"
 
@@ -11,16 +14,17 @@
 namespace slim {
 namespace {
 
+constexpr std::size_t kGrain = 16384;  // points a task
 constexpr float kSteep = 0.5f;  // |n_z| of a slope of 60 degrees
 // share of points less steep in a scene that is seen from above
 constexpr double kMostlyFlat = 0.8;
-// |sum (p - c) . n| / sum |p - c| of a shape that has an outside
-constexpr double kClearFlux = 0.15;
 // |sum of normals| over their number of a shape that is closed but for small holes: of a bowl 0.5
 constexpr double kSmallHole = 0.25;
 // hints on a component's side less those on the other, of all: enough to outweigh a closed shape
 // (85 % are on one side), or where the shape says little
 constexpr double kSureHints = 0.7, kFairHints = 0.1;
+// the same of a sample that was oriented at once: where it is too coarse its signs are chance
+constexpr double kFairSample = 0.5;
 
 /// The parts of the cloud whose signs hang together: which one each point is in, and whether its
 /// normal opposes the part's.
@@ -44,6 +48,11 @@ struct Components {
             if (root.flipped != (of[i] == kKnown && known.flipped)) opposed[i] ^= 1;
         }
     }
+
+    /// A point's normal on its component's side.
+    Vec3d normal(const PointBlock& points, std::size_t i) const {
+        return to_double(points.normal[i]) * (opposed[i] != 0 ? -1.0 : 1.0);
+    }
 };
 
 /// What a component looks like.
@@ -53,6 +62,9 @@ struct Shape {
     double n = 0, flux = 0, reach = 0;
     double hints = 0;  ///< of the normals that hint, and how many
     double n_hints = 0;
+    double sampled = 0, n_sampled = 0;  ///< the same of the sample of the whole
+    bool reaches_out = false;           ///< of the slice
+    double enclosed = 0;  ///< Enclosure's clear flux, where `flux` says nothing
 
     /// Unlike coins that are thrown (four standard deviations), and clear enough.
     bool has_hints(double least) const {
@@ -60,35 +72,93 @@ struct Shape {
     }
 };
 
-std::vector<Shape> shapes_of(const PointBlock& points, const Components& components,
-                             const std::optional<Vec3d>& center,
-                             std::span<const Vec3f> hints) {
+bool has_clear_flux(const Shape& s) { return std::abs(s.flux) > kClearFlux * s.reach; }
+
+bool has_outside(const Shape& s) { return has_clear_flux(s) || s.enclosed != 0; }
+
+bool is_closed(const Shape& s) {
+    return s.enclosed != 0 || (has_clear_flux(s) && length(s.normals) < kSmallHole * s.n);
+}
+
+/// Where the shapes lie, and which reach out of the slice.
+std::vector<Shape> places_of(const PointBlock& points, const Components& components,
+                             const std::optional<WholeScene>& whole,
+                             const std::vector<bool>& counted) {
     std::vector<Shape> shapes(components.n);
     for (std::size_t i = 0; i < points.size(); ++i) {
         Shape& s = shapes[components.of[i]];
         s.centroid += points.position[i];
         s.n += 1;
+        s.reaches_out |= !counted.empty() && !counted[i];
     }
-    for (Shape& s : shapes) s.centroid = center.value_or(s.centroid * (1 / std::max(s.n, 1.0)));
+    for (Shape& s : shapes)
+        s.centroid = whole && s.reaches_out ? whole->center : s.centroid * (1 / std::max(s.n, 1.0));
+    return shapes;
+}
+
+/// Which side a hint is on, +1 or -1.
+double side(const Vec3f& hint, const Vec3d& normal) {
+    return dot(to_double(hint), normal) < 0 ? -1 : 1;
+}
+
+std::vector<Shape> shapes_of(const PointBlock& points, const Components& components,
+                             const std::optional<WholeScene>& whole, std::span<const Vec3f> hints,
+                             const std::vector<bool>& counted) {
+    std::vector<Shape> shapes = places_of(points, components, whole, counted);
     for (std::size_t i = 0; i < points.size(); ++i) {
         Shape& s = shapes[components.of[i]];
-        const double sign = components.opposed[i] ? -1 : 1;
         const Vec3d arm = points.position[i] - s.centroid;
-        const Vec3d n = to_double(points.normal[i]) * sign;
+        const Vec3d n = components.normal(points, i);
         s.flux += dot(arm, n);
         s.reach += length(arm);
         s.normals += n;
-        if (!hints.empty() && sq_length(hints[i]) > 0) {
-            s.hints += dot(to_double(hints[i]), n) < 0 ? -1 : 1;
-            s.n_hints += 1;
-        }
+        if (!hints.empty() && sq_length(hints[i]) > 0) s.hints += side(hints[i], n), s.n_hints += 1;
+    }
+    if (!whole) return shapes;
+    for (const SampledNormal& sample : whole->sampled) {
+        Shape& s = shapes[components.of[sample.point]];
+        s.sampled += side(sample.normal, components.normal(points, sample.point));
+        s.n_sampled += 1;
     }
     return shapes;
 }
 
-bool has_outside(const Shape& s) { return std::abs(s.flux) > kClearFlux * s.reach; }
+/// How far each point's farthest neighbour is: the square is as the area that it stands for; 0 of a
+/// repeat.
+std::vector<float> sizes_of(const PointBlock& points, const NeighborGraph& graph) {
+    std::vector<float> sizes(points.size());
+    parallel_blocks(graph.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const std::uint32_t i = graph.points[row];
+            double most = 0;
+            for (const std::uint32_t k : graph.of(row))
+                most = std::max(most, sq_length(points.position[k] - points.position[i]));
+            sizes[i] = static_cast<float>(std::sqrt(most));
+        }
+    });
+    return sizes;
+}
 
-bool is_closed(const Shape& s) { return has_outside(s) && length(s.normals) < kSmallHole * s.n; }
+/// What those shapes enclose whose normals cancel, but whose flux is small beside their reach: rods,
+/// rings, frames, plates.
+void look_at_slender(const PointBlock& points, const Components& components,
+                     std::span<const float> sizes, std::vector<Shape>& shapes) {
+    std::vector<std::optional<Enclosure>> enclosures(shapes.size());
+    for (std::size_t c = 0; c < shapes.size(); ++c) {
+        const Shape& s = shapes[c];
+        const bool cancels = length(s.normals) < 2 * kSmallHole * s.n;  // areas are unlike
+        if (cancels && !has_clear_flux(s) && !s.reaches_out) enclosures[c].emplace();
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (auto& e = enclosures[components.of[i]])
+            e->measure(static_cast<double>(sizes[i]));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (auto& e = enclosures[components.of[i]])
+            e->add(points.position[i] - shapes[components.of[i]].centroid,
+                   components.normal(points, i), static_cast<double>(sizes[i]));
+    for (std::size_t c = 0; c < shapes.size(); ++c)
+        if (enclosures[c]) shapes[c].enclosed = enclosures[c]->clear_flux();
+}
 
 /// A scene whose main part has no outside is a terrain or a wall: all its parts are seen from one
 /// side.
@@ -97,6 +167,23 @@ bool is_flat_scene(const std::vector<Shape>& shapes) {
         return a.n < b.n;
     });
     return largest != shapes.end() && !has_outside(*largest);
+}
+
+/// Which side of a shape is out: where its normals stand if the vote is positive, else opposite.
+struct Side {
+    double vote = 0;
+    bool is_hinted = false;
+};
+
+Side side_of(const Shape& s, const OrientReport& scene) {
+    const bool is_object = is_closed(s) && !scene.from_above;  // also beside a terrain or a wall
+    const bool has_flux = has_clear_flux(s) && (is_object || !scene.flat);
+    const bool is_slender = is_object && s.enclosed != 0;
+    const bool is_clear = (has_flux && is_closed(s)) || is_slender || scene.from_above;
+    if (s.has_hints(is_clear ? kSureHints : kFairHints)) return {s.hints, true};
+    if (s.reaches_out && std::abs(s.sampled) > kFairSample * s.n_sampled) return {s.sampled};
+    if (is_slender) return {s.enclosed};
+    return {has_flux ? s.flux : s.normals.z};
 }
 
 /// Whether most normals are nearer to the vertical than to the horizontal.
@@ -122,41 +209,37 @@ std::size_t orient_to_sensors(PointBlock& points, std::span<const std::uint32_t>
 }
 
 OrientReport orient_by_neighbors(PointBlock& points, NeighborGraph graph,
-                                 std::vector<bool>& known, const std::optional<Vec3d>& center,
+                                 std::vector<bool>& known, const std::optional<WholeScene>& whole,
                                  std::span<const Vec3f> hints,
                                  const std::vector<bool>& counted, bool seen_from_above) {
     SignGroups groups = group_by_sign(points, graph, known);
     std::vector<SignVote> votes = votes_between(points, graph, groups);
+    const std::vector<float> sizes = sizes_of(points, graph);
     graph.neighbors = {};
     SignedForest forest = merge_by_votes(groups.n, std::move(votes));
     const Components components(std::move(groups), std::move(forest));
-    const std::vector<Shape> shapes = shapes_of(points, components, center, hints);
-    const bool flat = is_flat_scene(shapes);
-    const bool from_above = (flat || seen_from_above) && is_seen_from_above(points, graph.points);
+    std::vector<Shape> shapes = shapes_of(points, components, whole, hints, counted);
+    look_at_slender(points, components, sizes, shapes);
 
     OrientReport report;
-    report.from_above = from_above;
+    report.flat = whole && whole->has_sample ? whole->is_flat : is_flat_scene(shapes);
+    report.from_above =
+        (report.flat || seen_from_above) && is_seen_from_above(points, graph.points);
     report.components = components.n - 1;
     for (const std::uint32_t i : graph.points) {
         if (known[i]) continue;
         const Shape& s = shapes[components.of[i]];
         const bool is_anchored = components.of[i] == Components::kKnown;
-        const bool has_shape = !flat && has_outside(s);
-        const bool is_clear = (has_shape && is_closed(s)) || from_above;
-        const bool is_hinted = s.has_hints(is_clear ? kSureHints : kFairHints);
-        const double vote = is_anchored ? 1
-                            : is_hinted ? s.hints
-                            : has_shape ? s.flux
-                                        : s.normals.z;
-        bool turn = (vote < 0) != (components.opposed[i] != 0);
+        const Side side = side_of(s, report);
+        bool turn = ((is_anchored ? 1 : side.vote) < 0) != (components.opposed[i] != 0);
         // An airborne scanner sees no overhang, whatever the votes say of a tree or a shed.
-        if (from_above && (seen_from_above || !is_anchored) && !is_hinted &&
+        if (report.from_above && (seen_from_above || !is_anchored) && !side.is_hinted &&
             std::abs(points.normal[i].z) > kSteep)
             turn = points.normal[i].z < 0;
         if (turn) points.normal[i] = -points.normal[i];
         const bool counts = counted.empty() || counted[i];
         (is_anchored ? report.by_neighbors : report.by_rule) += counts;
-        report.by_hints += counts && !is_anchored && is_hinted;
+        report.by_hints += counts && !is_anchored && side.is_hinted;
         known[i] = true;
     }
     return report;

@@ -1,6 +1,8 @@
 #include "slim/normals/patch_signs.h"
 
 #include "slim/base/parallel.h"
+#include "slim/normals/outside.h"
+#include "slim/normals/seam.h"
 #include "slim/normals/sign_merge.h"
 #include "slim/normals/sign_vote.h"
 
@@ -19,15 +21,13 @@ constexpr std::size_t kGrain = 4096;  // points a task
 constexpr std::uint32_t kNone = ~0u;
 constexpr double kAgree = 0.7;               // vote that joins two points
 constexpr std::uint32_t kFewestOfPatch = 50;
-// Of a border: neighbours on either side, and how far their means lie apart, of the farthest.
-constexpr double kFewestOfSide = 3, kApart = 0.6;
+constexpr double kFewestOfSide = 3;  // of a border: neighbours
 constexpr double kClear = 0.8;       // |sum of votes| over their sizes
 // sizes of votes of two patches that say they agree, if only over an edge, or oppose each other
 constexpr double kFewestFor = 8, kFewestAgainst = 20;
 constexpr double kBeside = 0.5;      // share of the points that touch both that see a border
 constexpr double kBehind = 0.2;      // mean sine of opposed neighbours behind: a thin sheet
 constexpr double kFewContrary = 0.25;
-constexpr double kClearFlux = 0.15;  // of a shape that has an outside
 
 /// What the border of two patches says.
 struct Border {
@@ -121,17 +121,17 @@ private:
         if (own == kNone) return;
         const std::uint32_t other = other_patch(i);
         if (other == kNone) return;
-        Vec3d own_sum, other_sum;
-        double n_own = 0, n_other = 0, sq_reach = 0;
+        SeamSides<double> sides;
+        double sq_reach = 0;
         Border said;
         for (const std::uint32_t k : around(i)) {
             const Vec3d d = points_.position[k] - points_.position[i];
             const double sq = sq_length(d);
             sq_reach = std::max(sq_reach, sq);
             if (k == i || !(sq > 0)) continue;
-            if (of_[k] == own) own_sum += d, ++n_own;
+            if (of_[k] == own) sides.add(d, true);
             if (of_[k] != other) continue;
-            other_sum += d, ++n_other;
+            sides.add(d, false);
             const double v = vote(i, k);
             said.votes += v * std::abs(v);
             said.size += v * v;
@@ -142,11 +142,10 @@ private:
             said.across += height / std::sqrt(sq);
             said.n_opposed += 1;
         }
-        if (n_own < kFewestOfSide || n_other < kFewestOfSide) return;
+        if (!sides.have(kFewestOfSide)) return;
         Border& border = borders[std::minmax(own, other)];
         border.n_touching += 1;
-        const Vec3d apart = own_sum / n_own - other_sum / n_other;
-        if (sq_length(apart) < kApart * kApart * sq_reach) return;
+        if (!sides.lie_apart(sq_reach)) return;
         said.n_beside = 1;
         border += said;
     }

@@ -4,6 +4,7 @@
 #include "slim/base/parallel.h"
 #include "slim/normals/audit_buckets.h"
 #include "slim/normals/bucket_audit.h"
+#include "slim/normals/seam.h"
 #include "slim/normals/sign_vote.h"
 
 #include <algorithm>
@@ -21,10 +22,9 @@ constexpr double kClear = 0.7;      // |mean normal| that leaves no doubt
 // square of the share of the radius within which neighbours count alike
 constexpr float kNear = 0.03f;
 constexpr double kDoubt = -0.1;      // votes for a normal above which a majority does not turn it
-// Of a seam: opposed pairs of a bucket that is looked at; neighbours on either side; how far their
-// means lie apart, of the radius: of half discs 0.85.
+// Of a seam: opposed pairs of a bucket that is looked at; neighbours on either side.
 constexpr double kFewOpposed = 0.05;
-constexpr float kFewestOfSide = 4, kApart = 0.6f;
+constexpr float kFewestOfSide = 4;
 constexpr std::size_t kSampledBuckets = 16;  // of one in so many all pairs are compared
 
 constexpr std::size_t kBucket = kAuditBucket;
@@ -155,11 +155,10 @@ private:
     }
 
     /// Whether the k-th lies at a line on one side of which normals agree with its own, on the
-    /// other oppose it. The sides of a thin sheet or of a crease lie beside each other nowhere.
+    /// other oppose it.
     bool is_on_seam(const LocalBucket& own, std::size_t k, float sq_radius) const {
         const Vec3f p{own.x[k], own.y[k], own.z[k]}, n{own.nx[k], own.ny[k], own.nz[k]};
-        Vec3f sum[2];
-        float count[2] = {0, 0};
+        SeamSides<float> sides;
         for (std::size_t c = 0; c < candidates_.n; ++c) {
             const Vec3f d = Vec3f{candidates_.x[c], candidates_.y[c], candidates_.z[c]} - p;
             const float sq = sq_length(d);
@@ -167,11 +166,9 @@ private:
             const float cosine =
                 dot(n, Vec3f{candidates_.nx[c], candidates_.ny[c], candidates_.nz[c]});
             if (std::abs(cosine) < kAlongOneLine) continue;
-            sum[cosine < 0] += d;
-            count[cosine < 0] += 1;
+            sides.add(d, cosine > 0);
         }
-        if (std::min(count[0], count[1]) < kFewestOfSide) return false;
-        return sq_length(sum[0] / count[0] - sum[1] / count[1]) > kApart * kApart * sq_radius;
+        return sides.have(kFewestOfSide) && sides.lie_apart(sq_radius);
     }
 
     /// What the neighbours of the k-th say of its sign, -1 to 1: the votes of notes/0002, near ones

@@ -166,6 +166,7 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
 [[gnu::flatten]] std::optional<Vec3d> LeafLanes::normal_at(const Vec3d& p) {
     const Vec3<V> at = in_lanes(p);
     Sums sums;
+    gradients_.clear();
     for (const Group& s : groups_) {
         const Vec3<V> x = (at - s.center) * s.inverse_radius;
         const V sq = sq_length(x);
@@ -173,11 +174,16 @@ LeafLanes::Group LeafLanes::group_of(const BallIndex& index, std::size_t first) 
         if (lane_bits(holds) == 0) continue;
         const V u = dot(s.frame.u_axis, x), v = dot(s.frame.v_axis, x);
         const auto held = [&](const V& value) { return select<V>(holds, value, V(0)); };
+        const Vec3<V> before = sums.gradient;
         sums.add(s, held(weight_kernel(sq)), V(0), held(s.a[1] + 2 * s.a[3] * u + s.a[4] * v),
                  held(s.a[2] + 2 * s.a[5] * v + s.a[4] * u));
+        gradients_.push_back(sums.gradient - before);
     }
     const Vec3d sum = sums.direction();
     if (!(sq_length(sum) > 0)) return std::nullopt;
+    const Vec3<V> mean = in_lanes(sum);
+    for (const Vec3<V>& g : gradients_)
+        if (lane_bits(dot(g, mean) < 0) != 0) return std::nullopt;
     return normalized(sum);
 }
 

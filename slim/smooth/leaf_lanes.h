@@ -35,7 +35,8 @@ public:
 
     /// slim::project_along(p, n, supporters) and slim::normal_at(p, supporters) for a point of the
     /// box and those that hold it, but for the last bits: sums are in another order. Nothing also
-    /// where the point lies beyond the rims of all of them.
+    /// where the point lies beyond the rims of all of them; no normal where one of them faces away
+    /// from it, as on both sides of a thin plate (sheet_normals_at).
     std::optional<LanePut> project_along(const Vec3d& p, const Vec3d& n);
     std::optional<Vec3d> normal_at(const Vec3d& p);
 
@@ -72,6 +73,7 @@ private:
     std::vector<Group> groups_;
     std::vector<std::uint64_t> holds_;  // of each group, which hold the point
     std::vector<double> weight_;        // of each surfel, at the point
+    std::vector<Vec3<V>> gradients_;    // of each group, at a point without a normal
     bool plain_ = false;
 };
 

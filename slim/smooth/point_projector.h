@@ -37,7 +37,8 @@ public:
         : index_(index), least_cosine_(least_cosine) {}
 
     /// p           frame of the job (world minus the model's origin)
-    /// own_normal  any length; zero or not finite: along the model's own
+    /// own_normal  any length; zero or not finite: along the model's own; where sheets face away
+    ///             from each other, as the sides of a thin plate, on the nearer one
     ProjectedPoint project(const Vec3d& p, const Vec3d& own_normal, bool want_curvature = false);
 
     /// The surfels that hold the last point.
@@ -45,6 +46,8 @@ public:
 
 private:
     std::optional<Projection> along(const Vec3d& p, const Vec3d& n, bool want_curvature) const;
+    /// A point without a normal is never opposed: whichever line meets the surface is its own.
+    void put_on_nearest_sheet(const Vec3d& p, bool want_curvature, ProjectedPoint& out) const;
 
     const BallIndex& index_;
     double least_cosine_;

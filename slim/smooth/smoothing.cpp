@@ -111,6 +111,14 @@ void smooth_run(const PointsToSmooth& cloud, std::span<const KeyedIndex> run,
                          cloud.normals.empty() ? Vec3d{} : to_double(cloud.normals[k.index]));
 }
 
+/// Which way faces should face: the planes' that the model supports.
+std::vector<Vec3f> supported_normals(std::span<const FacePlane> planes) {
+    std::vector<Vec3f> out(planes.size());
+    for (std::size_t f = 0; f < planes.size(); ++f)
+        if (planes[f].supported) out[f] = to_float(planes[f].normal);
+    return out;
+}
+
 /// The mean normal by area of the planes about a vertex, and whether the model supports one of
 /// them.
 bool normal_of_planes(std::span<const FacePlane> planes, std::span<const std::uint32_t> faces,
@@ -153,12 +161,15 @@ SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings,
     const std::vector<std::uint8_t> held = boundary_vertices(mesh);
     SmoothedMesh out;
     out.vertices.resize(from.size());
+    std::vector<Vec3f> toward;
     for (int i = 0; i < settings.iterations; ++i) {
         each_step(i);
         const std::vector<FacePlane> planes = project_faces(mesh, index);
-        if (i == 0)
+        if (i == 0) {
+            toward = supported_normals(planes);
             out.faces_unsupported = static_cast<std::uint64_t>(std::count_if(
                 planes.begin(), planes.end(), [](const FacePlane& p) { return !p.supported; }));
+        }
         parallel_blocks(from.size(), kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t v = begin; v < end; ++v) {
                 SmoothedPoint& vertex = out.vertices[v];
@@ -170,12 +181,18 @@ SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings,
             }
         });
     }
-    for (std::size_t v = 0; v < from.size(); ++v) {
-        out.vertices[v].position = from[v];
-        out.vertices[v].held = held[v] != 0;
-        if (out.vertices[v].moved)
-            end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
-    }
+    const auto end_all = [&] {
+        for (std::size_t v = 0; v < from.size(); ++v) {
+            out.vertices[v].position = from[v];
+            out.vertices[v].held = held[v] != 0;
+            if (out.vertices[v].moved)
+                end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
+            mesh.position[v] = out.vertices[v].position;
+        }
+    };
+    end_all();  // no farther than they may
+    out.turned = hold_back_turned(mesh, around, toward, from, mesh.position);
+    if (out.turned.n_held_back > 0) end_all();
     return out;
 }
 

@@ -3,6 +3,7 @@
 #include "slim/smooth/local_noise.h"
 #include "slim/smooth/mesh.h"
 #include "slim/smooth/refit.h"
+#include "slim/smooth/turned_faces.h"
 #include "slim/tree/ball_index.h"
 
 #include <cstdint>
@@ -56,14 +57,15 @@ void smooth_points(const SmoothSurface& surface, const SmoothSettings& settings,
 struct SmoothedMesh {
     std::vector<SmoothedPoint> vertices;
     std::uint64_t faces_unsupported = 0;  ///< in the first iteration: they keep their own planes
+    TurnedFaces turned;
 };
 
 /// Projects the faces' centroids and puts every vertex where it is nearest the planes there (Ohtake
 /// 2005, sec. 4; NUMERICS 5.5). Vertices of the boundary stay, as do those of no face that the
-/// model supports. Normals of the vertices: the mean of their planes' by area. `mesh` is left as
-/// smoothed.
+/// model supports. Vertices that would turn a face over go a share of their way (turned_faces.h).
+/// Normals of the vertices: the mean of their planes' by area. `mesh` is left as smoothed.
 /// each_step  called before each iteration
-/// cost       about 150 bytes a vertex beside the mesh
+/// cost       about 200 bytes a vertex beside the mesh
 SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings, Mesh& mesh,
                          const std::function<void(int iteration)>& each_step);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace slim {
 namespace {
@@ -42,9 +43,32 @@ Vec3d place_in_core(const Surfel& s, std::size_t i, double& u, double& v) {
     return x;
 }
 
+std::vector<OnDisc> close_rings() {
+    constexpr int kRings = 4, kAngles = 96;
+    std::vector<OnDisc> out;
+    for (int ring = 1; ring <= kRings; ++ring)
+        for (int k = 0; k < kAngles; ++k) {
+            const double angle = 2 * std::numbers::pi * k / kAngles;
+            out.push_back({static_cast<double>(ring) / kRings, std::cos(angle), std::sin(angle)});
+        }
+    return out;
+}
+
 bool is_drawn(const Surfel& s, std::size_t sheet, const Vec3d& x, double u, double v) {
     if (!s.sharp) return rim_share(s.rims, u, v) > 0;
     return s.active_sheet(x) == sheet;
+}
+
+void append(const Surfel& s, std::span<const OnDisc> some, std::vector<LeafPlace>& out) {
+    const double core = hit_trim(s);
+    for (std::size_t sheet = 0; sheet < s.n_sheets(); ++sheet)
+        for (std::size_t k = 0; k < some.size(); ++k) {
+            const double radius = some[k].radius * core;
+            double u = radius * some[k].cosine, v = radius * some[k].sine;
+            const Vec3d x = place_in_core(s, sheet, u, v);
+            if (is_drawn(s, sheet, x, u, v))
+                out.push_back({s.center + x * s.support_radius, sheet * kPlacesOfSheet + k});
+        }
 }
 
 /// Share of a distance that covers the rounding of what is compared with it.
@@ -62,15 +86,12 @@ double most_height(const Polynomial<double>& p, double radius) {
 
 void append_places(const Surfel& s, std::vector<LeafPlace>& out, std::size_t first) {
     static const std::array<OnDisc, kPlacesOfSheet> kRings = rings();
-    const double core = hit_trim(s);
-    for (std::size_t sheet = 0; sheet < s.n_sheets(); ++sheet)
-        for (std::size_t k = 0; k < first; ++k) {
-            const double radius = kRings[k].radius * core;
-            double u = radius * kRings[k].cosine, v = radius * kRings[k].sine;
-            const Vec3d x = place_in_core(s, sheet, u, v);
-            if (is_drawn(s, sheet, x, u, v))
-                out.push_back({s.center + x * s.support_radius, sheet * kPlacesOfSheet + k});
-        }
+    append(s, std::span(kRings).first(first), out);
+}
+
+void append_close_places(const Surfel& s, std::vector<LeafPlace>& out) {
+    static const std::vector<OnDisc> kRings = close_rings();
+    append(s, kRings, out);
 }
 
 LeafExtent::LeafExtent(const Surfel& s) : n_discs(s.n_sheets()) {

@@ -26,6 +26,10 @@ struct LeafPlace {
 void append_places(const Surfel& leaf, std::vector<LeafPlace>& out,
                    std::size_t first = kPlacesOfSheet);
 
+/// The same of more places, rings of 96 at quarters of the core's radius: tips between a core's
+/// circle and a rim lie between the 19.
+void append_close_places(const Surfel& leaf, std::vector<LeafPlace>& out);
+
 /// What holds all places of a leaf: discs about its centre with a height to both sides.
 struct LeafExtent {
     struct Disc {

@@ -3,8 +3,8 @@
 #include "slim/base/check.h"
 #include "slim/base/error.h"
 #include "slim/model/surfel_encoder.h"
-#include "slim/neighbors/knn.h"
 #include "slim/neighbors/morton.h"
+#include "slim/tree/ball_links.h"
 
 #include <algorithm>
 #include <array>
@@ -18,16 +18,8 @@ namespace slim {
 namespace {
 
 constexpr std::uint32_t kRoot = kNoNode;
-constexpr std::size_t kLinkedAtOnce = std::size_t{1} << 16;  // queries: 2 MiB
 
-/// What linking wants to know of a surfel: a sixth of it.
-struct Ball {
-    Vec3d center;
-    double support_radius;
-    std::uint8_t level, flags, degree, n_extra;
-
-    SurfelShape shape() const { return {center, degree, n_extra}; }
-};
+using Ball = LinkedBall;
 
 std::vector<Ball> balls_of(const SurfelSource& source, std::size_t n) {
     std::vector<Ball> balls;
@@ -40,64 +32,6 @@ std::vector<Ball> balls_of(const SurfelSource& source, std::size_t n) {
     SLIM_CHECK(balls.size(), ==, n);
     return balls;
 }
-
-/// Balls by level, children by parent; indices are those of the input.
-class Linker {
-public:
-    Linker(std::span<const Ball> balls, TreeCounts& counts)
-        : balls_(balls), counts_(counts), parent_(balls.size(), kRoot) {}
-
-    /// The parent of every ball, kRoot for the top.
-    std::vector<std::uint32_t> link() {
-        std::vector<std::uint32_t> above;  // internal surfels of the nearest level that has any
-        for (const std::vector<std::uint32_t>& here : levels()) {
-            if (!above.empty() && !here.empty()) link_level(above, here);
-            std::vector<std::uint32_t> internal;
-            std::copy_if(here.begin(), here.end(), std::back_inserter(internal),
-                         [&](std::uint32_t i) { return !(balls_[i].flags & kLeaf); });
-            if (!internal.empty()) above = std::move(internal);
-        }
-        return std::move(parent_);
-    }
-
-private:
-    /// Indices of the balls of level 1, 2, ... in rising order.
-    std::vector<std::vector<std::uint32_t>> levels() const {
-        std::array<std::size_t, 256> n{};
-        for (const Ball& b : balls_) ++n[b.level];
-        std::vector<std::vector<std::uint32_t>> out(255);
-        for (std::size_t level = 1; level < n.size(); ++level) out[level - 1].reserve(n[level]);
-        for (std::uint32_t i = 0; i < balls_.size(); ++i)
-            if (balls_[i].level > 0) out[balls_[i].level - 1u].push_back(i);
-        return out;
-    }
-    std::vector<Vec3d> centers_of(std::span<const std::uint32_t> some) const {
-        std::vector<Vec3d> centers(some.size());
-        std::transform(some.begin(), some.end(), centers.begin(),
-                       [&](std::uint32_t i) { return balls_[i].center; });
-        return centers;
-    }
-    void link_level(std::span<const std::uint32_t> above, std::span<const std::uint32_t> here) {
-        const KnnIndex index(centers_of(above));
-        for (std::size_t i = 0; i < here.size(); i += kLinkedAtOnce)
-            link_some(index, above, here.subspan(i, std::min(kLinkedAtOnce, here.size() - i)));
-    }
-    void link_some(const KnnIndex& index, std::span<const std::uint32_t> above,
-                   std::span<const std::uint32_t> some) {
-        std::vector<std::uint32_t> found;
-        std::vector<double> sq_distances;
-        index.search(centers_of(some), 1, found, sq_distances);
-        for (std::size_t i = 0; i < some.size(); ++i) {
-            parent_[some[i]] = above[found[i]];
-            const double rho = balls_[above[found[i]]].support_radius;
-            counts_.orphans += sq_distances[i] > rho * rho;
-        }
-    }
-
-    std::span<const Ball> balls_;
-    TreeCounts& counts_;
-    std::vector<std::uint32_t> parent_;
-};
 
 /// Children lists in one array: children of i are [begin[i], begin[i + 1]); the root is the last.
 struct Families {
@@ -198,7 +132,8 @@ Surfel enclosing_ball(std::span<const Ball> balls, const Bbox& box) {
 
 /// Links the balls and lays the nodes out; nothing but the layout stays.
 Layout lay_out_linked(std::span<const Ball> balls, const Bbox& box, TreeCounts& counts) {
-    const std::vector<std::uint32_t> parent = Linker(balls, counts).link();
+    const auto [parent, n_orphans] = link_balls(balls);
+    counts.orphans += n_orphans;
     const std::vector<bool> kept = keep_fruitful(balls, parent, counts);
     return lay_out(families_of(balls, parent, box), kept, balls.size());
 }

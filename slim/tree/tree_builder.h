@@ -11,7 +11,7 @@ namespace slim {
 
 /// What linking the levels met.
 struct TreeCounts {
-    /// surfels in no ball of the level above: hung on the nearest one
+    /// surfels that no ball of the level above holds: hung on a coarser one or the root
     std::uint64_t orphans = 0;
     std::uint64_t childless = 0;  ///< internal surfels without a child: left out
 };
@@ -21,7 +21,8 @@ inline constexpr std::uint64_t kTreeBytesPerSurfel = 100;
 
 /// Links surfels to a ball tree (Ohtake 2005 sec. 2): the parent of a surfel of level k + 1 is the
 /// internal surfel of level k whose centre is nearest (balls of a level are equal, so this is the
-/// smallest |c' - c| / rho), the root encloses all.
+/// smallest |c' - c| / rho) if its ball holds the surfel, else one of a coarser level
+/// (ball_links.h), the root encloses all.
 /// Departs from the paper: one parent a node instead of every ball that holds the centre, so that a
 /// traversal meets each surfel once (NUMERICS 3.5); children stick out, hence the bound radii.
 /// Siblings stand together, generation after generation, and families near in space stand near in

@@ -140,6 +140,21 @@ TEST(XyzReader, RefusesDecimalCommasByName) {
         EXPECT_EQ(read_all(folder.write("a.xyz", text), 1).size(), 1u) << text;
 }
 
+TEST(XyzReader, SaysWhichNamesItKnowsWhereALineHasOthers) {
+    const TempFolder folder;
+    for (const char* names : {"easting,northing,elevation\n", "\"E\";\"N\";\"H\"\n"}) {
+        const std::string error =
+            reading_error(folder.write("a.csv", names + std::string("1,2,3\n2,3,4\n")));
+        for (const char* part : {"line 1", "x, y and z", "nx ny nz", "scan"})
+            EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+        EXPECT_NE(error.find(std::string(names).substr(0, 3)), std::string::npos) << error;
+    }
+    // In the midst of numbers a word is none of a header.
+    const std::string later = reading_error(folder.write("b.csv", "1,2,3\na,b,c\n"));
+    EXPECT_NE(later.find("line 2: column 1: expected a number, found 'a'"), std::string::npos)
+        << later;
+}
+
 TEST(CloudKind, NamesTheFilesInTheCommandThatConverts) {
     const TempFolder folder;
     const std::string error = reading_error(folder.write("hill.laz", "LASF and more"));

@@ -60,6 +60,47 @@ std::pair<double, double> sizes_about(const FaceSizes& sizes, std::size_t face) 
     return {least, most};
 }
 
+/// An angle profile along z, its ends left open: webs of 40 x 120, so thick.
+TestMesh angle_profile(double thick) {
+    TestMesh out;
+    const double t = thick;
+    const std::vector<std::pair<double, double>> outline{{0, 0}, {40, 0}, {40, t},
+                                                         {t, t}, {t, 40}, {0, 40}};
+    for (const auto& [x, y] : outline)
+        for (const double z : {0.0, 120.0}) out.position.push_back({x, y, z});
+    for (std::uint32_t k = 0; k < 6; ++k) {
+        const std::uint32_t a = 2 * k, b = 2 * ((k + 1) % 6);
+        out.faces.push_back({a, b, b + 1, a + 1});
+    }
+    return out;
+}
+
+double size_along(const FaceSizes& sizes, std::size_t face, double x, double y) {
+    for (const SizedEdge& e : sizes.edges_of(sizes.region_of(face)))
+        if (e.from.x == x && e.from.y == y && e.to.x == x && e.to.y == y) return e.size;
+    return kNoShare;
+}
+
+TEST(FaceSizes, AnAngleProfileIsAsLargeAsItsCornerIsThick) {
+    const TestMesh profile = angle_profile(1);
+    const FaceList list = profile.list();
+    const FaceSizes sizes(list, 1e-3, 1.0 / 12);
+    // The outer edge of the corner, of the first web's outer face, and the hollow one.
+    EXPECT_NEAR(size_along(sizes, 0, 0, 0), std::sqrt(2), 1e-9);
+    EXPECT_NEAR(size_along(sizes, 2, 1, 1), std::sqrt(2), 1e-9);
+}
+
+TEST(FaceSizes, AnEdgeMetInItsMiddleIsNoThickness) {
+    // Two walls on one floor edge that is one edge of the floor and two of the walls.
+    TestMesh mesh;
+    mesh.position = {{0, 0, 0}, {60, 0, 0}, {60, 50, 1e-9}, {0, 50, 0}, {25, 0, 1e-9},
+                     {0, 0, 40}, {25, 0, 40}, {60, 0, 40}};
+    mesh.faces = {{0, 1, 2, 3}, {0, 4, 6, 5}, {4, 1, 7, 6}};
+    const FaceList list = mesh.list();
+    const FaceSizes sizes(list, 1e-3, 1.0 / 12);
+    for (const std::size_t face : {0, 1, 2}) EXPECT_GT(sizes_about(sizes, face).first, 5);
+}
+
 TEST(FaceSizes, APlateIsAsLargeAsItIsThick) {
     const TestMesh plate = box(100, 60, 3);
     const FaceList list = plate.list();

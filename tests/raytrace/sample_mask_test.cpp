@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -132,6 +133,33 @@ TEST(PictureEdges, AlphaAloneIsOne) {
     for (int y = 0; y < 3; ++y) p.pixel(0, y)[3] = 1;
     const auto marks = edge_pixels(p);
     for (int x = 0; x < 6; ++x) EXPECT_EQ(marks[p.index(x, 1)], x < 2);
+}
+
+/// One picture of strips with and without hits, wider than a thread takes at a time.
+TEST(PictureEdges, AreTheSameWhereWhatIsEmptyIsKnown) {
+    Picture p(213, 75);
+    std::vector<std::uint8_t> covered(p.n_pixels());
+    for (int y = 0; y < p.height; ++y)
+        for (int x = 0; x < p.width; ++x) {
+            if ((x / 50 + y / 20) % 3 != 0) continue;
+            covered[p.index(x, y)] = 1;
+            for (int c = 0; c < 4; ++c)
+                p.pixel(x, y)[c] = static_cast<float>((7 * x + 3 * y * y + 5 * c) % 31) / 31;
+        }
+    const auto marks = edge_pixels(p, 0.4f), known = edge_pixels(p, 0.4f, covered);
+    EXPECT_EQ(marks, known);
+    for (int y = 0; y < p.height; ++y)
+        for (int x = 0; x < p.width; ++x) {
+            float most = 0;
+            for (int v = std::max(0, y - 1); v <= std::min(p.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(p.width - 1, x + 1); ++u)
+                    for (int c = 0; c < 4; ++c)
+                        most = std::max(most, std::abs(std::sqrt(p.pixel(u, v)[c]) -
+                                                       std::sqrt(p.pixel(x, y)[c])));
+            if (std::abs(most - 0.4f) > 1e-4f) {
+                EXPECT_EQ(marks[p.index(x, y)], most > 0.4f) << x << ' ' << y;
+            }
+        }
 }
 
 }  // namespace

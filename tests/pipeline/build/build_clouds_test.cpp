@@ -31,6 +31,19 @@ TEST_F(BuildStage, CloudsOfOtherFramesAreWarnedOfWithBothBoxes) {
         EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
 }
 
+TEST_F(BuildStage, CloudsFarApartAreNotToldToBeALineAsWell) {
+    Cloud far = sampled("sphere", 500);
+    BuildConfig c = build_config(write(far, "here.ply"), "m.slim");
+    for (Vec3d& p : far.positions) p += Vec3d{5e8, 5e8, 0};
+    c.inputs.push_back(write(far, "far.ply"));
+    code_of([&] { build(c); });
+    std::string all;
+    for (const std::string& said : listener_.warnings) all += said + "\n";
+    EXPECT_NE(all.find("same frame?"), std::string::npos) << all;
+    EXPECT_EQ(all.find("on one line"), std::string::npos) << all;
+    EXPECT_EQ(all.find("a speck in"), std::string::npos) << all;
+}
+
 TEST_F(BuildStage, TilesInARowAreOfOneFrame) {
     Cloud tile = sampled("sphere", 300);
     BuildConfig c = build_config(write(tile, "tile_0.ply"), "m.slim");

@@ -149,6 +149,11 @@ TEST_F(ModelColor, TheyAreReadOnlyForPicturesThatShowThem) {
         EXPECT_EQ(bytes_read("mean"), model.surface_size());
         EXPECT_EQ(bytes_read("color"), model.file_size());
     }
+    c.material = "color=scan specular=0";
+    EXPECT_EQ(bytes_read("shaded"), model.file_size());
+    c.material = "color=#808080";
+    EXPECT_EQ(bytes_read("shaded"), model.surface_size());
+    c.material.clear();
     // No byte of them is looked at otherwise, in further models of the scene neither.
     std::string damaged = bytes("m.slim");
     damaged[model.chunks().offset("colors") + n_colors / 2] ^= 1;
@@ -158,6 +163,64 @@ TEST_F(ModelColor, TheyAreReadOnlyForPicturesThatShowThem) {
     c.add = {}, c.mode = "forward", c.model = file("damaged.slim");
     EXPECT_EQ(bytes_read("shaded"), model.surface_size());
     EXPECT_THROW(bytes_read("color"), FormatError);
+}
+
+TEST_F(ModelColor, AMaterialOfTheScansColoursIsLit) {
+    write_cloud("c.ply", {});
+    build("c.ply", "m.slim", true);
+    RenderConfig c = config("x.exr");
+    c.size = "120x100";
+    const auto picture = [&](const std::string& aov, const std::string& material) {
+        c.aov = {aov}, c.material = material;
+        c.light = aov == "color" ? RenderConfig{}.light : "sun azimuth=40 elevation=30; fill";
+        run(c, true);
+        return read_exr(file("x.exr"));
+    };
+    for (const char* mode : {"forward", "raytrace"}) {
+        c.mode = mode;
+        const ExrImage colors = picture("color", ""),
+                       white = picture("shaded", "color=#ffffff specular=0"),
+                       lit = picture("shaded", "color=scan specular=0");
+        std::size_t hits = 0;
+        for (const char* channel : {"R", "G", "B"}) {
+            const auto& a = colors.channels.at(channel).floats;
+            const auto& b = white.channels.at(channel).floats;
+            const auto& x = lit.channels.at(channel).floats;
+            ASSERT_EQ(a.size(), x.size());
+            for (std::size_t i = 0; i < x.size(); ++i) {
+                // Halves have 11 bits.
+                EXPECT_NEAR(x[i], a[i] * b[i], 0.002f * (a[i] * b[i] + 0.01f)) << mode << channel;
+                hits += x[i] > 0;
+            }
+        }
+        EXPECT_GT(hits, 3u * 120 * 100 / 4) << mode;
+        // Edges with more samples are means of the colours, too.
+        c.output = file("x.png"), c.antialias = true;
+        EXPECT_GT(run(c, true)["antialiased_pixels"], 100) << mode;
+        c.output = file("x.exr"), c.antialias = false;
+    }
+}
+
+TEST_F(ModelColor, AMaterialOfTheScansColoursIsRefusedWhereThereAreNone) {
+    write_cloud("plain.ply", {}, false), write_cloud("c.ply", {});
+    build("plain.ply", "plain.slim", false), build("c.ply", "m.slim", true);
+    const auto message = [&](const std::string& model, const std::string& material,
+                             const std::string& add) {
+        RenderConfig c = config("x.png");
+        c.model = file(model), c.material = material, c.mode = "raytrace";
+        if (!add.empty()) c.add = {file(add)};
+        try {
+            run(c, true);
+        } catch (const ConfigError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(message("plain.slim", "color=scan", "").find("--color"), std::string::npos);
+    EXPECT_NE(message("m.slim", "color=scan mirror=0.5", "").find("mirror"), std::string::npos);
+    EXPECT_NE(message("m.slim", "color=scan", "plain.slim").find("add"), std::string::npos);
+    EXPECT_EQ(message("m.slim", "color=scan", ""), "accepted");
+    EXPECT_EQ(message("m.slim", "color=#aabbcc", "plain.slim"), "accepted");
 }
 
 TEST_F(ModelColor, ColoursOfAllTypesAreRead) {

@@ -135,6 +135,29 @@ TEST_F(NormalsStage, SlicesOfOneObjectAgreeOnItsOutside) {
     }
 }
 
+// Cuts go through some of the spheres; those beside them lie far from the middle of the cloud.
+TEST_F(NormalsStage, SeparateObjectsFaceOutwardsInAnyNumberOfSlices) {
+    Cloud spheres;
+    for (std::size_t k = 0; k < 12; ++k) {
+        const Cloud one = sampled("sphere", 2000, 1 + k);
+        const Vec3d center{3.0 * static_cast<double>(k % 4), 3.0 * static_cast<double>(k / 4), 0};
+        for (const Vec3d& p : one.positions) spheres.positions.push_back(p + center);
+        spheres.normals.insert(spheres.normals.end(), one.normals.begin(), one.normals.end());
+    }
+    spheres.scan_ids.assign(spheres.positions.size(), 0);
+    for (const int n : {1, 3, 7}) {
+        SCOPED_TRACE(n);
+        slice(write(spheres, fmt::format("c{}.ply", n), false), n);
+        EXPECT_EQ(normals()["estimated"], spheres.size());
+        for (std::size_t i = 0; i < read_plan(file("work")).slices.size(); ++i) {
+            const PointBlock block = oriented(i);
+            for (std::size_t k = 0; k < block.size(); ++k)
+                ASSERT_GT(dot(block.normal[k], spheres.normals[block.id[k]]), 0.5f) << i;
+        }
+        EXPECT_TRUE(normals().value("up_to_date", false));
+    }
+}
+
 TEST_F(NormalsStage, TakesDirectionsOfScannersThatAreFar) {
     // Seen along -x, a sphere's normals all point to -x, also at the back.
     const std::string path = write(sampled("sphere", 5000), "c.ply", false);

@@ -21,6 +21,20 @@ TEST(Job, BecomesStepsInOrder) {
     EXPECT_EQ(job.folder, job_folder() / "out");
 }
 
+TEST(Job, ATitleIsAString) {
+    const std::string input = "[input]\nfiles = ['a.ply']\n[output]\n";
+    EXPECT_EQ(read_job(write_job(input + "title = '3'\n")).title, "3");
+    try {
+        read_job(write_job(input + "title = 3\n"));
+        ADD_FAILURE();
+    } catch (const ConfigError& e) {
+        EXPECT_NE(std::string(e.what()).find(":4: title: expected a string, found 3"),
+                  std::string::npos)
+            << e.what();
+    }
+    EXPECT_EQ(read_job(write_job(input), {"output.title=2024"}).title, "2024");
+}
+
 TEST(Job, PassesOptionsOnToTheVerbs) {
     const Job job = read_job(write_job(kDemo));
     EXPECT_EQ(job.steps[0].arguments[0], "sculpture");

@@ -63,6 +63,37 @@ TEST(Job, WhatIsSetTakesThePlaceOfTheFilesOtherWayToSmoothEdges) {
     EXPECT_THROW(view_of("", {"render.supersample=2", "render.antialias=true"}), ConfigError);
 }
 
+TEST(Job, AViewsOwnWayToSmoothEdgesTakesThePlaceOfThatOfAllViews) {
+    const auto views_of = [](const std::string& render, const std::string& view,
+                             std::vector<std::string> settings) {
+        return read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\n" + render +
+                                  "[[view]]\nname = 'a'\n" + view +
+                                  "[[view]]\nname = 'b'\ncamera = 'iso'\n"),
+                        settings);
+    };
+    const auto check = [&](const Job& job, bool own_antialias) {
+        const JobStep &own = job.steps[1], &other = job.steps[2];
+        EXPECT_EQ(has(own, "--antialias"), own_antialias);
+        EXPECT_EQ(has(own, "--supersample=2"), !own_antialias);
+        EXPECT_EQ(has(other, "--antialias"), !own_antialias);
+        EXPECT_EQ(has(other, "--supersample=2"), own_antialias);
+    };
+    check(views_of("antialias = true\n", "supersample = 2\n", {}), false);
+    check(views_of("", "supersample = 2\n", {"render.antialias=true"}), false);
+    check(views_of("supersample = 2\n", "antialias = true\n", {}), true);
+    check(views_of("", "antialias = true\n", {"render.supersample=2"}), true);
+    // What changes nothing takes no place, and a view that says both contradicts itself.
+    const Job same = views_of("antialias = true\n", "supersample = 1\n", {});
+    EXPECT_TRUE(has(same.steps[1], "--antialias"));
+    EXPECT_TRUE(has(views_of("supersample = 2\n", "antialias = false\n", {}).steps[1],
+                    "--supersample=2"));
+    EXPECT_THROW(views_of("", "supersample = 2\nantialias = true\n", {}), ConfigError);
+    // If no view is left, the setting has no effect but stands in nobody's way.
+    const Job one = read_job(write_job("[input]\nfiles = ['a.ply']\n[[view]]\nsupersample = 2\n"),
+                             {"render.antialias=true"});
+    EXPECT_FALSE(has(one.steps[1], "--antialias"));
+}
+
 TEST(Job, LightTablesBecomeOneOption) {
     const Job job = read_job(write_job(
         "[input]\nfiles = ['a.ply']\n[render]\nmode = 'raytrace'\n"

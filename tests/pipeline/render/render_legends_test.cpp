@@ -129,6 +129,23 @@ TEST_F(RenderLegends, TheOrderOfAovsOfAnExrFramesNothing) {
     EXPECT_EQ(covered({"shaded", "mean"}), covered({"mean", "shaded"}));
 }
 
+TEST_F(RenderLegends, AnExrIsFramedAsIfThereWereNoLegendsThatNoPictureHas) {
+    RenderConfig c = config("x.exr");
+    c.size = "500x500";
+    const auto camera = [&](std::vector<std::string> aovs) {
+        c.aov = std::move(aovs);
+        run(c);
+        return read_exr(c.output).metadata.at("slim:camera");
+    };
+    const std::string plain = camera({"shaded"});
+    for (const char* aov : {"dir1", "hillshade", "mean", "all"}) {
+        EXPECT_EQ(camera({"shaded", aov}), plain) << aov;
+        EXPECT_EQ(camera({aov, "shaded"}), plain) << aov;  // whose preview has a legend
+    }
+    c.legend_room = true;
+    EXPECT_NE(camera({"shaded"}), plain);
+}
+
 TEST_F(RenderLegends, RoomForALegendIsForCamerasThatFrame) {
     RenderConfig c = config("x.png");
     c.legend_room = true, c.camera = "0,0,5,0,0,0,0,1,0";

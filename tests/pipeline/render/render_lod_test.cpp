@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <limits>
+#include <random>
 
 namespace slim {
 namespace {
@@ -86,6 +89,53 @@ TEST_F(LevelsOfDetail, Row42ARealModelHasNoHolesAndItsSilhouetteStaysWithinTwoPi
         }
     EXPECT_GT(h.inner, 2000);
     EXPECT_LE(h.holes, h.inner / 100) << h.inner;
+}
+
+/// A relief of 4 x 4 of 8,000 points with a close-up of 60,000 on 0.4 x 0.4, at `path`.
+void write_close_up(const std::string& path) {
+    std::ofstream out(path);
+    std::mt19937 random(3);
+    const auto number = [&] { return random() * 0x1p-32; };
+    const auto point = [&](double x, double y) {
+        const double fade = std::exp(-50 * (x * x + y * y));
+        const double bumps = fade * std::sin(200 * x) * std::sin(200 * y);
+        out << x << ' ' << y << ' ' << 0.1 * std::sin(3 * x) * std::cos(2 * y) + 0.002 * bumps
+            << '\n';
+    };
+    for (int i = 0; i < 8000; ++i) {
+        const double x = 4 * number() - 2, y = 4 * number() - 2;
+        point(x, y);
+    }
+    for (int i = 0; i < 60000; ++i) {
+        const double x = 0.4 * number() - 0.2, y = 0.4 * number() - 0.2;
+        point(x, y);
+    }
+}
+
+// Coarse leaves hung on tiny balls of the close-up, the only ones of their level, and went with
+// them: 62 % of the pixels at 300 x 300.
+TEST_F(LevelsOfDetail, ACloudWithACloseUpIsDrawnAsAWhole) {
+    write_close_up(file("c.xyz"));
+    BuildConfig build;
+    build.inputs = {file("c.xyz")}, build.output = file("m.slim");
+    StageContext building = context(build, "build");
+    run_build(build, building);
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    Holes h;
+    for (const int side : {75, 150, 300}) {
+        RenderRequest request;
+        request.camera = named_camera("front", model.tree().header().bounds, 1);
+        request.width = request.height = side;
+        request.wanted = kDepthChannel;
+        GBuffer full, coarse;
+        request.lod_px = 0;
+        render_forward(model.tree(), request, full);
+        request.lod_px = 4;
+        render_forward(model.tree(), request, coarse);
+        add_holes(full, coarse, INFINITY, h);
+    }
+    EXPECT_GT(h.inner, 80000);
+    EXPECT_LE(h.holes, h.inner / 2000);
 }
 
 }  // namespace

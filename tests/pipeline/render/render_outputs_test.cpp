@@ -36,13 +36,41 @@ TEST_F(RenderOutputs, PrincipalDirectionsOfATorusRunAlongTubeAndRing) {
     EXPECT_GT(n, 500);
 }
 
+// On a sphere rounding says which way curvatures go: of no direction there is no derivative.
+TEST_F(RenderOutputs, WhereThereAreNoDirectionsTheirDerivativesAreZeroInEveryMode) {
+    write_model(file("m.slim"), test::sphere_model(1, 600, 3), "{}");
+    for (const char* mode : {"forward", "raytrace", "brute"}) {
+        RenderConfig c = config("x.exr");
+        c.mode = mode, c.aov = {"dir1", "e1", "e2", "dk1_dt2", "dk2_dt1"};
+        const ExrImage both = data_of(c);
+        int n_none = 0;
+        for (std::size_t i = 0; i < 80 * 60; ++i) {
+            const auto of = [&](const char* name) { return both.channels.at(name).floats[i]; };
+            if (of("dir1.X") != 0 || of("dir1.Y") != 0 || of("dir1.Z") != 0) continue;
+            for (const char* name : {"extremality.e1", "extremality.e2", "extremality.dk1_dt2",
+                                     "extremality.dk2_dt1"})
+                ASSERT_EQ(of(name), 0) << mode << ' ' << name;
+            n_none += both.channels.at("A").floats[i] > 0 ? 1 : 0;
+        }
+        EXPECT_GT(n_none, 500) << mode;
+        c.output = file("y.exr"), c.aov = {"e1", "e2", "dk1_dt2", "dk2_dt1"};
+        const ExrImage alone = data_of(c);
+        EXPECT_EQ(alone.channels.at("extremality.e1").floats,
+                  both.channels.at("extremality.e1").floats)
+            << mode;
+    }
+}
+
 TEST_F(RenderOutputs, Row43UmbilicAndFlatPixelsHaveNoDirection) {
     GBuffer b;
-    b.reset(3, 1, kDirectionChannel | kK1Channel | kK2Channel | kNormalChannel);
+    b.reset(3, 1,
+            kDirectionChannel | kThirdOrderChannel | kK1Channel | kK2Channel | kNormalChannel);
     b.k1 = {2.0f, 2.0f, 1e-4f}, b.k2 = {1.99f, 1.0f, -1e-4f};
     b.hit = {1, 1, 1}, b.direction[0] = {1, 1, 1}, b.normal[2] = {1, 1, 1};
+    for (auto& plane : b.third) plane = {3, 3, 3};
     drop_undefined_directions(1, b);
     EXPECT_EQ(b.direction[0], (std::vector<float>{0, 1, 0}));
+    for (const auto& plane : b.third) EXPECT_EQ(plane, (std::vector<float>{0, 3, 0}));
     EXPECT_EQ(second_directions(b)[1], (std::vector<float>{0, 1, 0}));
     const Picture picture = paint_directions(b, 1, false, {0, 1});
     EXPECT_EQ(picture.pixel(0, 0)[0], picture.pixel(0, 0)[2]);  // grey

@@ -99,6 +99,19 @@ TEST_F(RenderSays, ThatAModelIsTooSmallToBeSeenBesideAnother) {
     EXPECT_EQ(warnings_of(c), "");
 }
 
+TEST_F(RenderSays, ThatEveryLightIsBelowTheGround) {
+    RenderConfig c = config("x.png");
+    c.mode = "raytrace", c.ground = true, c.camera = "0,1.5,5,0,0,0,0,1,0";
+    c.light = "point at=0,-3,3; sun azimuth=0 elevation=-20";
+    EXPECT_TRUE(has(warnings_of(c), "no shadow falls on it")) << warnings_of(c);
+    c.ground_color = "#ffffff";
+    EXPECT_TRUE(has(warnings_of(c), "ambient light alone")) << warnings_of(c);
+    c.light = "point at=0,-3,3; point at=0,3,3";
+    EXPECT_EQ(warnings_of(c), "");
+    c.light = "point at=0,-3,3", c.ground_height = "-4";
+    EXPECT_EQ(warnings_of(c), "");
+}
+
 TEST_F(RenderSays, WhatHadNoRoom) {
     RenderConfig c = config("x.png");
     c.ortho = true, c.scale_bar = true, c.aov = {"mean"}, c.size = "250x250";

@@ -38,12 +38,14 @@ TEST(LabelPlace, HeightsOfAHillStandOnItsIndexContoursHeadsUphill) {
         EXPECT_EQ(std::fmod(height, 50), 0) << label.text;
         const double x = static_cast<double>(label.x) - 500, y = static_cast<double>(label.y) - 500;
         EXPECT_NEAR(std::hypot(x, y), 2 * (500 - height), 2.5) << label.text;
-        // Its head points to the top of the hill, and it is read from below.
+        // It is read from below, and its head points to the top of the hill.
         const double up_x = std::sin(label.angle_rad), up_y = -std::cos(label.angle_rad);
-        EXPECT_LT((up_x * x + up_y * y) / std::hypot(x, y), -0.98) << label.text;
-        // Rings that the picture cuts off have corners where only upside down is uphill.
+        EXPECT_GT(std::cos(label.angle_rad), -0.11f) << label.text;
+        const double uphill = -(up_x * x + up_y * y) / std::hypot(x, y);
+        EXPECT_GT(std::abs(uphill), 0.98) << label.text;
+        // Rings that the picture cuts off have corners where only upside down would be uphill.
         if (height > 250) {
-            EXPECT_GT(std::cos(label.angle_rad), -0.11f) << label.text;
+            EXPECT_GT(uphill, 0) << label.text;
         }
         EXPECT_EQ(label.cap_height, 12);
     }
@@ -62,12 +64,12 @@ TEST(LabelPlace, InAHollowHeadsAreUphillTooAtItsUpperSide) {
     }
 }
 
-TEST(LabelPlace, ASlopeThatFallsToTheTopIsReadUphillUpsideDown) {
+TEST(LabelPlace, ASlopeThatFallsToTheTopIsReadUprightHeadsDownhill) {
     ReliefScene s(400, 400, [](double, double y) { return 100 - 0.3 * y; });
     s.relief.spacing = 5;
     const auto labels = labels_of(s, sheet_of(s));
     ASSERT_FALSE(labels.empty());
-    for (const HeightLabel& label : labels) EXPECT_LT(std::cos(label.angle_rad), -0.99f);
+    for (const HeightLabel& label : labels) EXPECT_GT(std::cos(label.angle_rad), 0.99f);
 }
 
 TEST(LabelPlace, HeightsAreAbsoluteWithTheDigitsOfTheirSpacing) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 namespace slim {
 namespace {
@@ -30,6 +31,31 @@ TEST(LightPass, TheShadowOfASphereOnTheGroundIsWhereGeometrySays) {
     });
     EXPECT_GT(n_dark, 250);
     EXPECT_EQ(n_wrong, 0);
+}
+
+TEST(LightPass, AnOpaqueGroundKeepsLightFromBelowOffWhatIsAboveAndOneOfShadowsDoesNot) {
+    const auto brightness = [](const LightSource& light, std::optional<GroundPlane> ground) {
+        Stage stage(good_sphere(), camera_at({0, 1.5, 5}, {0, 0, 0}));
+        stage.look.ground = ground;
+        stage.look.rig.lights = {light};
+        const Picture picture = stage.light();
+        double sum = 0;
+        for (std::size_t i = 0; i < stage.buffer.n_pixels(); ++i)
+            if (stage.buffer.hit[i])
+                sum += static_cast<double>(picture.rgba[4 * i] * picture.rgba[4 * i + 3]);
+        return sum;
+    };
+    LightSource lamp;
+    lamp.kind = LightKind::point, lamp.position = {0, -3, 3}, lamp.reference = 4;
+    const Vec3f white{1, 1, 1};
+    for (const LightSource& light : {lamp, sun({0, -1, 1})}) {
+        const double free = brightness(light, std::nullopt);
+        EXPECT_GT(free, 100);
+        EXPECT_EQ(brightness(light, GroundPlane{{0, 1, 0}, -1, white}), 0);
+        EXPECT_EQ(brightness(light, GroundPlane{{0, 1, 0}, -1, {}}), free);
+    }
+    // A lamp between the ground and the sphere is above it.
+    EXPECT_EQ(brightness(lamp, GroundPlane{{0, 1, 0}, -3.5, white}), brightness(lamp, {}));
 }
 
 /// Share of a disc light of this radius, facing its target, that a point sees past the unit sphere.

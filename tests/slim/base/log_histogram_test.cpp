@@ -23,5 +23,17 @@ TEST(LogHistogram, HoldsZerosAndExtremes) {
     EXPECT_GT(h.quantile(1), 1e38);
 }
 
+TEST(LogHistogram, NoQuantileIsAboveTheLargestValue) {
+    for (const double value : {1.0, 1.001, 1.0023, 1.0039, 3.7e-5}) {
+        LogHistogram h, other;
+        h.add(value / 2), other.add(value);
+        h.add(other);
+        for (const double share : {0.9, 0.99, 1.0}) {
+            EXPECT_LE(h.quantile(share), value);
+            EXPECT_GT(h.quantile(share), 0.99 * value);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace slim

@@ -2,6 +2,7 @@
 
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
+#include "slim/cover/sound_normal.h"
 #include "slim/model/surfel_encoder.h"
 #include "tests/slim/cover/cover_support.h"
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace slim::test {
@@ -64,6 +66,53 @@ TEST(OwnLeaves, NoPointIsFartherOffThanTAndNoiseAllow) {
     rules.refits = false;
     EXPECT_GT(farthest_off(block, cover(block, rules)), 1.5 * rules.farthest())
         << "the ridge is no test of it";
+}
+
+/// A noisy bowl with every fiftieth normal turned across the surface, as grazing rays measure them.
+PointBlock bowl_with_stray_normals() {
+    PointBlock block = along_curve(
+        graph_points(20000, 1, 5, [](double u, double v) { return 0.1 * (u * u + v * v); }));
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        Vec3d& p = block.position[i];
+        const Vec3d n = normalized(Vec3d{-0.2 * p.x, -0.2 * p.y, 1});
+        p += n * (1e-3 * gaussian(9, i));
+        const double angle = static_cast<double>(i);
+        block.normal[i] = to_float(
+            i % 50 == 0 ? normalized(frame_from_normal(n).u_axis * std::cos(angle) +
+                                     frame_from_normal(n).v_axis * std::sin(angle) + n * 0.01)
+                        : n);
+    }
+    return block;
+}
+
+// Such a point lies on the surface, far from it along its own normal alone: a leaf of its own would
+// be a false spot in a map of curvature.
+TEST(OwnLeaves, AStrayNormalMakesNoPointFar) {
+    const PointBlock block = bowl_with_stray_normals();
+    CoverRules rules = clean_rules(block, 0.005);
+    EXPECT_GT(cover(block, rules).counts.own, 0u) << "normals say so where strays are no noise";
+    rules.ladder.contrary_share = 0.02;
+    const Cover c = cover(block, rules);
+    EXPECT_EQ(c.counts.own, 0u);
+    for (const FittedSurfel& s : leaves_of(c)) EXPECT_GT(s.n_points, 30u);
+}
+
+TEST(OwnLeaves, ASoundNormalIsTheOthersWhereTheyAgreeAndItsOwnIsAcross) {
+    PointBlock block = along_curve(graph_points(400, 1, 3, [](double, double) { return 0.0; }));
+    for (Vec3f& n : block.normal) n = {0, 0, 1};
+    const std::uint32_t place = 100;
+    const auto normal = [&](const Vec3f& own) {
+        const PointTree all = tree_of(block);
+        block.normal[all.source(place)] = own;
+        const PointTree tree = tree_of(block);
+        return sound_normal(tree, place);
+    };
+    EXPECT_EQ(normal({1, 0, 0}), (Vec3d{0, 0, 1}));
+    EXPECT_EQ(normal({0, 0, -1}), (Vec3d{0, 0, -1}));  // the other side's
+    EXPECT_NEAR(normal({0.8f, 0, 0.6f}).x, 0.8, 1e-6);  // an edge's
+    EXPECT_EQ(normal({0, 0, 0}), (Vec3d{}));
+    for (std::size_t i = 0; i < block.size(); i += 2) block.normal[i] = {0, 1, 0};
+    EXPECT_EQ(normal({1, 0, 0}), (Vec3d{1, 0, 0}));  // nobody agrees
 }
 
 // Upright walls are where frames of normals near each other differ most: the rims of linear leaves

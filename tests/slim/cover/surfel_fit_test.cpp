@@ -135,6 +135,40 @@ TEST(SurfelFit, LeansOverAtABorder) {
     EXPECT_LT(std::abs(lean(half).y), 0.05);
 }
 
+TEST(SurfelFit, TheFarFaceOfAnAcuteEdgeSaysWhereALeafEnds) {
+    // Two half planes that meet at 60 degrees in the line x = -0.2, z = 0, solid between them.
+    const Vec3d far_normal{-std::sin(2 * M_PI / 3), 0, std::cos(2 * M_PI / 3)};
+    PointBlock block = graph_points(4000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        Vec3d& p = block.position[i];
+        if (p.x > -0.2) continue;  // beyond the edge: turned down to the other face
+        const double along = -0.2 - p.x;
+        p = {-0.2 + along * std::cos(M_PI / 3), p.y, -along * std::sin(M_PI / 3)};
+        block.normal[i] = to_float(far_normal);
+    }
+    const PointTree tree = tree_of(block);
+    BallPoints<double> work;
+    const auto signs = [&](Edges edges) {
+        return fit_surfel(tree, {0, 0, 0}, {0, 0, 1}, 0.4, 2, false, 1e-10, work, edges).edges;
+    };
+    EXPECT_TRUE(signs(Edges::doubtful).empty());
+    const auto found = signs(Edges::real);
+    ASSERT_GT(found.size(), 20u);
+    for (const EdgeSign& e : found) EXPECT_NEAR(static_cast<double>(e.reach), 0.5, 1e-3);
+}
+
+TEST(SurfelFit, TheOtherSideOfASheetIsNoEdge) {
+    PointBlock block = graph_points(4000, 1, 3, [](double, double) { return 0.0; });
+    for (std::size_t i = 0; i < block.size(); i += 2) {
+        block.position[i].z = -0.05;
+        block.normal[i] = {0, 0, -1};
+    }
+    BallPoints<double> work;
+    EXPECT_TRUE(fit_surfel(tree_of(block), {0, 0, 0}, {0, 0, 1}, 0.4, 2, false, 1e-10, work,
+                           Edges::real)
+                    .edges.empty());
+}
+
 TEST(SurfelFit, ReportsNormalsThatDisagree) {
     PointBlock block = graph_points(500, 1, 3, [](double, double) { return 0.0; });
     for (std::size_t i = 0; i < block.size(); ++i) {

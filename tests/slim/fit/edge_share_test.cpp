@@ -99,6 +99,13 @@ TEST(EdgeShare, TheSidesOfAThinPlateAreNoEdges) {
     EXPECT_FALSE(found.are_features()) << found.at_edges << " of " << found.asked;
 }
 
+TEST(EdgeShare, NothingIsAskedWhereNoiseIsAsThickAsTheShape) {
+    const Points box = box_points({1, 1, 1}, 20000, 0.01);
+    EXPECT_TRUE(share_of(box, 0.01).are_features());
+    // Of coordinates rounded to steps of 1/8, say, lambda is that of places in different steps.
+    EXPECT_EQ(share_of(box, 0.1).asked, 0u);
+}
+
 TEST(EdgeShare, AFewEdgesAreNotEnough) {
     Points sphere = surface_points("sphere", 60000, 0);
     const double part_of_box[2] = {0.02, 1.0};

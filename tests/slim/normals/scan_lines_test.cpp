@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace slim::test {
@@ -108,6 +109,34 @@ TEST(ScanLines, PointsThatHaveNothingButALineAreCounted) {
         estimate_normals(block, search, all_of(block), 16, degenerate, counted).n_on_lines, 0u);
     const NeighborGraph graph = estimate_normals(block, search, all_of(block), 16, degenerate);
     EXPECT_GT(graph.n_on_lines, block.size() / 2);
+}
+
+/// A ground of 20,000 points, and wires above it, along x.
+PointBlock wires_over_ground(int n_wires, double apart) {
+    PointBlock block = graph_points(20000, 20, 11, [](double, double) { return 0.0; });
+    for (int w = 0; w < n_wires; ++w)
+        for (std::size_t i = 0; i < 500; ++i) {
+            const std::uint64_t key = 1000 * static_cast<std::uint64_t>(w) + i;
+            block.position.push_back({20 * random_at(12, key), apart * w + 0.01 * gaussian(13, key),
+                                      8 + 0.01 * gaussian(14, key)});
+            block.normal.push_back({0, 0, 1});
+            block.id.push_back(block.id.size());
+        }
+    return along_curve(block);
+}
+
+// One wire, or five 60 of their spacings from each other: neither the ground nor the next wire is a
+// patch of theirs.
+TEST(ScanLines, WiresOverADenseGroundAreNoScanLines) {
+    for (const auto& [n_wires, apart] : {std::pair{1, 0.0}, {5, 4.8}}) {
+        SCOPED_TRACE(n_wires);
+        PointBlock block = wires_over_ground(n_wires, apart);
+        std::size_t degenerate = 0;
+        const NeighborGraph graph = estimate_normals(block, NearestSearch(block.position),
+                                                     all_of(block), 16, degenerate);
+        EXPECT_GT(graph.n_on_lines, 490u * static_cast<std::size_t>(n_wires));
+        EXPECT_LE(graph.n_on_lines, 500u * static_cast<std::size_t>(n_wires));
+    }
 }
 
 TEST(ScanLines, Row24NoiseIsThatAcrossThePatch) {

@@ -136,6 +136,16 @@ TEST(TreeBuilder, ChildrenAreOfFinerLevelsAndTheParentIsTheNearest) {
         EXPECT_NE(tree.node(i).is_leaf(), tree.node(i).n_children > 0);
 }
 
+// Cuts draw a small ball for all below it, so nothing below may lie elsewhere.
+TEST(TreeBuilder, WhatIsBelowABallLiesAboutIt) {
+    TreeCounts counts;
+    const SurfelTreeData data = build(fitted(), counts);
+    const SurfelTree tree = data.view();
+    EXPECT_GT(counts.orphans, 0u);  // that would lie elsewhere
+    for (std::size_t i = 1; i < tree.n_nodes(); ++i)
+        ASSERT_LT(static_cast<double>(tree.node(i).bound_radius), 3 * tree.support_radius(i)) << i;
+}
+
 TEST(TreeBuilder, FamiliesStandNearInSpace) {
     TreeCounts counts;
     const SurfelTreeData data = build(fitted(), counts);
@@ -166,9 +176,9 @@ TEST(TreeBuilder, GenerationsFollowEachOther) {
     EXPECT_GT(generation.back(), 2);
 }
 
-TEST(TreeBuilder, OrphansHangOnTheNearestAndChildlessBallsAreLeftOut) {
+TEST(TreeBuilder, OrphansOfAllHangOnTheRootAndChildlessBallsAreLeftOut) {
     const std::vector<FittedSurfel> surfels{
-        simple({0, 0, 0}, 1, 1, false),     // has both leaves of level 2 near it
+        simple({0, 0, 0}, 1, 1, false),     // one of the leaves of level 2 is in it
         simple({10, 0, 0}, 1, 1, false),    // nobody below
         simple({0.5, 0, 0}, 0.5, 2, true),  // inside
         simple({3, 0, 0}, 0.5, 2, true),    // in no ball of level 1: an orphan
@@ -182,13 +192,13 @@ TEST(TreeBuilder, OrphansHangOnTheNearestAndChildlessBallsAreLeftOut) {
     const SurfelTree tree = data.view();
     const auto parent = parents_of(tree);
     for (std::size_t i = 1; i < 5; ++i) {
-        const bool top = tree.node(i).level == 1;
-        EXPECT_EQ(parent[i] == 0, top);
-        if (!top) {
+        const bool inside = length(tree.center(i) - Vec3d{0.5, 0, 0}) < 1e-6;
+        EXPECT_EQ(parent[i] == 0, !inside);
+        if (inside) {
             EXPECT_NEAR(length(tree.center(parent[i])), 0, 1e-6);
         }
     }
-    EXPECT_EQ(tree.node(0).n_children, 2u);
+    EXPECT_EQ(tree.node(0).n_children, 3u);
 }
 
 TEST(TreeBuilder, AnEmptyLevelIsBridged) {
