@@ -23,6 +23,9 @@ struct RenderRequest {
                             ///< diameter exceeds it; 0: leaves only
     PixelWindow window{};   ///< the part to render; the G-buffer has its size
     bool loose = false;     ///< draw loose surfels as well (kLoose)
+    /// First hits in doubt give way to what lies behind them where most surfels say that the ray
+    /// passes over (is_in_doubt in slim/blend): silhouettes without flaps and crumbs.
+    bool clean_outlines = false;
     /// If set: gets the nodes that the cut met, before their surfels are drawn. In the forward
     /// renderer only: the others go through all leaves.
     std::function<void(std::span<const std::uint32_t>)> on_met = {};

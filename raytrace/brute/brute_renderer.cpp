@@ -33,13 +33,16 @@ struct FirstHit {
     Vec3d gradient;
 };
 
-FirstHit nearest_hit(const Ray& ray, double t_near, const std::vector<const Leaf*>& row,
-                     RenderStats& stats) {
+/// The nearest one behind `last`, if that has a leaf.
+FirstHit nearest_hit(const Ray& ray, double t_near, const FirstHit& last,
+                     const std::vector<const Leaf*>& row, RenderStats& stats) {
     FirstHit best;
     for (const Leaf* leaf : row) {
         Vec3d gradient;
         ++stats.root_tests;
-        const auto t = first_hit(ray, leaf->surfel, t_near, hit_trim(leaf->surfel), gradient);
+        const double least =
+            last.leaf ? last.t + kNextHit * leaf->surfel.support_radius : t_near;
+        const auto t = first_hit(ray, leaf->surfel, least, hit_trim(leaf->surfel), gradient);
         if (t && (!best.leaf || *t < best.t)) best = {*t, leaf, gradient};
     }
     return best;
@@ -54,6 +57,36 @@ BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<co
         add_supporter(ray, hit.t, gate, leaf->surfel, wanted, sums);
     }
     return sums;
+}
+
+bool is_outvoted(const Ray& ray, const FirstHit& hit, double weight,
+                 const std::vector<const Leaf*>& row, bool sharp_model, RenderStats& stats) {
+    if (!is_in_doubt(weight)) return false;
+    double passing = 0;
+    for (const Leaf* leaf : row) {
+        ++stats.distance_tests;
+        passing += passing_weight(ray, hit.t, Gate(hit.gradient, sharp_model), leaf->surfel);
+    }
+    return passing > weight;
+}
+
+struct BlendedHit {
+    FirstHit first;
+    BlendSums sums;
+};
+
+/// The first hit, with clean outlines the first that is not outvoted.
+BlendedHit blended_hit(const Ray& ray, double t_near, const std::vector<const Leaf*>& row,
+                       bool sharp_model, bool clean_outlines, Derivatives wanted,
+                       RenderStats& stats) {
+    BlendedHit hit;
+    do {
+        hit.first = nearest_hit(ray, t_near, hit.first, row, stats);
+        if (!hit.first.leaf) break;
+        hit.sums = blend_around(ray, hit.first, row, sharp_model, wanted, stats);
+    } while (clean_outlines &&
+             is_outvoted(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
+    return hit;
 }
 
 Derivatives derivatives_for(const GBuffer& out) {
@@ -118,17 +151,18 @@ std::vector<const Leaf*> leaves_of_row(const PixelView& view, double py,
 }
 
 void render_row(const PixelView& view, const PixelWindow& window, const SurfelTree& tree,
-                const std::vector<Leaf>& leaves, int y, GBuffer& out, RenderStats& stats) {
+                const std::vector<Leaf>& leaves, bool clean_outlines, int y, GBuffer& out,
+                RenderStats& stats) {
     const double py = window.y + y + 0.5;
     const auto row = leaves_of_row(view, py, leaves);
     for (int x = 0; x < window.width; ++x) {
         const double px = window.x + x + 0.5;
         const Ray ray{view.ray_origin(px, py), view.ray_direction(px, py)};
         const double t_near = view.near_plane / dot(ray.direction, view.forward);
-        const FirstHit hit = nearest_hit(ray, t_near, row, stats);
+        const auto [hit, sums] =
+            blended_hit(ray, t_near, row, !tree.sharp().empty(), clean_outlines,
+                        derivatives_for(out), stats);
         if (!hit.leaf) continue;
-        const BlendSums sums = blend_around(ray, hit, row, !tree.sharp().empty(),
-                                            derivatives_for(out), stats);
         write_pixel(view, tree, ray, hit, sums, out.index(x, y), out);
         ++stats.covered_pixels;
         if (!(sums.weight > 0)) ++stats.unblended_pixels;
@@ -146,7 +180,8 @@ RenderStats render_brute(const SurfelTree& tree, const RenderRequest& request, G
     const std::vector<Leaf> leaves = wanted_leaves(tree, request.loose, stats);
     std::vector<RenderStats> rows(static_cast<std::size_t>(window.height));
     parallel_blocks(rows.size(), 1, [&](std::size_t y, std::size_t) {
-        render_row(view, window, tree, leaves, static_cast<int>(y), out, rows[y]);
+        render_row(view, window, tree, leaves, request.clean_outlines, static_cast<int>(y), out,
+                   rows[y]);
     });
     stats.nodes_visited = tree.n_nodes();
     stats.surfels_drawn = leaves.size();

@@ -40,6 +40,17 @@ inline SharpRays<V> sharp_rays(const SharpRecord& s, const PixelRays<V>& rays,
     return out;
 }
 
+/// The joined function at a ray parameter.
+template <class V>
+inline V joined_value(const SharpRecord& s, const SharpRays<V>& rays, const V& t) {
+    const V first = lanes_value(rays.f[0], t);
+    if (s.n_sheets == 1) return first;
+    V rest = lanes_value(rays.f[1], t);
+    for (std::size_t k = 2; k < s.n_sheets; ++k)
+        rest = join_lanes(s.inner, rest, lanes_value(rays.f[k], t));
+    return join_lanes(s.outer, first, rest);
+}
+
 /// Whether a root t of sheet i lies on the joined surface:
 /// F with f_i set to 0 stays 0 (SharpSheets).
 template <class V>

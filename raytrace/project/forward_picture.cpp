@@ -4,6 +4,7 @@
 #include "raytrace/project/lod_cut.h"
 #include "raytrace/project/marked_tiles.h"
 #include "raytrace/project/tile_bins.h"
+#include "raytrace/project/tile_doubts.h"
 #include "raytrace/project/tile_resolve.h"
 #include "raytrace/project/tile_stage_1.h"
 #include "raytrace/project/tile_stage_2.h"
@@ -42,6 +43,7 @@ struct Scene {
     const TileBins& bins;
     TileSums sums;
     bool with_directions;  ///< of the rays: the general kernels and positions need them
+    bool clean_outlines;   ///< as in RenderRequest
     const SampleMask* only = nullptr;  ///< what of the window is drawn, if not all
 
     int first_x(std::size_t tile) const {
@@ -73,6 +75,9 @@ void draw_tile(const Scene<Degree>& scene, std::size_t tile, TileBuffers& t, GBu
     if (scene.with_directions) t.fill_directions(scene.view);
     run_stage_1<Degree>(scene.list, entries, scene.sums, t);
     run_stage_2<Degree, kWantHessian, kSharpModel, kWantThird>(scene.list, entries, scene.sums, t);
+    if (scene.clean_outlines)
+        settle_doubts<Degree, kWantHessian, kSharpModel, kWantThird>(scene.view, scene.list,
+                                                                     entries, scene.sums, t);
     resolve_tile(scene.view, scene.window, scene.tree, scene.list.items.span(), entries, scene.sums,
                  t, out);
 }
@@ -160,14 +165,16 @@ template <int Degree>
 class ForwardPicture::ReadyOf : public Ready {
 public:
     ReadyOf(const SurfelTree& tree, const PixelView& view, const PixelWindow& grid,
-            std::span<const std::uint32_t> cut, const SampleMask* only, RenderStats& stats)
-        : tree_(tree), view_(view), grid_(grid), only_(only), list_(list_of(cut, stats)),
+            std::span<const std::uint32_t> cut, const SampleMask* only, bool clean_outlines,
+            RenderStats& stats)
+        : tree_(tree), view_(view), grid_(grid), only_(only), clean_outlines_(clean_outlines), list_(list_of(cut, stats)),
           bins_(bins_of(stats)) {}
 
     TileCounts draw(const PixelWindow& window, GBuffer& out) const override {
         const bool with_directions = !list_.general.empty() || out.has(kPositionChannel);
         return draw_tiles<Degree>({tree_, view_, window, grid_, list_, bins_,
-                                   TileSums(out.channels), with_directions, only_},
+                                   TileSums(out.channels), with_directions,
+                                   clean_outlines_, only_},
                                   out);
     }
 
@@ -193,6 +200,7 @@ private:
     PixelView view_;
     PixelWindow grid_;
     const SampleMask* only_;
+    bool clean_outlines_;
     DrawList<Degree> list_;
     TileBins bins_;
 };
@@ -212,7 +220,8 @@ ForwardPicture::ForwardPicture(const SurfelTree& tree, const RenderRequest& requ
     if (request.on_met) request.on_met(visited);
     stats_.cut_ms = clock.lap_ms();
     const auto make = [&]<int Degree>() -> std::unique_ptr<Ready> {
-        return std::make_unique<ReadyOf<Degree>>(tree, view, grid, cut, only, stats_);
+        return std::make_unique<ReadyOf<Degree>>(tree, view, grid, cut, only,
+                                                 request.clean_outlines, stats_);
     };
     const int degree = tree.header().degree;
     ready_ = degree <= 1   ? make.operator()<1>()

@@ -8,7 +8,7 @@
 
 namespace slim {
 
-/// Calls visit(block row, block column) for the blocks of a tile that a rectangle touches, of some.
+/// Calls visit(block) for the blocks of a tile that a rectangle touches, of some.
 template <class Visit>
 inline void for_each_block(TileBuffers& t, const ScreenRect& r, const BlockMask& of,
                            Visit&& visit) {
@@ -16,7 +16,8 @@ inline void for_each_block(TileBuffers& t, const ScreenRect& r, const BlockMask&
     if (on.empty() || !of.any()) return;
     for (int row = on.y0 / kBlockHeight; row * kBlockHeight < on.y1; ++row)
         for (int column = on.x0 / kBlockWidth; column * kBlockWidth < on.x1; ++column) {
-            if (of.has(row * kBlockColumns + column)) visit(row, column);
+            const int block = row * kBlockColumns + column;
+            if (of.has(block)) visit(block);
             else
                 ++t.counts.blocks_passed;
         }
@@ -31,25 +32,31 @@ inline FloatV rim_share_at(const RimLanes& rim, const SharpRays<FloatV>& f, cons
     return rim.share(f.ray[0].bu + t * f.ray[0].du, f.ray[0].bv + t * f.ray[0].dv);
 }
 
-/// Stage 1: the first root of the joined function.
-template <int Degree>
+/// Stage 1: the first root of the joined function; kBehind: only behind last_z.
+template <int Degree, bool kBehind = false>
 [[gnu::flatten]] inline void first_general_hits(const SharpRecord& s, const RimLanes& rim,
-                                                float entry, float base, int row, int column,
+                                                float entry, float base, int block,
                                                 const TileSums& sums, TileBuffers& t) {
     const double trim = hit_trim(s.n_sheets > 1);
     const auto sq_trim = static_cast<float>(trim * trim);
     const DrawRecord& r = s.sheet[0];
-    const std::size_t i = block_start(row, column);
-    const PixelRays<FloatV> rays = t.rays(row, column);
+    const auto i = static_cast<std::size_t>(block * kLanes);
+    const PixelRays<FloatV> rays = t.rays(block);
     const BallRay<FloatV> ball = ball_ray(r, rays);
     const auto active = ball.sq_distance < sq_trim;
     if (stdx::none_of(active)) return;
     t.counts.root_tests += s.n_sheets * kLanes;
     const FloatV half = stdx::sqrt(stdx::max(sq_trim - ball.sq_distance, FloatV(0.0f)));
-    const FloatV at_near = (t.near_z - base) * r.inv_radius * rays.inv_dz + ball.along;
+    const auto at_depth = [&](const FloatV& z) {
+        return (z - base) * r.inv_radius * rays.inv_dz + ball.along;
+    };
+    FloatV least = stdx::max(-half, at_depth(FloatV(t.near_z)));
+    if constexpr (kBehind)
+        least = stdx::max(least, at_depth(t.depths.relative<FloatV>(t.last_z.load(i))) +
+                                     static_cast<float>(kNextHit));
     const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
     const auto found = best_joined_root<Degree, FloatV>(
-        s, f, stdx::max(-half, at_near), half, active, [](const FloatV& x) { return x; });
+        s, f, least, half, active, [](const FloatV& x) { return x; });
     const FloatV z_root =
         t.depths.zeta<FloatV>(base + r.radius * (found.root.t - ball.along) * rays.dz);
     const auto nearer =
@@ -61,11 +68,11 @@ template <int Degree>
 /// Stage 2: the root of the joined function nearest q^.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base,
-                                           int row, int column, const TileSums& sums,
+                                           int block, const TileSums& sums,
                                            TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
-    const std::size_t i = block_start(row, column);
-    const PixelRays<FloatV> rays = t.rays(row, column);
+    const auto i = static_cast<std::size_t>(block * kLanes);
+    const PixelRays<FloatV> rays = t.rays(block);
     const BallRay<FloatV> ball = ball_ray(r, rays);
     const FloatV tau = (t.depths.relative<FloatV>(t.z.load(i)) - base) * r.inv_radius * rays.inv_dz;
     t.counts.distance_tests += kLanes;
@@ -94,13 +101,53 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
                 });
 }
 
+/// Lanes where a sheet's gradient at a ray parameter is admitted.
+template <int Degree, bool kSharpModel>
+inline FloatV::mask_type admitted_by_any(const SharpRecord& s, const SharpRays<FloatV>& f,
+                                         const FloatV& at, std::size_t i, const TileBuffers& t) {
+    FloatV::mask_type any(false);
+    for (std::size_t k = 0; k < s.n_sheets; ++k)
+        any = any || admitted<kSharpModel>(
+                         gradient_at<Degree, FloatV>(s.sheet[k], f.ray[k].bu + at * f.ray[k].du,
+                                                     f.ray[k].bv + at * f.ray[k].dv),
+                         i, t);
+    return any;
+}
+
+/// Adds the weights of rays that pass over the surfel at q^ (passing_weight in slim/blend).
+template <int Degree, bool kSharpModel>
+[[gnu::flatten]] inline void pass_general(const SharpRecord& s, const RimLanes& rim, float base,
+                                          int block, TileBuffers& t) {
+    const DrawRecord& r = s.sheet[0];
+    const auto i = static_cast<std::size_t>(block * kLanes);
+    const PixelRays<FloatV> rays = t.rays(block);
+    const BallRay<FloatV> ball = ball_ray(r, rays);
+    const FloatV tau = (t.depths.relative<FloatV>(t.z.load(i)) - base) * r.inv_radius * rays.inv_dz;
+    t.counts.distance_tests += kLanes;
+    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
+    if (stdx::none_of(inside)) return;
+    const FloatV guess = tau + ball.along;
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
+    const auto above = inside && joined_value<FloatV>(s, f, guess) > 0.0f;
+    if (stdx::none_of(above)) return;
+    t.counts.root_tests += s.n_sheets * kLanes;
+    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
+    const auto found = best_joined_root<Degree, FloatV>(
+        s, f, -half, half, above, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
+    const auto near =
+        found.root.hit && stdx::abs(found.root.t - guess) <= static_cast<float>(kBelongs);
+    const auto passed =
+        above && !near && admitted_by_any<Degree, kSharpModel>(s, f, guess, i, t);
+    add_passing(t, i, passed, rim_share_at(rim, f, guess), ball.sq_distance + guess * guess);
+}
+
 template <int Degree>
 void draw_first_general(const SharpRecord& s, PackedRims packed, const ScreenRect& rect,
                         const BlockMask& of, float entry, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_block(t, rect, of, [&](int row, int column) {
-        first_general_hits<Degree>(s, rim, entry, base, row, column, sums, t);
+    for_each_block(t, rect, of, [&](int block) {
+        first_general_hits<Degree>(s, rim, entry, base, block, sums, t);
     });
 }
 
@@ -109,9 +156,8 @@ void draw_blend_general(const SharpRecord& s, PackedRims packed, const ScreenRec
                         const BlockMask& of, const TileSums& sums, TileBuffers& t) {
     const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
     const RimLanes rim(packed);
-    for_each_block(t, rect, of, [&](int row, int column) {
-        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, row, column,
-                                                                     sums, t);
+    for_each_block(t, rect, of, [&](int block) {
+        blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, block, sums, t);
     });
 }
 

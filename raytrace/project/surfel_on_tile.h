@@ -43,12 +43,13 @@ struct SurfelOnTile {
         for (std::size_t k = 0; k < sizeof record; k += kLine) __builtin_prefetch(line + k);
     }
 
-    [[gnu::always_inline]] FloatV s_of(int block) const {
-        return (tile_columns(block) + x) * record.step + record.base_x;
+    [[gnu::always_inline]] FloatV s_of(const PixelPlaces& places, int block) const {
+        return (places.column(block) + x) * record.step + record.base_x;
     }
     /// sq_radius is that of the ball.
-    [[gnu::always_inline]] Row row_of(int block, float sq_radius) const {
-        return Row(record, (tile_rows(block) + y) * record.step + record.base_y, sq_radius);
+    [[gnu::always_inline]] Row row_of(const PixelPlaces& places, int block,
+                                      float sq_radius) const {
+        return Row(record, (places.row(block) + y) * record.step + record.base_y, sq_radius);
     }
 };
 

@@ -3,6 +3,7 @@
 #include "raytrace/project/tile_bins.h"
 #include "slim/base/simd.h"
 
+#include <bit>
 #include <cstddef>
 
 namespace slim {
@@ -51,11 +52,22 @@ inline constexpr LanePlaces kLanePlaces = [] {
     }
     return places;
 }();
-[[gnu::always_inline]] inline FloatV tile_columns(int block) {
-    return FloatV(kLanePlaces.column[block % kBlockColumns], stdx::vector_aligned);
-}
-[[gnu::always_inline]] inline FloatV tile_rows(int block) {
-    return FloatV(kLanePlaces.row[block / kBlockColumns], stdx::vector_aligned);
-}
+static_assert((kBlockColumns & (kBlockColumns - 1)) == 0);
+inline constexpr int kBlockRowShift = std::countr_zero(static_cast<unsigned>(kBlockColumns));
+
+/// Where the lanes of some blocks are, counted from a tile's first pixel: those of a whole tile, or
+/// picked ones (TileBuffers::pick).
+struct PixelPlaces {
+    const float* columns = kLanePlaces.column[0];
+    const float* rows = kLanePlaces.row[0];
+    int column_mask = kBlockColumns - 1, row_shift = kBlockRowShift;
+
+    [[gnu::always_inline]] FloatV column(int block) const {
+        return FloatV(columns + (block & column_mask) * kLanes, stdx::vector_aligned);
+    }
+    [[gnu::always_inline]] FloatV row(int block) const {
+        return FloatV(rows + (block >> row_shift) * kLanes, stdx::vector_aligned);
+    }
+};
 
 }  // namespace slim

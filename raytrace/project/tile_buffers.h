@@ -69,6 +69,7 @@ struct TileDepths {
 /// Everything of one tile while it is drawn; lives on the stack of its thread.
 struct TileBuffers {
     int x0 = 0, y0 = 0;  ///< first pixel of the tile, whole picture
+    PixelPlaces places;
     ScreenRect clip;     ///< the tile's pixels inside the window
     TileDepths depths;
     float near_z = 0;                    ///< the near plane's z - z_ref
@@ -86,6 +87,7 @@ struct TileBuffers {
                                          ///< supporters; only if wanted
     TilePlane dx, dy, dz, inv_dz;        ///< unit ray directions, camera axes; only with sharp
                                          ///< surfels or positions
+    TilePlane passing, last_z;           ///< of picked pixels (PickedPixels) only
     TileCounts counts;
 
     /// Depths and sums of a tile before stage 1.
@@ -101,7 +103,7 @@ struct TileBuffers {
         return {std::max(r.x0, clip.x0) - x0, std::max(r.y0, clip.y0) - y0,
                 std::min(r.x1, clip.x1) - x0, std::min(r.y1, clip.y1) - y0};
     }
-    PixelRays<FloatV> rays(int block_row, int block_column) const;
+    PixelRays<FloatV> rays(int block) const;
     /// Fills block_far with the greatest zeta of all pixels, +inf as long as one has no hit;
     /// returns that of the tile.
     float bound_pixels();
@@ -134,10 +136,10 @@ struct TileBuffers {
     return blocks;
 }
 
-inline PixelRays<FloatV> TileBuffers::rays(int block_row, int block_column) const {
-    const std::size_t i = block_start(block_row, block_column);
-    return {lane_columns() + static_cast<float>(x0 + block_column * kBlockWidth),
-            lane_rows() + static_cast<float>(y0 + block_row * kBlockHeight),
+inline PixelRays<FloatV> TileBuffers::rays(int block) const {
+    const auto i = static_cast<std::size_t>(block * kLanes);
+    return {places.column(block) + static_cast<float>(x0),
+            places.row(block) + static_cast<float>(y0),
             dx.load(i), dy.load(i), dz.load(i), inv_dz.load(i)};
 }
 

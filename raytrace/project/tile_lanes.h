@@ -38,6 +38,13 @@ template <bool kSharpModel>
     return agreement > static_cast<float>(kSharpGate) * size;
 }
 
+/// Adds the weights of a surfel that rays pass over at q^.
+[[gnu::always_inline]] inline void add_passing(TileBuffers& t, std::size_t i,
+                                               const FloatV::mask_type& passed,
+                                               const FloatV& share, const FloatV& sq_distance) {
+    t.passing.add(i, select<FloatV>(passed, share * blend_weight(sq_distance), FloatV(0.0f)));
+}
+
 /// Adds the roots of some lanes to the sums, each with its share of G; depths are averaged as
 /// differences from q^, where floats are finest.
 template <class Hessian>

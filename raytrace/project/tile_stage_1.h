@@ -14,14 +14,15 @@ struct TauRange {
     float least, most;
 };
 
-/// Stage 1 of some pixels: first root inside the shrunken ball, kept if nearer.
-template <int Degree>
+/// Stage 1 of some pixels: first root inside the shrunken ball, kept if nearer. Least: what bounds
+/// the roots from below, a float or one per lane.
+template <int Degree, class Least>
 [[gnu::always_inline]] inline void first_hits(const SurfelOnTile<Degree>& surfel,
                                               const RowOf<Degree, FloatV>& row, const FloatV& s,
-                                              std::size_t i, const TauRange& range, float entry,
-                                              const TileSums& sums, TileBuffers& t) {
-    const auto root =
-        first_in_ball<Degree, FloatV>(row.polynomial(s), row.ball(s), range.most, range.least);
+                                              std::size_t i, const Least& least, float most,
+                                              float entry, const TileSums& sums,
+                                              TileBuffers& t) {
+    const auto root = first_in_ball<Degree, FloatV>(row.polynomial(s), row.ball(s), most, least);
     const FloatV zeta = surfel.depth.zeta_of(root.t);
     // No way out where none is: the next step's cost is less than that of a wrong guess.
     auto nearer = root.hit && zeta < t.z.load(i);
@@ -64,8 +65,9 @@ template <int Degree>
             return;
         }
         t.counts.root_tests += kLanes;
-        first_hits<Degree>(work.surfel, work.surfel.row_of(block, kSqTrim), work.surfel.s_of(block),
-                           i, work.range, work.entry, sums, t);
+        first_hits<Degree>(work.surfel, work.surfel.row_of(t.places, block, kSqTrim),
+                           work.surfel.s_of(t.places, block), i, work.range.least, work.range.most,
+                           work.entry, sums, t);
     });
 }
 

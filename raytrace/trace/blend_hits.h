@@ -11,6 +11,7 @@ namespace slim {
 /// Sums of eqs (6) and (7) around q^, one per lane.
 struct BlendLanes {
     FloatV weight{0.0f}, offset{0.0f};  ///< offset: of the roots from q^ along the ray, scene units
+    FloatV passing{0.0f};  ///< sum G of the surfels that hits in doubt pass over
     FloatV count{0.0f};
     FloatV spread{0.0f};  ///< largest distance of a root from q^
     LanesOfVec gradient{Vec3f{}};
@@ -134,6 +135,73 @@ inline void blend_sharp(const TraceRecord& r, const SharpRecord& sharp, const Ra
     if constexpr (kWanted >= Derivatives::third) {
         const auto c = sharp_third<FloatV>(sharp, found);
         for (std::size_t n = 0; n < 10; ++n) sums.third[n] += w * c[n];
+    }
+}
+
+/// Adds the weight of a smooth surfel where rays pass over it at q^ (passing_weight in slim/blend).
+template <int Degree>
+[[gnu::always_inline]] inline void pass_smooth(const TraceRecord& r, const RaysAtHits& at,
+                                               bool closely, FloatV& passing) {
+    constexpr auto kFarthest = static_cast<float>(kBelongs);
+    const LanesOfVec base = from_center(r, at);
+    const FloatV sq_base = base.dot(base);
+    const auto inside = at.hit && sq_base < 1.0f;
+    if (stdx::none_of(inside)) return;
+    const KernelRay kernel(base, at.direction);
+    const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
+    const auto k = ray_polynomial<Degree, FloatV>(r, s);
+    const auto above = inside && k[0] > 0.0f;
+    if (stdx::none_of(above)) return;
+    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction),
+                                 FloatV(1.0f)};
+    const auto root = nearest_in_ball<Degree, FloatV>(k, ball, kFarthest * 1.001f, above);
+    const auto g = gradient_at<Degree, FloatV>(r, s.bu, s.bv);
+    const auto passed = above && !(root.hit && stdx::abs(root.t) <= kFarthest) &&
+                        admits(at, closely, {g.x, g.y, g.z});
+    const FloatV share = r.rims.any() ? RimLanes(r.rims).share(s.bu, s.bv) : FloatV(1.0f);
+    passing += select<FloatV>(passed, share * blend_weight(sq_base), FloatV(0.0f));
+}
+
+/// The same of a sharp surfel.
+template <int Degree>
+inline void pass_sharp(const TraceRecord& r, const SharpRecord& sharp, const RaysAtHits& at,
+                       FloatV& passing) {
+    const LanesOfVec base = from_center(r, at);
+    const FloatV sq_base = base.dot(base);
+    const auto inside = at.hit && sq_base < 1.0f;
+    if (stdx::none_of(inside)) return;
+    const FloatV along = base.dot(at.direction);
+    const KernelRay kernel(base - at.direction * along, at.direction);
+    const SharpRays<FloatV> f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
+    const auto above = inside && joined_value<FloatV>(sharp, f, along) > 0.0f;
+    if (stdx::none_of(above)) return;
+    const FloatV half = stdx::sqrt(stdx::max(1.0f - (sq_base - along * along), FloatV(0.0f)));
+    const auto found = best_joined_root<Degree, FloatV>(
+        sharp, f, -half, half, above, [along](const FloatV& x) { return stdx::abs(x - along); });
+    FloatV::mask_type admitted(false);
+    for (std::size_t i = 0; i < sharp.n_sheets; ++i) {
+        const auto g = gradient_at<Degree, FloatV>(
+            sharp.sheet[i], f.ray[i].bu + along * f.ray[i].du, f.ray[i].bv + along * f.ray[i].dv);
+        admitted = admitted || admits(at, true, {g.x, g.y, g.z});
+    }
+    const auto near = found.root.hit &&
+                      stdx::abs(found.root.t - along) <= static_cast<float>(kBelongs);
+    passing += select<FloatV>(above && !near && admitted, blend_weight(sq_base), FloatV(0.0f));
+}
+
+/// Adds the weight of one surfel where rays pass over it at q^.
+[[gnu::flatten]] inline void pass_surfel(const TraceModel& model, const TraceRecord& r,
+                                         const RaysAtHits& at, FloatV& passing) {
+    if (r.sharp != TraceRecord::kNotSharp) {
+        const SharpRecord& sharp = model.sharp[r.sharp];
+        if (r.degree == 3) pass_sharp<3>(r, sharp, at, passing);
+        else pass_sharp<2>(r, sharp, at, passing);
+    } else if (r.degree == 2) {
+        pass_smooth<2>(r, at, model.is_sharp, passing);
+    } else if (r.degree == 1) {
+        pass_smooth<1>(r, at, model.is_sharp, passing);
+    } else {
+        pass_smooth<3>(r, at, model.is_sharp, passing);
     }
 }
 

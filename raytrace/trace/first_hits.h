@@ -45,6 +45,14 @@ struct RayAtBall {
     }
 };
 
+/// The first parameter at which a surfel's root is looked for: the ray's start, or a little behind
+/// what was outvoted.
+[[gnu::always_inline]] inline FloatV least_root(const TraceRecord& r, const RayPacket& rays,
+                                                const FloatV& start) {
+    if (!rays.looks_behind) return start;
+    return start + rays.last_t * FloatV(r.inv_radius) + FloatV(static_cast<float>(kNextHit));
+}
+
 /// The same in the words of the kernels that forward projection uses.
 struct KernelRay {
     PixelRays<FloatV> rays;
@@ -115,7 +123,8 @@ template <int Degree, class Keep>
     const auto k = ray_polynomial<Degree, FloatV>(r, s);
     const BallLanes<FloatV> ball{at.sq_distance - FloatV(kSqTrim), FloatV(0.0f), FloatV(1.0f)};
     const FloatV start = -at.t * FloatV(r.inv_radius);
-    const auto root = first_in_ball<Degree, FloatV>(k, ball, static_cast<float>(kHitTrim), start);
+    const auto root = first_in_ball<Degree, FloatV>(k, ball, static_cast<float>(kHitTrim),
+                                                    least_root(r, rays, start));
     const FloatV t = at.t + root.t * FloatV(r.radius);
     auto hit = root.hit && met && t <= keep.far();
     if (stdx::none_of(hit)) return true;
@@ -145,8 +154,9 @@ inline bool sharp_hits(const TraceRecord& r, const SharpRecord& sharp, std::uint
     const SharpRays<FloatV> f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
     const FloatV half = stdx::sqrt(stdx::max(kSqTrim - at.sq_distance, FloatV(0.0f)));
     const FloatV start = -at.t * FloatV(r.inv_radius);
-    const auto found = best_joined_root<Degree, FloatV>(sharp, f, stdx::max(-half, start), half,
-                                                        met, [](const FloatV& x) { return x; });
+    const auto found = best_joined_root<Degree, FloatV>(
+        sharp, f, stdx::max(-half, least_root(r, rays, start)), half, met,
+        [](const FloatV& x) { return x; });
     const FloatV t = at.t + found.root.t * FloatV(r.radius);
     auto hit = found.root.hit && t <= keep.far();
     if (stdx::none_of(hit)) return true;

@@ -57,6 +57,9 @@ PlacedRays::PlacedRays(const ModelPlace& place, const RayPacket& scene_rays, con
     rays.origin = select_vec(outside, entry.high, origin.high);
     rays.origin_low = select_vec(outside, entry.low, origin.low);
     rays.far = (scene_rays.far * per_unit - start.high) + (far_low * per_unit - start.low);
+    if (rays.looks_behind)
+        rays.last_t = (scene_rays.last_t * per_unit - start.high) +
+                      (scene_rays.last_t_low * per_unit - start.low);
     const auto meets =
         scene_rays.active() && sq_half > 0.0f && middle + half >= 0.0f && rays.far >= 0.0f;
     rays.far = select<FloatV>(meets, rays.far, FloatV(-1.0f));

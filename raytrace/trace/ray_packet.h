@@ -20,6 +20,9 @@ struct RayPacket {
     /// there does not stop them (leaves_own).
     LanesOfVec normal{Vec3f{}};
     bool leaves_surface = false;
+    /// Only first hits behind these are looked for: those there were outvoted (BlendSums).
+    FloatV last_t{0.0f}, last_t_low{0.0f};
+    bool looks_behind = false;
 
     FloatV::mask_type active() const { return far >= 0.0f; }
 };

@@ -126,10 +126,11 @@ struct Writer {
 };
 
 void draw_block(const TraceScene& scene, const PixelView& view, const PixelBlock& block,
-                Derivatives wanted, GBuffer& out, TracedPlanes* planes, Counts& counts) {
+                Derivatives wanted, bool clean_outlines, GBuffer& out, TracedPlanes* planes,
+                Counts& counts) {
     const RayPacket rays = primary_rays(view, scene.frame(), block);
     if (stdx::none_of(rays.active())) return;
-    const SurfaceHits hits = scene.surface(rays, wanted, counts.trace);
+    const SurfaceHits hits = scene.surface(rays, wanted, counts.trace, clean_outlines);
     const auto hit = hits.hit();
     if (stdx::none_of(hit)) return;
     counts.covered += static_cast<std::uint64_t>(stdx::popcount(hit));
@@ -163,7 +164,7 @@ RenderStats render_traced(const TraceScene& scene, const RenderRequest& request,
     const Derivatives wanted = derivatives_for(out, degree_of(scene));
     std::vector<Counts> rows(n_block_rows(window));
     for_blocks(window, [&](std::size_t row, const PixelBlock& block) {
-        draw_block(scene, view, block, wanted, out, planes, rows[row]);
+        draw_block(scene, view, block, wanted, request.clean_outlines, out, planes, rows[row]);
     }, only);
     RenderStats stats;
     TraceCounts sum;

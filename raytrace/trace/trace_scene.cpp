@@ -109,6 +109,17 @@ void blend_in(const TraceModel& model, const RaysAtHits& at, BlendLanes& sums,
     });
 }
 
+/// What says that lanes in doubt (is_in_doubt in slim/blend) show no surface.
+void pass_in(const TraceModel& model, RaysAtHits at, BlendLanes& sums, TraceCounts& counts) {
+    at.hit = at.hit && is_in_doubt<FloatV>(sums.weight);
+    if (stdx::none_of(at.hit)) return;
+    for_leaves_around(model.bvh, model.balls, at.point, at.hit, [&](const BvhNode& leaf) {
+        for (std::uint32_t k = 0; k < leaf.n_items; ++k)
+            pass_surfel(model, model.records[leaf.first + k], at, sums.passing);
+        counts.distance_tests += leaf.n_items * std::uint64_t{kLanes};
+    });
+}
+
 void blend_in(const TraceModel& model, Derivatives wanted, const RaysAtHits& at, BlendLanes& sums,
               TraceCounts& counts) {
     switch (wanted) {
@@ -153,12 +164,13 @@ void scale_lengths(const FloatV::mask_type& lanes, Derivatives wanted, const Flo
 /// Both stages of lanes whose winner has a frame of its own: found there, told in the scene's.
 void surface_in_own_frame(const TraceModel& model, const RayPacket& scene_rays,
                           const FirstHits& hits, const RaysAtHits& scene_at, Derivatives wanted,
-                          SurfaceHits& out, TraceCounts& counts) {
+                          bool find_passing, SurfaceHits& out, TraceCounts& counts) {
     const PlacedRays placed(model.place, scene_rays);
     RaysAtHits at = scene_at;
     const FloatV t = select<FloatV>(at.hit, hits.own_t, FloatV(0.0f)), unit(model.place.unit);
     points_on(placed.rays, t, at);
     blend_in(model, wanted, at, out.sums, counts);
+    if (find_passing) pass_in(model, at, out.sums, counts);
     SurfaceHits own;
     own.sums.weight = out.sums.weight, own.sums.offset = out.sums.offset,
     own.sums.gradient = out.sums.gradient;
@@ -177,6 +189,28 @@ TraceCounts& TraceCounts::operator+=(const TraceCounts& b) {
     rays += b.rays, nodes_visited += b.nodes_visited;
     root_tests += b.root_tests, distance_tests += b.distance_tests;
     return *this;
+}
+
+void SurfaceHits::take(const FloatV::mask_type& lanes, const SurfaceHits& from,
+                       Derivatives wanted) {
+    const auto take = [&](FloatV& to, const FloatV& x) { to = select<FloatV>(lanes, x, to); };
+    const auto take_vec = [&](LanesOfVec& to, const LanesOfVec& x) {
+        to = select_vec(lanes, x, to);
+    };
+    take(t, from.t), take(first_t, from.first_t), take(first_t_low, from.first_t_low);
+    take_vec(point, from.point), take_vec(point_low, from.point_low);
+    take_vec(normal, from.normal), take(clearance, from.clearance);
+    take(sums.weight, from.sums.weight), take(sums.passing, from.sums.passing);
+    take(sums.offset, from.sums.offset), take(sums.count, from.sums.count);
+    take(sums.spread, from.sums.spread), take_vec(sums.gradient, from.sums.gradient);
+    if (wanted >= Derivatives::second)
+        for (std::size_t n = 0; n < 6; ++n) take(sums.hessian[n], from.sums.hessian[n]);
+    if (wanted >= Derivatives::third)
+        for (std::size_t n = 0; n < 10; ++n) take(sums.third[n], from.sums.third[n]);
+    for (std::uint64_t bits = lane_bits(lanes); bits != 0; bits &= bits - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(bits));
+        model[k] = from.model[k], record[k] = from.record[k];
+    }
 }
 
 TraceScene::TraceScene(std::span<const ScenePart> parts, bool loose)
@@ -227,13 +261,31 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
     return hits;
 }
 
-SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
-                                TraceCounts& counts) const {
+SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                                bool clean_outlines) const {
+    SurfaceHits out = surface_at_first(rays, wanted, counts, clean_outlines);
+    const int most_rounds = clean_outlines ? 16 : 0;
+    for (int round = 0; round < most_rounds; ++round) {
+        const auto outvoted = out.hit() && out.sums.passing > out.sums.weight;
+        if (stdx::none_of(outvoted)) break;
+        RayPacket behind = rays;
+        behind.looks_behind = true;
+        behind.far = select<FloatV>(outvoted, rays.far, FloatV(-1.0f));
+        behind.last_t = select<FloatV>(outvoted, out.first_t, FloatV(0.0f));
+        behind.last_t_low = out.first_t_low;
+        out.take(outvoted, surface_at_first(behind, wanted, counts, true), wanted);
+    }
+    return out;
+}
+
+SurfaceHits TraceScene::surface_at_first(const RayPacket& rays, Derivatives wanted,
+                                         TraceCounts& counts, bool find_passing) const {
     SurfaceHits out;
     const FirstHits hits = first_hits(rays, out.model, counts);
     RaysAtHits at;
     at.hit = rays.active() && hits.t < kFar;
     if (stdx::none_of(at.hit)) return out;
+    out.first_t = hits.t, out.first_t_low = hits.t_low;
     at.direction = rays.direction, at.gradient = hits.gradient;
     const FloatV t = select<FloatV>(at.hit, hits.t, FloatV(0.0f));
     points_on(rays, t, at);
@@ -248,14 +300,16 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted,
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         if (!models_[m].place.is_scene) continue;
         const RaysAtHits own = of_model(m);
-        if (stdx::any_of(own.hit)) blend_in(models_[m], wanted, own, out.sums, counts);
+        if (stdx::none_of(own.hit)) continue;
+        blend_in(models_[m], wanted, own, out.sums, counts);
+        if (find_passing) pass_in(models_[m], own, out.sums, counts);
     }
     average(at, hits.t, out);
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
         if (models_[m].place.is_scene) continue;
         const RaysAtHits own = of_model(m);
         if (stdx::any_of(own.hit))
-            surface_in_own_frame(models_[m], rays, hits, own, wanted, out, counts);
+            surface_in_own_frame(models_[m], rays, hits, own, wanted, find_passing, out, counts);
     }
     for (std::uint64_t bits = lane_bits(at.hit); bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);

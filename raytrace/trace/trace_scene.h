@@ -26,6 +26,7 @@ struct TraceCounts {
 /// What a packet hits: the blended surface.
 struct SurfaceHits {
     FloatV t{kFar};  ///< from the rays' origins, scene units; infinite without a hit
+    FloatV first_t{kFar}, first_t_low{0.0f};  ///< of q^; what its float lacks
     LanesOfVec point{Vec3f{}}, point_low{Vec3f{}};  ///< scene coordinates; what their floats lack
     LanesOfVec normal{Vec3f{}};                     ///< unit, outwards
     FloatV clearance{0.0f};  ///< a ray that leaves the surface starts this far off it
@@ -33,6 +34,8 @@ struct SurfaceHits {
     BlendLanes sums;
 
     FloatV::mask_type hit() const { return t < kFar; }
+    /// Some lanes become those of another packet.
+    void take(const FloatV::mask_type& lanes, const SurfaceHits& from, Derivatives wanted);
 };
 
 /// A model and where its frame lies in the job's.
@@ -63,13 +66,18 @@ public:
                          TraceCounts& counts) const;
 
     /// Both stages: what is seen along the rays. Lanes that have no weight in stage 2 keep q^
-    /// (sums.weight is 0 there).
-    SurfaceHits surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts) const;
+    /// (sums.weight is 0 there). clean_outlines: as in RenderRequest.
+    SurfaceHits surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                        bool clean_outlines = false) const;
 
     /// Lanes whose ray meets no surface up to its far end: stage 1 only, any hit ends a ray.
     FloatV::mask_type unblocked(const RayPacket& rays, TraceCounts& counts) const;
 
 private:
+    /// As surface, whether or not q^ is outvoted; find_passing: sums.passing says that.
+    SurfaceHits surface_at_first(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
+                                 bool find_passing) const;
+
     std::vector<ScenePart> parts_;
     std::vector<TraceModel> models_;
     SceneFrame frame_;

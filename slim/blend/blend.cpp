@@ -138,6 +138,21 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
     return true;
 }
 
+double passing_weight(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel) {
+    const Vec3d x =
+        (ray.origin + ray.direction * t_guess - surfel.center) / surfel.support_radius;
+    const double sq = sq_length(x);
+    if (!(sq < 1) || !(surfel.value(x) > 0)) return 0;
+    const auto root = nearest_root(ray, t_guess, surfel);
+    if (root && belongs(*root, t_guess, surfel)) return 0;
+    bool admitted = false;
+    for (std::size_t i = 0; i < surfel.n_sheets(); ++i)
+        admitted = admitted || gate.admits(surfel.sheet_gradient(i, x));
+    if (!admitted) return 0;
+    const Vec3d local = surfel.frame.local_from_world(x);
+    return rim_share(surfel.rims, local.x, local.y) * weight_kernel(sq);
+}
+
 std::optional<double> first_hit(const Ray& ray, const Surfel& surfel, double t_min, double trim,
                                 Vec3d& gradient) {
     const LocalRay local = local_ray(ray, surfel);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/simd.h"
 #include "slim/base/vec.h"
 #include "slim/blend/curvature.h"
 #include "slim/blend/ray_surfel.h"
@@ -53,6 +54,24 @@ struct Gate {
 /// points to others by the same measure.
 bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel,
                    Derivatives wanted, BlendSums& sums);
+
+/// Whether a first hit is in doubt: held by less weight than a covered point has, it lies where its
+/// surfel's polynomial may overshoot a silhouette. It does not count if the surfels that the ray
+/// passes over (passing_weight) outweigh those that it is blended of
+/// (raytrace/project/notes/0011). weight: sum G of the blend.
+template <class T>
+[[gnu::always_inline]] inline auto is_in_doubt(const T& weight) {
+    return weight < constant<T>(kCoverage);
+}
+
+/// The weight with which a surfel says that the ray passes over it at t_guess, 0 if it does not: the
+/// guess lies in its ball outside of its surface, f has no root there that add_supporter would take
+/// for the guess, and the gate admits its gradient at the guess (of a sharp surfel that of one of
+/// its sheets).
+double passing_weight(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel);
+
+/// How far beyond a first hit that was outvoted the next one lies at least, in rho of its surfel.
+inline constexpr double kNextHit = 1e-3;
 
 /// First root of the surfel on the ray inside its ball shrunk by `trim` (stage 1 of the paper), at
 /// t >= t_min; nothing if that lies beyond its rim. `gradient` receives that of f at the root

@@ -6,8 +6,9 @@ namespace slim {
 namespace {
 
 TEST(TileBlocks, LanesStandWhereTheirPixelsDo) {
+    const PixelPlaces places;
     for (int block = 0; block < kTileBlocks; ++block) {
-        const FloatV x = tile_columns(block), y = tile_rows(block);
+        const FloatV x = places.column(block), y = places.row(block);
         for (std::size_t k = 0; k < FloatV::size(); ++k) {
             const int column = static_cast<int>(x[k]), row = static_cast<int>(y[k]);
             ASSERT_TRUE(column >= 0 && column < kTileSize && row >= 0 && row < kTileSize)
