@@ -59,7 +59,7 @@ BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<co
     return sums;
 }
 
-bool is_outvoted(const Ray& ray, const FirstHit& hit, double weight,
+bool gives_way(const Ray& ray, const FirstHit& hit, double weight,
                  const std::vector<const Leaf*>& row, bool sharp_model, RenderStats& stats) {
     if (!is_in_doubt(weight)) return false;
     double passing = 0;
@@ -67,7 +67,7 @@ bool is_outvoted(const Ray& ray, const FirstHit& hit, double weight,
         ++stats.distance_tests;
         passing += passing_weight(ray, hit.t, Gate(hit.gradient, sharp_model), leaf->surfel);
     }
-    return passing > weight;
+    return is_outvoted(weight, passing);
 }
 
 struct BlendedHit {
@@ -85,7 +85,7 @@ BlendedHit blended_hit(const Ray& ray, double t_near, const std::vector<const Le
         if (!hit.first.leaf) break;
         hit.sums = blend_around(ray, hit.first, row, sharp_model, wanted, stats);
     } while (clean_outlines &&
-             is_outvoted(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
+             gives_way(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
     return hit;
 }
 

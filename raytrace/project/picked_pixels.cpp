@@ -133,7 +133,8 @@ bool PickedPixels::leave_outvoted(const TileSums& sums) {
     std::size_t n = 0;
     for (int block = 0; block < n_blocks(); ++block) {
         const auto i = static_cast<std::size_t>(block * kLanes);
-        const auto outvoted = in_doubt(t, i) && t.passing.load(i) > t.weight.load(i);
+        const auto outvoted =
+            in_doubt(t, i) && is_outvoted<FloatV>(t.weight.load(i), t.passing.load(i));
         for (std::uint64_t bits = lane_bits(outvoted); bits != 0; bits &= bits - 1)
             move(i + static_cast<std::size_t>(std::countr_zero(bits)), n++);
     }

@@ -32,7 +32,7 @@ public:
         return near_[k] <= most && far_[k] >= least;
     }
     void find_depths();
-    /// Leaves only pixels whose hit does not count (is_in_doubt, passing over weight), to be looked
+    /// Leaves only pixels whose hit does not count (is_in_doubt, is_outvoted), to be looked
     /// at behind it: z and sums as before stage 1. Returns whether there are any.
     bool leave_outvoted(const TileSums& sums);
     /// Writes them to the tile.

@@ -266,7 +266,8 @@ SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, Trace
     SurfaceHits out = surface_at_first(rays, wanted, counts, clean_outlines);
     const int most_rounds = clean_outlines ? 16 : 0;
     for (int round = 0; round < most_rounds; ++round) {
-        const auto outvoted = out.hit() && out.sums.passing > out.sums.weight;
+        const auto outvoted = out.hit() && is_in_doubt<FloatV>(out.sums.weight) &&
+                              is_outvoted<FloatV>(out.sums.weight, out.sums.passing);
         if (stdx::none_of(outvoted)) break;
         RayPacket behind = rays;
         behind.looks_behind = true;

@@ -56,12 +56,18 @@ bool add_supporter(const Ray& ray, double t_guess, const Gate& gate, const Surfe
                    Derivatives wanted, BlendSums& sums);
 
 /// Whether a first hit is in doubt: held by less weight than a covered point has, it lies where its
-/// surfel's polynomial may overshoot a silhouette. It does not count if the surfels that the ray
-/// passes over (passing_weight) outweigh those that it is blended of
-/// (raytrace/project/notes/0011). weight: sum G of the blend.
+/// surfel's polynomial may overshoot a silhouette (raytrace/project/notes/0011).
+/// weight: sum G of the blend.
 template <class T>
 [[gnu::always_inline]] inline auto is_in_doubt(const T& weight) {
     return weight < constant<T>(kCoverage);
+}
+
+/// Whether a first hit in doubt does not count: the surfels that the ray passes over weigh four
+/// times what it is blended of, and more. passing: sum of their passing_weight.
+template <class T>
+[[gnu::always_inline]] inline auto is_outvoted(const T& weight, const T& passing) {
+    return passing > constant<T>(4) * weight;
 }
 
 /// The weight with which a surfel says that the ray passes over it at t_guess, 0 if it does not: the

@@ -1,6 +1,7 @@
 #include "slim/blend/blend.h"
 
 #include "slim/base/hash.h"
+#include "slim/model/weight_kernel.h"
 #include "tests/slim/blend/blend_support.h"
 
 #include <gtest/gtest.h>
@@ -49,6 +50,23 @@ TEST(RaySurfel, NothingIsHitOrBlendedBeyondTheRim) {
     EXPECT_EQ(weight_at(0.25), 0);
     EXPECT_GT(weight_at(0.23), 0);
     EXPECT_LT(weight_at(0.23), 0.2 * weight_at(0.13));  // no step: it fades over kRimRamp
+}
+
+TEST(RaySurfel, SaysThatRaysPassOverItOnlyOnItsOwnSideAndNear) {
+    // A dome: w = -(u^2 + v^2) / 2.
+    Surfel s{{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
+    s.polynomial.a[3] = s.polynomial.a[5] = -0.5;
+    const Gate up(Vec3d{0, 0.1, 1}), down(Vec3d{0, 0, -1});
+    const auto over = [&](double height, const Gate& gate) {
+        return passing_weight({{-3, 0, height}, {1, 0, 0}}, 3, gate, s);
+    };
+    EXPECT_NEAR(over(0.1, up), weight_kernel(0.01), 1e-12);
+    EXPECT_EQ(over(0.1, down), 0);   // another sheet's hit
+    EXPECT_EQ(over(1.1, up), 0);     // out of the ball
+    EXPECT_EQ(over(-0.02, up), 0);   // through it
+    const Ray steep{{0, 0, 3}, {0, 0, -1}};
+    EXPECT_EQ(passing_weight(steep, 2.8, up, s), 0);  // its own root is near
+    EXPECT_GT(passing_weight(steep, 2.5, up, s), 0);  // far above it
 }
 
 TEST(RaySurfel, FirstHitLiesOnTheSurfelInsideTheTrimmedBall) {
