@@ -95,7 +95,7 @@ TEST_F(LevelsOfDetail, Row42ARealModelHasNoHolesAndItsSilhouetteStaysWithinTwoPi
 void write_close_up(const std::string& path) {
     std::ofstream out(path);
     std::mt19937 random(3);
-    const auto number = [&] { return random() * 0x1p-32; };
+    const auto number = [&] { return static_cast<double>(random()) * 0x1p-32; };
     const auto point = [&](double x, double y) {
         const double fade = std::exp(-50 * (x * x + y * y));
         const double bumps = fade * std::sin(200 * x) * std::sin(200 * y);
