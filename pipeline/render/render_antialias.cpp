@@ -165,6 +165,7 @@ void smooth_edges(const RenderJob& job, const PicturePart& part, Frames& frames)
     const std::vector<SampleWindow> windows =
         job.traced ? sample_windows(marked, kTraced, reach, kTilesAlign)
                    : sample_windows(marked, kProjected, reach, kLanesAlign);
+    if (windows.empty()) return;
     const SampleDrawing drawing(job, drawn, around, job.channels(aovs));
     std::vector<TraceCounts> light_counts(windows.size());
     for_windows(job, windows.size(), [&](std::size_t begin, std::size_t end) {

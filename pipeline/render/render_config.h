@@ -170,7 +170,7 @@ private:
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
         field("antialias", antialias,
               "pictures: pixels at edges, and where the colour changes as much, are drawn as with "
-              "--supersample 2; with either, and with lines, outlines are cleaned of flaps");
+              "--supersample 2; with either, and with --lines, outlines are cleaned of flaps");
     }
 
     // Ranges and legends of the maps.

@@ -44,7 +44,7 @@ RenderRequest request_of(const RenderJob& job, const PictureSize& size, const Pi
                           lod,        window,     job.config.loose};
     // Single crumbs of a pixel are no matter for a quick picture; edges and lines follow them.
     request.clean_outlines =
-        job.config.antialias || job.config.supersample > 1 || job.finds_lines();
+        job.config.antialias || job.config.supersample > 1 || !job.lines.empty();
     if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     return request;
 }

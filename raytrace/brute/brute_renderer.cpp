@@ -80,12 +80,13 @@ BlendedHit blended_hit(const Ray& ray, double t_near, const std::vector<const Le
                        bool sharp_model, bool clean_outlines, Derivatives wanted,
                        RenderStats& stats) {
     BlendedHit hit;
-    do {
+    for (int round = 0; round < kMostRounds; ++round) {
         hit.first = nearest_hit(ray, t_near, hit.first, row, stats);
         if (!hit.first.leaf) break;
         hit.sums = blend_around(ray, hit.first, row, sharp_model, wanted, stats);
-    } while (clean_outlines &&
-             gives_way(ray, hit.first, hit.sums.weight, row, sharp_model, stats));
+        if (!clean_outlines || !gives_way(ray, hit.first, hit.sums.weight, row, sharp_model, stats))
+            break;
+    }
     return hit;
 }
 

@@ -1,5 +1,6 @@
 #include "raytrace/project/forward_picture.h"
 
+#include "raytrace/project/ball_reach.h"
 #include "raytrace/project/draw_list.h"
 #include "raytrace/project/lod_cut.h"
 #include "raytrace/project/marked_tiles.h"
@@ -188,8 +189,13 @@ private:
         stats.decode_ms = clock.lap_ms();
         return list;
     }
-    TileBins bins_of(RenderStats& stats) const {
+    TileBins bins_of(RenderStats& stats) {
         Clock clock;
+        // A ball has a say where its surface does not reach.
+        if (clean_outlines_)
+            for (const std::uint32_t i : list_.order)
+                if (list_.items[i].general == kFast)
+                    list_.rects[i] = ball_rect(view_, grid_, list_.whole[i], list_.items[i].kappa);
         TileBins bins = tile_bins(grid_, list_.rects.span(), list_.order);
         stats.tile_entries = bins.entries.size();
         stats.bin_ms = clock.lap_ms();

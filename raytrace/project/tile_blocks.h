@@ -56,7 +56,7 @@ static_assert((kBlockColumns & (kBlockColumns - 1)) == 0);
 inline constexpr int kBlockRowShift = std::countr_zero(static_cast<unsigned>(kBlockColumns));
 
 /// Where the lanes of some blocks are, counted from a tile's first pixel: those of a whole tile, or
-/// picked ones (TileBuffers::pick).
+/// picked ones (PickedPixels).
 struct PixelPlaces {
     const float* columns = kLanePlaces.column[0];
     const float* rows = kLanePlaces.row[0];

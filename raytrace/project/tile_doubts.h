@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raytrace/project/ball_reach.h"
 #include "raytrace/project/general_stages.h"
 #include "raytrace/project/picked_pixels.h"
 #include "raytrace/project/tile_stage_1.h"
@@ -19,13 +20,13 @@ struct NearPicked {
     BlockMask blocks, core;  ///< that its ball may touch, and the core of its ball
 };
 
-/// How far a ball is seen at most, in its radius at its centre's depth, and how large tau is in it:
-/// 1 / (1 - kappa), kappa no more than a quarter (others are general), and a little.
+/// How large tau is in a ball: 1 / (1 - kappa), kappa no more than a quarter (others are general),
+/// and a little.
 constexpr float kReach = 1.35f;
 
 /// Those of a tile's entries, in their order.
 template <int Degree>
-std::vector<NearPicked> near_picked(const DrawList<Degree>& list,
+std::vector<NearPicked> near_picked(const PixelView& view, const DrawList<Degree>& list,
                                     std::span<const std::uint32_t> entries,
                                     const PickedPixels& picked) {
     std::vector<NearPicked> near;
@@ -38,11 +39,12 @@ std::vector<NearPicked> near_picked(const DrawList<Degree>& list,
             continue;
         }
         const float x = f.pixel_x - static_cast<float>(picked.t.x0),
-                    y = f.pixel_y - static_cast<float>(picked.t.y0), reach = kReach / f.step;
-        const BlockMask blocks = picked.within(x, y, reach + 1);
+                    y = f.pixel_y - static_cast<float>(picked.t.y0),
+                    kappa = list.items[entries[e]].kappa;
+        const BlockMask blocks = picked.within(x, y, ball_reach(view, f, kappa));
         if (!blocks.any()) continue;
-        near.push_back({e, blocks,
-                        picked.within(x, y, static_cast<float>(kHitTrim) * reach + 1)});
+        const float core = ball_reach(view, f, kappa, static_cast<float>(kHitTrim));
+        near.push_back({e, blocks, picked.within(x, y, core)});
     }
     return near;
 }
@@ -213,14 +215,13 @@ void blend_behind(const DrawList<Degree>& list, std::span<const std::uint32_t> e
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 void settle_doubts(const PixelView& view, const DrawList<Degree>& list,
                    std::span<const std::uint32_t> entries, const TileSums& sums, TileBuffers& t) {
-    constexpr int kMostRounds = 16;
     PickedPixels picked(view, t);
     if (picked.n_blocks() == 0) return;
-    auto near = near_picked(list, entries, picked);
+    auto near = near_picked(view, list, entries, picked);
     for (int round = 0; round < kMostRounds; ++round) {
         find_passing<Degree, kSharpModel>(list, entries, near, picked);
         if (!picked.leave_outvoted(sums)) break;
-        near = near_picked(list, entries, picked);
+        near = near_picked(view, list, entries, picked);
         first_behind<Degree>(list, entries, near, sums, picked);
         blend_behind<Degree, kWantHessian, kSharpModel, kWantThird>(list, entries, near, sums,
                                                                     picked);

@@ -50,7 +50,10 @@ struct RayAtBall {
 [[gnu::always_inline]] inline FloatV least_root(const TraceRecord& r, const RayPacket& rays,
                                                 const FloatV& start) {
     if (!rays.looks_behind) return start;
-    return start + rays.last_t * FloatV(r.inv_radius) + FloatV(static_cast<float>(kNextHit));
+    // Of small surfels far off no less than floats tell.
+    constexpr float kRounding = 4e-7f;
+    const FloatV last = rays.last_t * FloatV(r.inv_radius);
+    return start + last + stdx::max(FloatV(static_cast<float>(kNextHit)), kRounding * last);
 }
 
 /// The same in the words of the kernels that forward projection uses.

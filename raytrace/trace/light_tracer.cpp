@@ -135,14 +135,15 @@ FloatV LightTracer::open_share(const ShadePoints& at, const Openness& openness,
 
 FloatV::mask_type LightTracer::unblocked(const ShadePoints& at, const FloatV::mask_type& lit,
                                          const IncidentLight& light, TraceCounts& counts) const {
-    if (!look_.shadows) return lit;
+    const bool has_floor = ground_ && look_.ground->color;
+    if (!look_.shadows && !has_floor) return lit;
     RayPacket rays = leaving(at, lit, light.toward, light.distance);
     auto reached = lit;
-    if (ground_ && look_.ground->color) {
+    if (has_floor) {
         reached = lit && !(ground_->distance(rays) < light.distance);
         rays.far = select<FloatV>(reached, rays.far, FloatV(-1.0f));
     }
-    return reached && scene_.unblocked(rays, counts);
+    return look_.shadows ? reached && scene_.unblocked(rays, counts) : reached;
 }
 
 LanesOfVec LightTracer::background(const LanesOfVec& direction) const {

@@ -203,11 +203,15 @@ void SurfaceHits::take(const FloatV::mask_type& lanes, const SurfaceHits& from,
     take(sums.weight, from.sums.weight), take(sums.passing, from.sums.passing);
     take(sums.offset, from.sums.offset), take(sums.count, from.sums.count);
     take(sums.spread, from.sums.spread), take_vec(sums.gradient, from.sums.gradient);
+    // Without a hit these were not set.
+    const auto hits = lanes && from.hit();
     if (wanted >= Derivatives::second)
-        for (std::size_t n = 0; n < 6; ++n) take(sums.hessian[n], from.sums.hessian[n]);
+        for (std::size_t n = 0; stdx::any_of(hits) && n < 6; ++n)
+            take(sums.hessian[n], from.sums.hessian[n]);
     if (wanted >= Derivatives::third)
-        for (std::size_t n = 0; n < 10; ++n) take(sums.third[n], from.sums.third[n]);
-    for (std::uint64_t bits = lane_bits(lanes); bits != 0; bits &= bits - 1) {
+        for (std::size_t n = 0; stdx::any_of(hits) && n < 10; ++n)
+            take(sums.third[n], from.sums.third[n]);
+    for (std::uint64_t bits = lane_bits(hits); bits != 0; bits &= bits - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(bits));
         model[k] = from.model[k], record[k] = from.record[k];
     }
@@ -264,7 +268,7 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
 SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
                                 bool clean_outlines) const {
     SurfaceHits out = surface_at_first(rays, wanted, counts, clean_outlines);
-    const int most_rounds = clean_outlines ? 16 : 0;
+    const int most_rounds = clean_outlines ? kMostRounds : 0;
     for (int round = 0; round < most_rounds; ++round) {
         const auto outvoted = out.hit() && is_in_doubt<FloatV>(out.sums.weight) &&
                               is_outvoted<FloatV>(out.sums.weight, out.sums.passing);

@@ -76,6 +76,9 @@ template <class T>
 /// its sheets).
 double passing_weight(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel);
 
+/// How often a hit that was outvoted gives way to the next one along the ray.
+inline constexpr int kMostRounds = 16;
+
 /// How far beyond a first hit that was outvoted the next one lies at least, in rho of its surfel.
 inline constexpr double kNextHit = 1e-3;
 
