@@ -147,7 +147,9 @@ std::vector<double> thicknesses(const std::vector<SharpEdge>& edges) {
         for (std::size_t j = 0; j < i; ++j) {
             if (edges[i].piece != edges[j].piece || share_a_region(edges[i], edges[j])) continue;
             const double d = apart(edges[i], edges[j]);
-            if (d > kOneLine * length(edges[i].to - edges[i].from))
+            const double longer = std::max(length(edges[i].to - edges[i].from),
+                                           length(edges[j].to - edges[j].from));
+            if (d > kOneLine * longer)
                 out[i] = std::min(out[i], d), out[j] = std::min(out[j], d);
         }
     return out;

@@ -136,7 +136,9 @@ GlobalNoise read_global_noise(const std::string& work, double lambda, const Slic
     const double floor = 16 * quantum * quantum;
     out.noise_variance = lambda > 0 ? lambda : std::max(measured, floor);
     out.mean_variance = lambda > 0 ? lambda : std::max(std::min(chosen.value, most), floor);
-    const bool is_strayed = chosen.value > kStrayed * robust_noise(chosen).variance;
+    // Points on faces have no strays.
+    const bool is_strayed =
+        !is_made_of_faces(plan) && chosen.value > kStrayed * robust_noise(chosen).variance;
     const double volume = volume_of(plan.bounds);
     if (is_strayed && volume > 0)
         out.stray_density = stray_share(chosen) * static_cast<double>(plan.n_points) / volume;

@@ -37,6 +37,7 @@ struct RenderConfig {
     int repeat = 1;
     int supersample = 1;
     bool antialias = false;
+    bool clean_outlines = false;
     std::vector<std::string> range, same_range;
     double percentile = 95;
     bool legend = true, legend_room = false;
@@ -170,7 +171,9 @@ private:
         field("supersample", supersample, "pictures at twice the size, averaged", 1, 2);
         field("antialias", antialias,
               "pictures: pixels at edges, and where the colour changes as much, are drawn as with "
-              "--supersample 2; with either, and with --lines, outlines are cleaned of flaps");
+              "--supersample 2");
+        field("clean_outlines", clean_outlines,
+              "what single surfels show past a silhouette, as flaps and crumbs, is left out");
     }
 
     // Ranges and legends of the maps.

@@ -42,9 +42,7 @@ RenderRequest request_of(const RenderJob& job, const PictureSize& size, const Pi
                          double lod, Channels wanted) {
     RenderRequest request{job.camera, size.width, size.height,     wanted,
                           lod,        window,     job.config.loose};
-    // Single crumbs of a pixel are no matter for a quick picture; edges and lines follow them.
-    request.clean_outlines =
-        job.config.antialias || job.config.supersample > 1 || !job.lines.empty();
+    request.clean_outlines = job.config.clean_outlines;
     if (!job.reads->whole()) request.on_met = [&](auto nodes) { job.reads->meet(nodes); };
     return request;
 }

@@ -195,7 +195,9 @@ private:
         if (clean_outlines_)
             for (const std::uint32_t i : list_.order)
                 if (list_.items[i].general == kFast)
-                    list_.rects[i] = ball_rect(view_, grid_, list_.whole[i], list_.items[i].kappa);
+                    list_.rects[i] =
+                        joined(BallDisc(view_, list_.whole[i], list_.items[i].kappa),
+                               list_.rects[i], grid_);
         TileBins bins = tile_bins(grid_, list_.rects.span(), list_.order);
         stats.tile_entries = bins.entries.size();
         stats.bin_ms = clock.lap_ms();

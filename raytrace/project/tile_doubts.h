@@ -38,13 +38,12 @@ std::vector<NearPicked> near_picked(const PixelView& view, const DrawList<Degree
             near.push_back({e, picked.all(), picked.all()});
             continue;
         }
-        const float x = f.pixel_x - static_cast<float>(picked.t.x0),
-                    y = f.pixel_y - static_cast<float>(picked.t.y0),
-                    kappa = list.items[entries[e]].kappa;
-        const BlockMask blocks = picked.within(x, y, ball_reach(view, f, kappa));
-        if (!blocks.any()) continue;
-        const float core = ball_reach(view, f, kappa, static_cast<float>(kHitTrim));
-        near.push_back({e, blocks, picked.within(x, y, core)});
+        const float kappa = list.items[entries[e]].kappa;
+        const BallDisc ball(view, f, kappa), core(view, f, kappa, static_cast<float>(kHitTrim));
+        const float x = ball.x - static_cast<float>(picked.t.x0),
+                    y = ball.y - static_cast<float>(picked.t.y0);
+        const BlockMask blocks = picked.within(x, y, ball.reach);
+        if (blocks.any()) near.push_back({e, blocks, picked.within(x, y, core.reach)});
     }
     return near;
 }

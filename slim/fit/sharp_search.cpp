@@ -105,7 +105,9 @@ double SharpSearch::clear_radius(const Vec3d& center, const Vec3d& normal,
     set_contrary_aside(work.ball, normal, work.aside);
     double least = 1;
     for (const SetAside<float>& a : work.aside) least = std::min(least, std::sqrt(double{a.sq}));
-    if (is_tip(work.ball)) return smooth.radius * kOfTip * nearest_aside(work);
+    // Beside a point without a normal all others stand aside.
+    if (sq_length(normal) > 0 && !work.aside.empty() && is_tip(work.ball))
+        return smooth.radius * kOfTip * nearest_aside(work);
     return smooth.radius * std::max(least, kGoldenRatio * kGoldenRatio);
 }
 

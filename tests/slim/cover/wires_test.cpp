@@ -64,13 +64,14 @@ TEST(Wires, LeavesAreShortAndNarrowWhereTheRestIsDenseBothWays) {
     const WireLeaves wire = wire_leaves(true);
     EXPECT_GT(wire.n, 20u);
     EXPECT_LT(wire.largest, 2);
-    EXPECT_LT(wire.beside, 0.4);
+    EXPECT_LT(wire.beside, 0.7);
 }
 
 TEST(Wires, ALineOfAScanIsCoveredAsAPatch) {
     const WireLeaves line = wire_leaves(false);
     EXPECT_GT(line.n, 0u);
-    EXPECT_GT(line.largest, 2);
+    EXPECT_GT(line.largest, 4);
+    EXPECT_GT(line.beside, 1.4);
 }
 
 }  // namespace
