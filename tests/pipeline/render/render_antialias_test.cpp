@@ -214,7 +214,7 @@ TEST_F(RenderAntialias, IsRefusedWhereItDoesNothing) {
     const RefusedCase cases[] = {
         {"antialias", on([](RenderConfig& c) { c.aov = {"id"}; })},
         {"antialias", on([](RenderConfig& c) { c.aov = {"lines"}, c.lines = {"contour"}; })},
-        {"--supersample 2", on([](RenderConfig& c) { c.supersample = 2; })},
+        {"--supersample takes", on([](RenderConfig& c) { c.supersample = 2; })},
         {"brute", on([](RenderConfig& c) { c.mode = "brute", c.lod = 0; })},
     };
     expect_each_is_refused(config("x.png"), cases);
