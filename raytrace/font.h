@@ -13,7 +13,8 @@ namespace slim {
 /// being found at run time (OpenImageIO's render_text does, CONVENTIONS 4.5).
 ///
 /// Text is UTF-8: ASCII, the letters of Latin-1 (but eth and thorn), and U+2212 (minus), degree,
-/// plus-minus, squared, cubed, micro, middle dot, times. A character without a glyph is drawn as an empty box.
+/// plus-minus, squared, cubed, micro, middle dot, times. A character without a glyph is drawn as an
+/// empty box.
 struct TextStyle {
     float cap_height = 14;      ///< height of capitals and digits, pixels
     Vec3f color{0, 0, 0};       ///< linear Rec.709

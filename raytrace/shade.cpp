@@ -66,7 +66,8 @@ void turn_to_eye(const EyeSurface& surface, const PlaceOf& place, PixelLanes& p)
     for (std::uint32_t bits = away & p.hit; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
         const Place at = place(lane);
-        p.normal.set(lane, surface.eye_normal(at.x, at.y, p.normal.at(lane), p.toward_eye.at(lane)));
+        p.normal.set(lane,
+                     surface.eye_normal(at.x, at.y, p.normal.at(lane), p.toward_eye.at(lane)));
     }
 }
 

@@ -120,7 +120,8 @@ struct SurfacePlanes {
     const GBuffer& buffer;                             ///< hits and positions
     const std::array<std::vector<float>, 3>& normals;  ///< turned to the eye: turned_normals
     const SampleMask* only = nullptr;  ///< what of the window was drawn, if not all
-    std::span<const Vec3f> tints = {};  ///< colours of the hits, linear; empty: the material's alone
+    std::span<const Vec3f> tints =
+        {};  ///< colours of the hits, linear; empty: the material's alone
 
     /// Some rows of them, as a part of the picture.
     PixelWindow band(const RowRange& rows) const {

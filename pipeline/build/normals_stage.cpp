@@ -231,7 +231,8 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (!keeps) return_freed_memory();
-        const nlohmann::json one = run_slice_normals(config, plan, todo[i], sensors, signs, context);
+        const nlohmann::json one =
+            run_slice_normals(config, plan, todo[i], sensors, signs, context);
         add_counts(one, sum);
         evidence += evidence_from(one.at("evidence"));
         up_to_date &= one.contains("up_to_date");

@@ -72,7 +72,8 @@ SceneSigns scene_signs(const NormalsConfig& config, const SlicePlan& plan,
         sort_along_curve(points, plan.bounds);
         const OrientReport report = orient_sample(points, config, sensors);
         write_slice(path.string(), points);
-        result = stamp.commit({{"points", points.size()}, {"flat", report.flat}}, Outlasts::process);
+        result =
+            stamp.commit({{"points", points.size()}, {"flat", report.flat}}, Outlasts::process);
     }
     std::vector<std::uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0u);

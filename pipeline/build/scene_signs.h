@@ -16,9 +16,9 @@ namespace slim {
 /// WORK/signs.slice: the sample of SceneSigns.
 std::filesystem::path scene_signs_path(const std::filesystem::path& work);
 
-/// Which side of each part of a cloud is out, where a job of several slices estimates all normals: a
-/// sample of the whole is oriented at once, as a job of one slice would be. A slice sees pieces of
-/// parts only (slim/normals/notes/0007).
+/// Which side of each part of a cloud is out, where a job of several slices estimates all normals:
+/// a sample of the whole is oriented at once, as a job of one slice would be. A slice sees pieces
+/// of parts only (slim/normals/notes/0007).
 struct SceneSigns {
     std::vector<std::uint64_t> id;  ///< rising
     std::vector<Vec3f> normal;

@@ -146,8 +146,8 @@ OrientReport orient_sample(PointBlock& points, const NormalsConfig& config,
     const std::vector<std::uint32_t> wanted = points_without_normal(points);
     const std::vector<bool> own(points.size(), true);
     NormalsReport report;
-    estimate_missing(points, search, own, wanted, std::nullopt, sensors, {}, config.neighbors, false,
-                     report);
+    estimate_missing(points, search, own, wanted, std::nullopt, sensors, {}, config.neighbors,
+                     false, report);
     audit_estimates(points, search, own, wanted, report);
     return report.orientation;
 }
@@ -197,12 +197,12 @@ NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                          seen_from_above, report);
         audit_estimates(points, search, own, wanted, report);
         if (kFew * report.on_lines > report.estimated)
-            reporter.warn(
-                fmt::format("{} points lie on lines, of wires or a scan, too far from each other for "
-                            "normals that say anything: expected scan lines at most some 100 "
-                            "points' spacing apart (20 where most of the cloud is dense both "
-                            "ways), or normals in the input",
-                            report.on_lines));
+            reporter.warn(fmt::format(
+                "{} points lie on lines, of wires or a scan, too far from each other for "
+                "normals that say anything: expected scan lines at most some 100 "
+                "points' spacing apart (20 where most of the cloud is dense both "
+                "ways), or normals in the input",
+                report.on_lines));
     }
     if (!mistrusted.empty())
         reporter.warn(mistrusted + estimated_anew(report.orientation, !hints.empty()));

@@ -35,16 +35,16 @@ struct NormalsReport {
 std::vector<std::uint32_t> sample_points(const PointBlock& points, const std::vector<bool>& own,
                                          double share);
 
-/// Estimates and orients the normals of a sample of a whole cloud (local frame, Morton order), which
-/// has none, as give_normals does where all are estimated; not flipped.
+/// Estimates and orients the normals of a sample of a whole cloud (local frame, Morton order),
+/// which has none, as give_normals does where all are estimated; not flipped.
 OrientReport orient_sample(PointBlock& points, const NormalsConfig& config,
                            const std::vector<Vec3d>& sensors);
 
 /// Normals of a slice's points (local frame, Morton order, `search` over them): given ones kept,
 /// turned where they oppose their neighbours, estimated where they are missing or not to be
-/// trusted, flipped at last, as config.normals says. whole: of a slice of several, for which side is
-/// out; seen_from_above: what the slices before found. own: which points are the slice's own; the
-/// report is of those. Warns through the reporter of many wrong ones.
+/// trusted, flipped at last, as config.normals says. whole: of a slice of several, for which side
+/// is out; seen_from_above: what the slices before found. own: which points are the slice's own;
+/// the report is of those. Warns through the reporter of many wrong ones.
 NormalsReport give_normals(PointBlock& points, const NearestSearch& search,
                            const std::vector<bool>& own,
                            const std::optional<WholeScene>& whole,

@@ -63,7 +63,8 @@ std::set<std::string> replaced_by_view(const TomlTable& view) {
         });
     };
     const bool antialias = says("antialias", "false"), supersample = says("supersample", "1");
-    if (antialias == supersample) return {};  // of both the renderer says that they do not go together
+    if (antialias == supersample)
+        return {};  // of both the renderer says that they do not go together
     return {antialias ? "supersample" : "antialias"};
 }
 

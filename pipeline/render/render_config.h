@@ -151,9 +151,10 @@ private:
               "raytrace: a plane under the model, across --up, that takes shadows");
         field("ground_height", ground_height,
               "where it cuts the up axis, world (auto: under what is drawn)");
-        field("ground_color", ground_color,
-              "#rrggbb: opaque, to light from below, too; or shadow: only its shadows are seen, over "
-              "the background");
+        field(
+            "ground_color", ground_color,
+            "#rrggbb: opaque, to light from below, too; or shadow: only its shadows are seen, over "
+            "the background");
         field.path("add", add,
                    "raytrace: further models of the scene, --add a.slim,b.slim or --add again");
     }

@@ -29,8 +29,8 @@ private:
 };
 
 /// Zeroes the principal directions of a frame (which holds k1 and k2), and what the curvatures do
-/// along them, where there are none: umbilics, (k1 - k2) / 2 < 0.01 |k1 + k2| / 2, and flat places, both curvatures below 0.2 /
-/// diagonal (NUMERICS 5.2).
+/// along them, where there are none: umbilics, (k1 - k2) / 2 < 0.01 |k1 + k2| / 2, and flat places,
+/// both curvatures below 0.2 / diagonal (NUMERICS 5.2).
 void drop_undefined_directions(const PixelDiagonals& diagonals, GBuffer& frame);
 
 /// Planes of t2 = N x t1, zero where t1 is; the frame holds both.

@@ -189,8 +189,9 @@ std::vector<Material> parse_materials(const std::string& text) {
         m.shininess = static_cast<int>(words.number("shininess", m.shininess, 1, 10000));
         m.mirror = static_cast<float>(words.number("mirror", m.mirror, 0, 1));
         if (m.of_scan && m.mirror > 0)
-            words.fail("color=scan and mirror: mirror images know no colours of a scan; expected one "
-                       "of the two");
+            words.fail(
+                "color=scan and mirror: mirror images know no colours of a scan; expected one "
+                "of the two");
         words.finish();
         materials.push_back(m);
     }

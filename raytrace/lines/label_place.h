@@ -24,7 +24,8 @@ struct LabelSheet {
 /// - a line longer than three labels has one, and another for each 15 more;
 /// - of each such stretch the label takes the place where the line is straightest, deviates by less
 ///   than a third of a digit's height, near the middle of the stretch;
-/// - heads of digits are uphill where that leaves them upright, and places where it does come first;
+/// - heads of digits are uphill where that leaves them upright, and places where it does come
+/// first;
 ///   a line that has none is labelled all the same, upright, heads downhill;
 /// - all of the label lies on the surface, between the index contours next to its own, off the
 ///   frame, the legends and the other labels; equal heights are five labels apart;

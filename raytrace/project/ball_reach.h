@@ -35,7 +35,8 @@ struct BallDisc {
 /// The pixels of the window in a disc, and those of a rectangle in it.
 inline ScreenRect joined(const BallDisc& disc, const ScreenRect& r, const PixelWindow& window) {
     const auto bound = [](float at, int least, int most) {
-        return static_cast<int>(std::clamp(at, static_cast<float>(least), static_cast<float>(most)));
+        return static_cast<int>(
+            std::clamp(at, static_cast<float>(least), static_cast<float>(most)));
     };
     const int x1 = window.x + window.width, y1 = window.y + window.height;
     return {std::min(r.x0, bound(disc.x - disc.reach, window.x, x1)),

@@ -168,7 +168,12 @@ public:
     ReadyOf(const SurfelTree& tree, const PixelView& view, const PixelWindow& grid,
             std::span<const std::uint32_t> cut, const SampleMask* only, bool clean_outlines,
             RenderStats& stats)
-        : tree_(tree), view_(view), grid_(grid), only_(only), clean_outlines_(clean_outlines), list_(list_of(cut, stats)),
+        : tree_(tree),
+          view_(view),
+          grid_(grid),
+          only_(only),
+          clean_outlines_(clean_outlines),
+          list_(list_of(cut, stats)),
           bins_(bins_of(stats)) {}
 
     TileCounts draw(const PixelWindow& window, GBuffer& out) const override {

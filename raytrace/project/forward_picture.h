@@ -9,15 +9,16 @@
 
 namespace slim {
 
-/// A picture made ready by forward projection, the surfels of its cut sorted into tiles, to be drawn
-/// window by window. What render_forward says of a picture holds of each window.
+/// A picture made ready by forward projection, the surfels of its cut sorted into tiles, to be
+/// drawn window by window. What render_forward says of a picture holds of each window.
 class ForwardPicture {
 public:
     /// The request's window is all that can be drawn. The tree, and `only` if given (see
     /// render_forward), must outlive this.
     /// throws  ConfigError for the camera, the size or the window; FormatError for a tree with
     ///         cycles
-    /// cost    O(nodes above the cut + cut); with `only` a surfel that reaches no tile with a wanted
+    /// cost    O(nodes above the cut + cut); with `only` a surfel that reaches no tile with a
+    /// wanted
     ///         sample is left out early
     ForwardPicture(const SurfelTree& tree, const RenderRequest& request,
                    const SampleMask* only = nullptr);

@@ -71,8 +71,8 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
                                                 const TileSums& sums, TileBuffers& t) {
     batch.for_each([&](const BlendWork<Degree>& work, int block) __attribute__((always_inline)) {
         blend<Degree, kWantHessian, kSharpModel, kWantThird>(
-            work.surfel, work.surfel.row_of(t.places, block, 1),
-            work.surfel.s_of(t.places, block), static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
+            work.surfel, work.surfel.row_of(t.places, block, 1), work.surfel.s_of(t.places, block),
+            static_cast<std::size_t>(block * kLanes), work.reach, sums, t);
     });
 }
 

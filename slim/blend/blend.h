@@ -70,10 +70,10 @@ template <class T>
     return passing > constant<T>(4) * weight;
 }
 
-/// The weight with which a surfel says that the ray passes over it at t_guess, 0 if it does not: the
-/// guess lies in its ball outside of its surface, f has no root there that add_supporter would take
-/// for the guess, and the gate admits its gradient at the guess (of a sharp surfel that of one of
-/// its sheets).
+/// The weight with which a surfel says that the ray passes over it at t_guess, 0 if it does not:
+/// the guess lies in its ball outside of its surface, f has no root there that add_supporter would
+/// take for the guess, and the gate admits its gradient at the guess (of a sharp surfel that of one
+/// of its sheets).
 double passing_weight(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel);
 
 /// How often a hit that was outvoted gives way to the next one along the ray.

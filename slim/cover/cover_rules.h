@@ -58,8 +58,8 @@ struct CoverRules {
     /// Strays to the volume: where points are sparser than usual and no denser than a few times
     /// that, they must show a surface (notes/0019). 0: none.
     double stray_density = 0;
-    /// What lies on a line is a wire, no scan line whose next ones are far: a leaf of it is small and
-    /// narrow.
+    /// What lies on a line is a wire, no scan line whose next ones are far: a leaf of it is small
+    /// and narrow.
     bool lines_are_wires = false;
     double spacing = 0;  ///< square root of the area that one of the job's
                          ///< points usually has; 0: as these have

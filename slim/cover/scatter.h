@@ -18,8 +18,8 @@ inline constexpr std::uint32_t kFewest = 3;  ///< points that any leaf may have
 bool is_scatter(const CoveringSurfel& leaf, bool forced, bool sparse, bool clean);
 
 /// Whether a leaf's points are a line and, as the cloud is dense both ways elsewhere, no scan line
-/// with others beside it: a wire. Too large, if there are more than 15 of them: in a larger ball the
-/// line has more points, but no more breadth.
+/// with others beside it: a wire. Too large, if there are more than 15 of them: in a larger ball
+/// the line has more points, but no more breadth.
 bool is_wire(const CoveringSurfel& leaf);
 bool is_too_large_on_wire(const CoveringSurfel& leaf);
 

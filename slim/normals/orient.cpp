@@ -139,8 +139,8 @@ std::vector<float> sizes_of(const PointBlock& points, const NeighborGraph& graph
     return sizes;
 }
 
-/// What those shapes enclose whose normals cancel, but whose flux is small beside their reach: rods,
-/// rings, frames, plates.
+/// What those shapes enclose whose normals cancel, but whose flux is small beside their reach:
+/// rods, rings, frames, plates.
 void look_at_slender(const PointBlock& points, const Components& components,
                      std::span<const float> sizes, std::vector<Shape>& shapes) {
     std::vector<std::optional<Enclosure>> enclosures(shapes.size());

@@ -51,8 +51,8 @@ struct WholeScene {
 /// encloses if it is slender (Enclosure, notes/0007); where that says nothing (a terrain, a wall),
 /// upwards (+z); where moreover four of five normals are less than 60 degrees steep (airborne
 /// scans), each of those by itself.
-/// whole: of a slice; a component that reaches out of it (points with counted[i] false) is turned as
-/// the sample has it, else by its flux about the whole's centre. counted: the report is of those
+/// whole: of a slice; a component that reaches out of it (points with counted[i] false) is turned
+/// as the sample has it, else by its flux about the whole's centre. counted: the report is of those
 /// points; empty: of all. seen_from_above: these rules, which found the known signs in a slice
 /// before, saw an airborne scan there: it is one here too, where slopes might look like an outside.
 /// hints: normals that are wrong here and there: a component's side is theirs where 85 % agree or,

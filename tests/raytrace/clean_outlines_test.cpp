@@ -66,7 +66,8 @@ TEST_P(CleanOutlinesTest, AreTheSameInAllRenderers) {
             RenderRequest request = request_for(model, "right", fov == 0, 200);
             if (fov > 0) {  // wide: near by, and the sphere in a corner
                 request.camera.fov_y_deg = fov;
-                if (fov > 90) request.camera.eye = {2.2, 1.1, 0.9}, request.camera.target = {0, 1.6, 1};
+                if (fov > 90)
+                    request.camera.eye = {2.2, 1.1, 0.9}, request.camera.target = {0, 1.6, 1};
             }
             const GBuffer plain = projected(model, request);
             request.clean_outlines = true;
