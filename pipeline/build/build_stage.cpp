@@ -193,6 +193,22 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 
 }  // namespace
 
+namespace {
+
+/// A build that was killed once its model was there leaves its work folder; one that another
+/// process works in stays.
+void remove_left_over(const std::string& work) {
+    if (!fs::exists(plan_path(work))) return;
+    try {
+        const FolderLock lock(work);
+        fs::remove_all(work);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::temporary) throw;
+    }
+}
+
+}  // namespace
+
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
     check_fit_config(fit_config(config, ""));
@@ -211,6 +227,7 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     nlohmann::json result;
     if (auto done = stamp.up_to_date()) {
         result = *done;
+        if (!keep_work) remove_left_over(work);
     } else {
         if (config.color) require_colors(config.inputs);
         const FolderLock lock(work);
