@@ -137,6 +137,25 @@ void check_output(const BuildConfig& config) {
                           memory_size_text(kLeastMemory) + ", which the coarse levels take");
 }
 
+/// The work folder of a build that was not given one.
+std::string own_work(const BuildConfig& config) { return config.output + ".work"; }
+
+/// Where it goes once nothing in it is needed. A build is killed between its commit and the end of
+/// this folder's removal; the next one finds by the name that it is nobody's. A folder of the other
+/// name may be one that `slim slice --work` made and make goes on with.
+std::string used_up_work(const BuildConfig& config) { return own_work(config) + ".done"; }
+
+void put_aside(const BuildConfig& config) {
+    std::error_code error;
+    fs::rename(own_work(config), used_up_work(config), error);
+    if (error) fs::remove_all(own_work(config));
+}
+
+void remove_used_up(const BuildConfig& config) {
+    std::error_code ignored;  // another process may be removing it, too
+    fs::remove_all(used_up_work(config), ignored);
+}
+
 /// The stages, one after the other, and the record of what they came to.
 nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
                         StageContext& context) {
@@ -174,6 +193,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
     result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;
+    if (config.work.empty()) put_aside(config);
     return stamp.commit(std::move(result));
 }
 
@@ -193,28 +213,13 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
 
 }  // namespace
 
-namespace {
-
-/// A build that was killed once its model was there leaves its work folder; one that another
-/// process works in stays.
-void remove_left_over(const std::string& work) {
-    if (!fs::exists(plan_path(work))) return;
-    try {
-        const FolderLock lock(work);
-        fs::remove_all(work);
-    } catch (const Error& error) {
-        if (error.code() != ExitCode::temporary) throw;
-    }
-}
-
-}  // namespace
-
 nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_output(config);
     check_fit_config(fit_config(config, ""));
     check_normals_config(normals_config(config, ""));
     const bool keep_work = !config.work.empty();
-    const std::string work = keep_work ? config.work : config.output + ".work";
+    const std::string work = keep_work ? config.work : own_work(config);
+    if (!keep_work) remove_used_up(config);
     Stamp stamp(context, manifest_path(config.output));
     for (const std::string& input : config.inputs) {
         stamp.input(input);
@@ -227,13 +232,12 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     nlohmann::json result;
     if (auto done = stamp.up_to_date()) {
         result = *done;
-        if (!keep_work) remove_left_over(work);
     } else {
         if (config.color) require_colors(config.inputs);
         const FolderLock lock(work);
         try {
             result = build_in(config, work, stamp, context);
-            if (!keep_work) fs::remove_all(work);
+            if (!keep_work) remove_used_up(config);
         } catch (const Error& error) {
             give_up(config, work, error);
         }

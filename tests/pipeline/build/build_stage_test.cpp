@@ -68,6 +68,24 @@ TEST_F(BuildStage, AWorkFolderThatIsAskedForLaterIsThere) {
     EXPECT_TRUE(build(c).contains("up_to_date"));
 }
 
+TEST_F(BuildStage, ABuildThatIsUpToDateLeavesWhatOthersSliced) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    c.work = file("m.slim.work");  // as plans for make name it
+    build(c);
+    c.work.clear();
+    EXPECT_TRUE(build(c).contains("up_to_date"));
+    EXPECT_TRUE(fs::exists(plan_path(file("m.slim.work"))));
+}
+
+TEST_F(BuildStage, WhatAKillLeftOfAFinishedBuildGoes) {
+    const BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    build(c);
+    EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
+    fs::create_directories(file("m.slim.work.done/slice"));
+    EXPECT_TRUE(build(c).contains("up_to_date"));
+    EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
+}
+
 TEST_F(BuildStage, AModelHasNoOtherFormatsEnding) {
     const std::string cloud = write(sampled("sphere", 3000), "c.ply");
     for (const char* name : {"m.ply", "m.PNG", "m.json", "m.slim.gz"}) {
