@@ -161,8 +161,9 @@ TEST(NearestPoint, AgreesWithTheFootOfPointsNearTheSurface) {
             const FootPoint foot = foot_point(shape, x);
             const auto nearest = nearest_point(shape, x);
             ASSERT_TRUE(nearest) << shape.name;
-            if (foot.converged)
+            if (foot.converged) {
                 EXPECT_DOUBLE_EQ(nearest->signed_distance, foot.signed_distance) << shape.name;
+            }
         }
 }
 
