@@ -22,7 +22,7 @@ using Leaves = std::vector<const Surfel*>;
 constexpr std::size_t kLeavesTogether = 16;
 constexpr std::size_t kTogether = 16;   // places that share a list of leaves
 constexpr std::size_t kPieces = 64;     // of the places, for threads
-constexpr std::size_t kLeastPiece = 1024;
+constexpr std::size_t kLeastPiece = 128;  // each looks at all leaves once
 
 constexpr double kNearEnough = 0.7;  // of what is far: first order is not exact
 constexpr double kSurelyOut = 0.6;   // over rho, twice kBelongs: no root

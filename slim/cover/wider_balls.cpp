@@ -69,9 +69,12 @@ bool has_edge_signs(const CoveringSurfel& leaf) {
 }
 
 bool ends_before_air(const CoveringSurfel& leaf) {
+    const auto is_far = [](const AirPlace& p) { return p.far; };
+    const auto first = std::find_if(leaf.air.begin(), leaf.air.end(), is_far);
+    if (first == leaf.air.end()) return true;  // as of most: their rims are not looked for
     const PackedRims rims = rims_of(leaf);
-    return std::none_of(leaf.air.begin(), leaf.air.end(), [&](const AirPlace& p) {
-        return p.far &&
+    return std::none_of(first, leaf.air.end(), [&](const AirPlace& p) {
+        return is_far(p) &&
                rim_share(rims, static_cast<double>(p.u), static_cast<double>(p.v)) > kHardlyThere;
     });
 }
