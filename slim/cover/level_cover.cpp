@@ -71,13 +71,16 @@ LevelCover::LevelCover(const PointBlock& points, const CoverRules& rules,
 
 Cover LevelCover::run(Reporter& reporter) {
     if (rules_.done) mark_done();
-    std::size_t open = states_.count_open();
-    for (int level = rules_.first_level; level <= rules_.last_level && open > 0; ++level) {
-        run_level(level);
-        open = states_.count_open();
+    const std::size_t n = block_.size();
+    for (int level = rules_.first_level; level <= rules_.last_level; ++level) {
+        const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
+        const std::size_t open = sift_open(thinning);
+        reporter.progress("fit", n - open, n);
+        if (open == 0) break;
+        run_level(level, thinning);
         out_.counts.levels = static_cast<std::uint64_t>(level);
-        reporter.progress("fit", block_.size() - open, block_.size());
     }
+    reporter.progress("fit", n - states_.count_open(), n);
     if (rules_.fits_again()) finish_leaves();
     for (const LeafWork& w : work_) {
         out_.counts.rungs += w.ladder.rungs;
@@ -99,16 +102,23 @@ std::size_t LevelCover::thinning_for(double radius) const {
     return t;
 }
 
-void LevelCover::run_level(int level) {
-    const std::size_t thinning = thinning_for(level_radius(rules_.diagonal, level));
-    // Only all of them are sifted for good: the coarse levels look at few.
-    const auto is_closed = [&](std::uint32_t rank) {
-        return !states_.is_open(pyramid_.by_priority()[rank]);
-    };
-    if (thinning == 0) parallel_erase_if(open_, is_closed);
+bool LevelCover::is_closed(std::uint32_t rank) const {
+    return !states_.is_open(pyramid_.by_priority()[rank]);
+}
+
+/// Number of points that are open. Only all of them are sifted for good: the coarse levels look at
+/// few, and are counted as they lie in memory.
+std::size_t LevelCover::sift_open(std::size_t thinning) {
+    if (thinning > 0) return states_.count_open();
+    parallel_erase_if(open_, [&](std::uint32_t rank) { return is_closed(rank); });
+    return open_.size();
+}
+
+void LevelCover::run_level(int level, std::size_t thinning) {
     const auto end = std::lower_bound(open_.begin(), open_.end(), pyramid_.level_size(thinning));
     std::vector<std::uint32_t> waiting(open_.begin(), end);
-    if (thinning > 0) parallel_erase_if(waiting, is_closed);
+    if (thinning > 0)
+        parallel_erase_if(waiting, [&](std::uint32_t rank) { return is_closed(rank); });
     for (std::uint32_t& rank : waiting) rank = pyramid_.by_priority()[rank];
     for (const float most_overlap : kCrowding) {
         run_pass(level, thinning, std::min(most_overlap, rules_.coverage()), waiting);

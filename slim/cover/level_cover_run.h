@@ -36,7 +36,9 @@ private:
     void mark_again(std::span<const FittedSurfel> leaves);
     void keep(const FittedSurfel& f);
     std::size_t thinning_for(double radius) const;
-    void run_level(int level);
+    bool is_closed(std::uint32_t rank) const;
+    std::size_t sift_open(std::size_t thinning);
+    void run_level(int level, std::size_t thinning);
     void run_pass(int level, std::size_t thinning, float most_overlap,
                   std::vector<std::uint32_t>& waiting);
     void search(CoverCandidate& c, int level, std::size_t thinning);
