@@ -121,6 +121,23 @@ struct SharpEdge {
     std::vector<std::uint32_t> regions;
 };
 
+/// Those of faces of sparse pieces, in the order of for_each_edge; none if there are too many to
+/// look at each pair.
+std::vector<SharpEdge> sharp_edges(const FaceList& faces, const FaceEdges& edges,
+                                   const std::vector<bool>& sparse,
+                                   const std::vector<std::uint32_t>& piece,
+                                   const std::vector<std::uint32_t>& region) {
+    std::vector<SharpEdge> sharp;
+    edges.for_each_edge([&](const Sides& sides) {
+        if (!sparse[sides[0].face] || is_smooth(edges, sides) || sharp.size() > kMostPaired) return;
+        sharp.push_back({faces.position[sides[0].a], faces.position[sides[0].b],
+                         piece[sides[0].face], {}});
+        for (const auto& side : sides) sharp.back().regions.push_back(region[side.face]);
+    });
+    if (sharp.size() > kMostPaired) sharp.clear();
+    return sharp;
+}
+
 bool share_a_region(const SharpEdge& a, const SharpEdge& b) {
     return std::find_first_of(a.regions.begin(), a.regions.end(), b.regions.begin(),
                               b.regions.end()) != a.regions.end();
@@ -189,15 +206,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             if (std::exchange(last, region_[side.face]) != region_[side.face])
                 found[region_[side.face]].push_back(edge);
     };
-    std::vector<SharpEdge> sharp;
-    edges.for_each_edge([&](const Sides& sides) {
-        if (!sparse[sides[0].face] || is_smooth(edges, sides) || sharp.size() > kMostPaired) return;
-        sharp.push_back({faces.position[sides[0].a], faces.position[sides[0].b],
-                         pieces.first[sides[0].face], {}});
-        for (const auto& side : sides) sharp.back().regions.push_back(region_[side.face]);
-    });
-    if (sharp.size() > kMostPaired) sharp.clear();
-    const std::vector<double> thickness = thicknesses(sharp);
+    const std::vector<double> thickness =
+        thicknesses(sharp_edges(faces, edges, sparse, pieces.first, region_));
     std::size_t next = 0;  // of the sharp ones
     edges.for_each_edge([&](const Sides& sides) {
         if (!sparse[sides[0].face]) return;
@@ -207,8 +217,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             for (const auto& side : sides) size = std::min(size, width[region_[side.face]]);
             add(sides, size);
         } else if (const double turn = edges.turn(sides[0], sides[1]); turn > kLeastTurn) {
-            const double width = (edges.width(sides[0]) + edges.width(sides[1])) / 2;
-            add(sides, turn < kFacetTurn ? width / turn : width);
+            const double facet = (edges.width(sides[0]) + edges.width(sides[1])) / 2;
+            add(sides, turn < kFacetTurn ? facet / turn : facet);
         }
     });
     begin_.push_back(0);
