@@ -236,8 +236,8 @@ FirstHits TraceScene::first_hits(const RayPacket& rays, std::array<std::uint32_t
 SurfaceHits TraceScene::surface(const RayPacket& rays, Derivatives wanted, TraceCounts& counts,
                                 bool clean_outlines) const {
     SurfaceHits out = surface_at_first(rays, wanted, counts, clean_outlines);
-    const int most_rounds = clean_outlines ? kMostRounds : 0;
-    for (int round = 0; round < most_rounds; ++round) {
+    const int most = clean_outlines ? kMostOutvoted : 0;
+    for (int round = 0; round < most; ++round) {
         const auto outvoted = out.hit() && is_in_doubt<FloatV>(out.sums.weight) &&
                               is_outvoted<FloatV>(out.sums.weight, out.sums.passing);
         if (stdx::none_of(outvoted)) break;
