@@ -1,6 +1,6 @@
 #include "slim/fit/sharp_clusters.h"
 
-#include "slim/base/simd.h"
+#include "slim/fit/double_lanes.h"
 
 #include <algorithm>
 #include <bit>
@@ -79,12 +79,6 @@ double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) 
     return n > 0 ? 1 - along / n : 0;
 }
 
-using Lanes = stdx::native_simd<double>;
-
-Lanes lanes_at(const std::vector<float>& a, std::size_t i) {
-    return stdx::static_simd_cast<Lanes>(LanesOfDouble<float>(&a[i], stdx::element_aligned));
-}
-
 /// The nearest cluster of each point, by its bit; 0 where a normal is missing, or not clearly that
 /// cluster's: nearer to another by less than kAmbiguous of what lies between the two.
 template <class T>
@@ -94,10 +88,11 @@ void assign_clusters(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets
     for (std::size_t a = 0; a < k; ++a)
         for (std::size_t b = 0; b < k; ++b)
             margin[a][b] = kAmbiguous * (1 - dot(normal[b], normal[a]));
-    for (std::size_t first = 0; first < p.n; first += Lanes::size()) {
-        const Lanes x = lanes_at(p.nx, first), y = lanes_at(p.ny, first), z = lanes_at(p.nz, first);
-        std::array<Lanes, kMostSheets> along;
-        Lanes most = -INFINITY, best = 0;
+    for (std::size_t first = 0; first < p.n; first += DoubleLanes::size()) {
+        const DoubleLanes x = double_lanes_at(p.nx, first), y = double_lanes_at(p.ny, first),
+                          z = double_lanes_at(p.nz, first);
+        std::array<DoubleLanes, kMostSheets> along;
+        DoubleLanes most = -INFINITY, best = 0;
         for (std::size_t c = 0; c < k; ++c) {
             along[c] = x * normal[c].x + y * normal[c].y + z * normal[c].z;
             const auto nearer = along[c] > most;
@@ -111,9 +106,9 @@ void assign_clusters(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets
                 if (b != a) clear = clear && (is_other || most - along[b] >= margin[a][b]);
         }
         const std::uint64_t bits = lane_bits(clear);
-        std::array<double, Lanes::size()> nearest;
+        std::array<double, DoubleLanes::size()> nearest;
         best.copy_to(nearest.data(), stdx::element_aligned);
-        for (std::size_t lane = 0; lane < Lanes::size(); ++lane)
+        for (std::size_t lane = 0; lane < DoubleLanes::size(); ++lane)
             member[first + lane] = static_cast<std::uint8_t>(
                 (bits >> lane & 1) << static_cast<unsigned>(nearest[lane]));
     }
