@@ -38,7 +38,7 @@ constexpr double kTextStep = 1e-9;
 struct Counts {
     std::uint64_t points = 0, moved = 0, unsupported = 0, held = 0, opposed = 0, astray = 0,
                   not_finite = 0;
-    std::uint64_t by_model = 0, held_back = 0;
+    std::uint64_t by_model = 0, held_back = 0, kept = 0;
     double sq_displacement = 0, max = 0;
     Bbox box;  // of the finite points as they were, frame of the job
 
@@ -46,7 +46,10 @@ struct Counts {
         ++points;
         if (is_finite(from)) box.extend(from);
         if (!p.moved) {
-            ++(!is_finite(p.position) ? not_finite : p.held ? held : unsupported);
+            ++(!is_finite(p.position) ? not_finite
+               : p.held               ? held
+               : p.held_back          ? kept
+                                      : unsupported);
             return;
         }
         ++moved;
@@ -213,14 +216,17 @@ json smooth_faces(const Smoother& smoother) {
                         counts.held, counts.points));
     if (smoothed.turned.turned > 0)
         smoother.context.reporter.info(
-            fmt::format("{} faces would have turned over: {} vertices go a share of their way",
-                        smoothed.turned.turned, smoothed.turned.n_held_back));
+            fmt::format("{} faces would have turned over: {} vertices go a share of their way, {} "
+                        "stay",
+                        smoothed.turned.turned, smoothed.turned.n_held_back - counts.kept,
+                        counts.kept));
     json result = counts.to_json("mesh");
     if (!edges.is_null()) result["at_edges"] = edges;
     result["faces"] = mesh.n_faces();
     result["faces_unsupported"] = smoothed.faces_unsupported;
     result["faces_turned"] = smoothed.turned.turned;
     result["vertices_held_back"] = smoothed.turned.n_held_back;
+    result["vertices_kept"] = counts.kept;
     result["held"] = counts.held;
     return result;
 }

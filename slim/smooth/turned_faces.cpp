@@ -72,6 +72,12 @@ public:
         return static_cast<std::uint64_t>(
             std::count_if(steps_.begin(), steps_.end(), [](std::uint8_t s) { return s > 0; }));
     }
+    std::vector<std::uint32_t> kept() const {
+        std::vector<std::uint32_t> out;
+        for (std::size_t v = 0; v < steps_.size(); ++v)
+            if (steps_[v] == kStays) out.push_back(static_cast<std::uint32_t>(v));
+        return out;
+    }
 
 private:
     const Mesh& mesh_;
@@ -105,6 +111,7 @@ TurnedFaces hold_back_turned(const Mesh& mesh, const VertexFaces& around,
         turned = hold.turned(near.size(), [&](std::size_t i) { return near[i]; });
     }
     out.n_held_back = hold.n_held_back();
+    out.kept = hold.kept();
     return out;
 }
 
