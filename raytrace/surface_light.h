@@ -4,6 +4,7 @@
 #include "raytrace/frame.h"
 #include "raytrace/light_rig.h"
 #include "raytrace/sample_grid.h"
+#include "raytrace/whole_power.h"
 
 #include <array>
 #include <cstdint>
@@ -28,14 +29,6 @@ struct ShadePoints {
 struct LightSums {
     FloatV diffuse{0.0f}, shine{0.0f};
 };
-
-/// By squares and products: of 36 six products, relative error below 1e-5.
-inline FloatV whole_power(FloatV base, int exponent) {
-    FloatV product(1.0f);
-    for (; exponent > 0; exponent >>= 1, base = base * base)
-        if (exponent & 1) product = product * base;
-    return product;
-}
 
 /// Lambert's and Blinn's terms (as in shade.cpp) of light from one place. unblocked(points, lanes,
 /// incident) -> lanes that it reaches.

@@ -282,13 +282,9 @@ json smoothed(const SmoothConfig& config, StageContext& context) {
                             smooth_rules(model.header(), rules)};
     const bool as_mesh = has_faces && config.mode != "points";
     json result = as_mesh ? smooth_faces(smoother) : smooth_cloud(smoother);
-    const auto n = result.at("points").get<std::uint64_t>();
-    const auto lost = result.at("unsupported").get<std::uint64_t>();
-    if (2 * lost > n)
-        context.reporter.warn(fmt::format(
-            "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
-            config.cloud, lost, n, config.model));
-    else if (!as_mesh)
+    const bool lost = warn_of_lost(config.cloud, config.model, result.at("unsupported"),
+                                   result.at("points"), context.reporter);
+    if (!lost && !as_mesh)
         say_what_is_known(result, smoother.diagonal, config.model, config.cloud, context.reporter);
     return result;
 }

@@ -20,15 +20,6 @@ constexpr double kFollows = 0.9;        // mean cosine of a sheet's gradients to
 constexpr int kRefits = 2;
 
 template <class T>
-Vec3d place_of(const BallPoints<T>& p, std::size_t i) {
-    return {p.x[i], p.y[i], p.z[i]};
-}
-template <class T>
-Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
-    return {p.nx[i], p.ny[i], p.nz[i]};
-}
-
-template <class T>
 void reserve_part(BallPoints<T>& part, std::size_t n) {
     const std::size_t size = n + 64;
     if (part.x.size() >= size) return;
@@ -137,9 +128,9 @@ private:
     bool follows_normals(std::size_t k) const {
         double sum = 0, n = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d normal = normal_of(p_, i);
+            const Vec3d normal = p_.normal(i);
             if (work_.sheets[i] != 1u << k || !(sq_length(normal) > 0)) continue;
-            sum += cosine(k, place_of(p_, i), normal);
+            sum += cosine(k, p_.place(i), normal);
             ++n;
         }
         return sum >= kFollows * n;
@@ -150,7 +141,7 @@ private:
     LocalFit level(std::size_t k) {
         double sum = 0, squares = 0, weight = 0;
         for (std::size_t i = 0; i < work_.part.n; ++i) {
-            const double w = dot(fit_.frame[k].normal, place_of(work_.part, i));
+            const double w = dot(fit_.frame[k].normal, work_.part.place(i));
             const double g = static_cast<double>(fit_weight(p_.weight, work_.part.sq[i]));
             sum += g * w, squares += g * w * w, weight += g;
         }
@@ -171,7 +162,7 @@ private:
             for (std::size_t b = 0; b < fit_.n_sheets; ++b)
                 apart[a][b] = 1 - dot(fit_.frame[b].normal, fit_.frame[a].normal);
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d x = place_of(p_, i), n = normal_of(p_, i);
+            const Vec3d x = p_.place(i), n = p_.normal(i);
             std::array<double, kMostSheets> cosines{};
             std::size_t best = 0;
             for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
@@ -197,7 +188,7 @@ private:
         for (std::size_t i = 0; i < p_.n; ++i) {
             if (!work_.sheets[i]) continue;
             for (std::size_t k = 0; k < fit_.n_sheets; ++k)
-                work_.heights[i][k] = value(k, place_of(p_, i));
+                work_.heights[i][k] = value(k, p_.place(i));
         }
     }
 
@@ -218,9 +209,9 @@ private:
         if (work_.beside.size() < p_.n) work_.beside.resize(2 * p_.n);
         double rss = 0, weight = 0, sq_weight = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d x = place_of(p_, i);
+            const Vec3d x = p_.place(i);
             const double f = joined.value(x);
-            const auto [sheet, cosine] = nearest_normal(x, normal_of(p_, i));
+            const auto [sheet, cosine] = nearest_normal(x, p_.normal(i));
             work_.beside[i] = {f, cosine, sheet};
             if (cosine < kLeastCos) continue;
             const double g = static_cast<double>(fit_weight(p_.weight, p_.sq[i]));
@@ -250,7 +241,7 @@ private:
                 fit_.n_off += f > kOffSheet * noise_;
             else
                 fit_.n_off +=
-                    f > tolerance || std::abs(value(at.sheet, place_of(p_, i))) > tolerance;
+                    f > tolerance || std::abs(value(at.sheet, p_.place(i))) > tolerance;
         }
     }
 
