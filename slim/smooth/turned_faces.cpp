@@ -98,7 +98,8 @@ TurnedFaces hold_back_turned(const Mesh& mesh, const VertexFaces& around,
     HoldBack hold(mesh, toward, from, to);
     std::vector<std::uint32_t> turned =
         hold.turned(mesh.n_faces(), [](std::size_t i) { return i; });
-    TurnedFaces out{.turned = turned.size()};
+    TurnedFaces out;
+    out.turned = turned.size();
     // Ends: a face that turns has a corner that is not back yet, which each round takes one of its
     // four steps back.
     while (!turned.empty()) {
