@@ -4,11 +4,11 @@
 #include "formats/joined_edges.h"
 #include "slim/base/area_vector.h"
 #include "slim/base/bbox.h"
+#include "slim/base/joined_sets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -25,30 +25,6 @@ constexpr double kSparseShare = 0.5;            // of a piece's area, in large f
 
 using Sides = std::span<const FaceEdges::Side>;
 
-/// Which faces, or vertices, are one region or one piece (Tarjan 1975).
-class Groups {
-public:
-    explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-    void join(std::uint32_t i, std::uint32_t j) {
-        i = root(i), j = root(j);
-        parent_[std::max(i, j)] = std::min(i, j);
-    }
-    /// Of each, numbered without gaps, and how many.
-    std::pair<std::vector<std::uint32_t>, std::size_t> numbered() {
-        std::vector<std::uint32_t> out(parent_.size());
-        std::uint32_t n = 0;
-        for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = root(i) == i ? n++ : out[root(i)];
-        return {std::move(out), n};
-    }
-
-private:
-    std::uint32_t root(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    std::vector<std::uint32_t> parent_;
-};
-
 bool is_smooth(const FaceEdges& edges, const Sides& sides) {
     return sides.size() == 2 && edges.turn(sides[0], sides[1]) < kSharpTurn;
 }
@@ -57,7 +33,7 @@ bool is_smooth(const FaceEdges& edges, const Sides& sides) {
 using Pieces = std::pair<std::vector<std::uint32_t>, std::size_t>;
 
 Pieces joined_by_vertices(const FaceList& faces) {
-    Groups groups(faces.position.size());
+    JoinedSets groups(faces.position.size());
     for (std::size_t f = 0; f < faces.size(); ++f)
         for (const std::uint32_t v : faces[f]) groups.join(faces[f][0], v);
     const auto [number, n] = groups.numbered();
@@ -68,7 +44,7 @@ Pieces joined_by_vertices(const FaceList& faces) {
 }
 
 Pieces joined_by_edges(const FaceList& faces, const FaceEdges& edges) {
-    Groups groups(faces.size());
+    JoinedSets groups(faces.size());
     edges.for_each_edge([&](const Sides& sides) {
         for (const auto& side : sides) groups.join(sides[0].face, side.face);
     });
@@ -120,6 +96,23 @@ struct SharpEdge {
     std::uint32_t piece;
     std::vector<std::uint32_t> regions;
 };
+
+/// Those of faces of sparse pieces, in the order of for_each_edge; none if there are too many to
+/// look at each pair.
+std::vector<SharpEdge> sharp_edges(const FaceList& faces, const FaceEdges& edges,
+                                   const std::vector<bool>& sparse,
+                                   const std::vector<std::uint32_t>& piece,
+                                   const std::vector<std::uint32_t>& region) {
+    std::vector<SharpEdge> sharp;
+    edges.for_each_edge([&](const Sides& sides) {
+        if (!sparse[sides[0].face] || is_smooth(edges, sides) || sharp.size() > kMostPaired) return;
+        sharp.push_back({faces.position[sides[0].a], faces.position[sides[0].b],
+                         piece[sides[0].face], {}});
+        for (const auto& side : sides) sharp.back().regions.push_back(region[side.face]);
+    });
+    if (sharp.size() > kMostPaired) sharp.clear();
+    return sharp;
+}
 
 bool share_a_region(const SharpEdge& a, const SharpEdge& b) {
     return std::find_first_of(a.regions.begin(), a.regions.end(), b.regions.begin(),
@@ -173,7 +166,7 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
     const FaceEdges edges(faces);
     const Pieces pieces = joined_by_edges(faces, edges);
     sparse = find_sparse(faces, pieces, large, large_share);
-    Groups groups(faces.size());
+    JoinedSets groups(faces.size());
     edges.for_each_edge([&](const Sides& sides) {
         if (is_smooth(edges, sides)) groups.join(sides[0].face, sides[1].face);
     });
@@ -189,15 +182,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             if (std::exchange(last, region_[side.face]) != region_[side.face])
                 found[region_[side.face]].push_back(edge);
     };
-    std::vector<SharpEdge> sharp;
-    edges.for_each_edge([&](const Sides& sides) {
-        if (!sparse[sides[0].face] || is_smooth(edges, sides) || sharp.size() > kMostPaired) return;
-        sharp.push_back({faces.position[sides[0].a], faces.position[sides[0].b],
-                         pieces.first[sides[0].face], {}});
-        for (const auto& side : sides) sharp.back().regions.push_back(region_[side.face]);
-    });
-    if (sharp.size() > kMostPaired) sharp.clear();
-    const std::vector<double> thickness = thicknesses(sharp);
+    const std::vector<double> thickness =
+        thicknesses(sharp_edges(faces, edges, sparse, pieces.first, region_));
     std::size_t next = 0;  // of the sharp ones
     edges.for_each_edge([&](const Sides& sides) {
         if (!sparse[sides[0].face]) return;
@@ -207,8 +193,8 @@ FaceSizes::FaceSizes(const FaceList& faces, double large, double large_share) {
             for (const auto& side : sides) size = std::min(size, width[region_[side.face]]);
             add(sides, size);
         } else if (const double turn = edges.turn(sides[0], sides[1]); turn > kLeastTurn) {
-            const double width = (edges.width(sides[0]) + edges.width(sides[1])) / 2;
-            add(sides, turn < kFacetTurn ? width / turn : width);
+            const double facet = (edges.width(sides[0]) + edges.width(sides[1])) / 2;
+            add(sides, turn < kFacetTurn ? facet / turn : facet);
         }
     });
     begin_.push_back(0);

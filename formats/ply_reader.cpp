@@ -1,11 +1,11 @@
 #include "formats/ply_reader.h"
 
 #include "formats/message.h"
+#include "formats/ply_number.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace slim {
@@ -13,36 +13,12 @@ namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 19;
 
-/// Calls body(T{}) for the C++ type of a PLY type.
-template <class Body>
-void with_type(PlyType type, const Body& body) {
-    switch (type) {
-        case PlyType::i8: return body(std::int8_t{});
-        case PlyType::u8: return body(std::uint8_t{});
-        case PlyType::i16: return body(std::int16_t{});
-        case PlyType::u16: return body(std::uint16_t{});
-        case PlyType::i32: return body(std::int32_t{});
-        case PlyType::u32: return body(std::uint32_t{});
-        case PlyType::i64: return body(std::int64_t{});
-        case PlyType::u64: return body(std::uint64_t{});
-        case PlyType::f32: return body(float{});
-        case PlyType::f64: return body(double{});
-    }
-}
-
 /// store(i, value) for number i of a column: `from` is its first byte, rows are `stride` apart.
 template <class Store>
 void decode_column(const char* from, std::size_t stride, std::size_t n, PlyType type, bool swap,
                    const Store& store) {
-    with_type(type, [&]<class T>(T) {
-        for (std::size_t i = 0; i < n; ++i, from += stride) {
-            char bytes[sizeof(T)];
-            std::memcpy(bytes, from, sizeof(T));
-            if (swap) std::reverse(bytes, bytes + sizeof(T));
-            T value;
-            std::memcpy(&value, bytes, sizeof(T));
-            store(i, value);
-        }
+    with_ply_type(type, [&]<class T>(T) {
+        for (std::size_t i = 0; i < n; ++i, from += stride) store(i, load_number<T>(from, swap));
     });
 }
 

@@ -2,45 +2,24 @@
 
 #include "formats/message.h"
 #include "formats/number_text.h"
+#include "formats/ply_number.h"
 #include "slim/base/error.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace slim {
-namespace {
-
-template <class T>
-double load(const char* bytes, bool swap) {
-    char own[sizeof(T)];
-    std::memcpy(own, bytes, sizeof(T));
-    if (swap) std::reverse(own, own + sizeof(T));
-    T value;
-    std::memcpy(&value, own, sizeof(T));
-    return static_cast<double>(value);
-}
-
-}  // namespace
 
 static_assert(std::endian::native == std::endian::little);
 
 double load_ply_number(const char* bytes, PlyType type, PlyEncoding encoding) {
     const bool swap = encoding == PlyEncoding::big_endian;
-    switch (type) {
-        case PlyType::i8: return load<std::int8_t>(bytes, swap);
-        case PlyType::u8: return load<std::uint8_t>(bytes, swap);
-        case PlyType::i16: return load<std::int16_t>(bytes, swap);
-        case PlyType::u16: return load<std::uint16_t>(bytes, swap);
-        case PlyType::i32: return load<std::int32_t>(bytes, swap);
-        case PlyType::u32: return load<std::uint32_t>(bytes, swap);
-        case PlyType::i64: return load<std::int64_t>(bytes, swap);
-        case PlyType::u64: return load<std::uint64_t>(bytes, swap);
-        case PlyType::f32: return load<float>(bytes, swap);
-        case PlyType::f64: return load<double>(bytes, swap);
-    }
-    return 0;
+    double value = 0;
+    with_ply_type(type, [&]<class T>(T) {
+        value = static_cast<double>(load_number<T>(bytes, swap));
+    });
+    return value;
 }
 
 PlyRows::PlyRows(ByteReader& in, const PlyHeader& header, const PlyElement& element,

@@ -1,6 +1,7 @@
 #include "raytrace/shade.h"
 
 #include "raytrace/eye_surface.h"
+#include "raytrace/whole_power.h"
 #include "slim/base/parallel.h"
 #include "slim/base/simd.h"
 
@@ -13,14 +14,6 @@ namespace slim {
 namespace {
 
 FloatV clamp_lanes(const FloatV& x) { return stdx::min(stdx::max(x, FloatV(0.0f)), FloatV(1.0f)); }
-
-/// By squares and products: of 36 six products, relative error below 1e-5.
-FloatV power_lanes(FloatV base, int exponent) {
-    FloatV product(1.0f);
-    for (; exponent > 0; exponent >>= 1, base = base * base)
-        if (exponent & 1) product = product * base;
-    return product;
-}
 
 /// Some pixels: normals in camera axes and directions to the eye.
 struct PixelLanes {
@@ -76,7 +69,7 @@ FloatV highlight(const Lighting& l, const PixelLanes& p, const FloatV& facing_ke
     const LanesOfVec half = (p.toward_eye + LanesOfVec(l.key.toward)).unit();
     const FloatV facing = clamp_lanes(4.0f * facing_key);
     return l.specular * facing *
-           power_lanes(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
+           whole_power(stdx::max(FloatV(0.0f), p.normal.dot(half)), l.shininess);
 }
 
 /// Light that the pixels send to the eye, linear; 0 without a hit.

@@ -4,6 +4,7 @@
 #include "raytrace/frame.h"
 #include "raytrace/light_rig.h"
 #include "raytrace/sample_grid.h"
+#include "raytrace/whole_power.h"
 
 #include <array>
 #include <cstdint>
@@ -16,11 +17,11 @@ namespace slim {
 struct ShadePoints {
     LanesOfVec point{Vec3f{}};
     LanesOfVec point_low{Vec3f{}};  ///< what its floats lack, where that is known
-    LanesOfVec normal{Vec3f{0, 0, 1}},
-        toward_eye{Vec3f{0, 0, 1}};      ///< unit; the normal turned to the eye
-    LanesOfVec outward{Vec3f{0, 0, 1}};  ///< the normal that the surface has, facing whomever
-    LanesOfVec tint{Vec3f{1, 1, 1}};     ///< the place's own colour, linear, times the material's
-    FloatV clearance{0.0f};              ///< rays that leave start this far off the surface
+    LanesOfVec normal{Vec3f{0, 0, 1}};      ///< unit, turned to the eye
+    LanesOfVec toward_eye{Vec3f{0, 0, 1}};  ///< unit
+    LanesOfVec outward{Vec3f{0, 0, 1}};     ///< the normal that the surface has, facing whomever
+    LanesOfVec tint{Vec3f{1, 1, 1}};  ///< the place's own colour, linear, times the material's
+    FloatV clearance{0.0f};           ///< rays that leave start this far off the surface
     FloatV::mask_type on{false};
 };
 
@@ -28,14 +29,6 @@ struct ShadePoints {
 struct LightSums {
     FloatV diffuse{0.0f}, shine{0.0f};
 };
-
-/// By squares and products: of 36 six products, relative error below 1e-5.
-inline FloatV whole_power(FloatV base, int exponent) {
-    FloatV product(1.0f);
-    for (; exponent > 0; exponent >>= 1, base = base * base)
-        if (exponent & 1) product = product * base;
-    return product;
-}
 
 /// Lambert's and Blinn's terms (as in shade.cpp) of light from one place. unblocked(points, lanes,
 /// incident) -> lanes that it reaches.
@@ -119,9 +112,9 @@ struct SurfacePlanes {
     PixelWindow window;
     const GBuffer& buffer;                             ///< hits and positions
     const std::array<std::vector<float>, 3>& normals;  ///< turned to the eye: turned_normals
-    const SampleMask* only = nullptr;  ///< what of the window was drawn, if not all
-    std::span<const Vec3f> tints =
-        {};  ///< colours of the hits, linear; empty: the material's alone
+    const SampleMask* only = nullptr;                  ///< what of the window was drawn, if not all
+    /// Colours of the hits, linear; empty: the material's alone.
+    std::span<const Vec3f> tints = {};
 
     /// Some rows of them, as a part of the picture.
     PixelWindow band(const RowRange& rows) const {

@@ -1,5 +1,6 @@
 #include "pipeline/build/cloud_survey.h"
 
+#include "pipeline/build/each_chunk.h"
 #include "slim/base/common_box.h"
 #include "slim/base/error.h"
 #include "slim/base/parallel.h"
@@ -8,35 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <filesystem>
-#include <limits>
+#include <utility>
 
 namespace slim {
 namespace {
-
-constexpr std::size_t kSampled = 4096;  // points that tell strays from the others, at most
-
-/// Progress in bytes over all files: the only measure that every format knows.
-class ByteProgress {
-public:
-    ByteProgress(const std::vector<std::string>& paths, std::string doing, Reporter& reporter)
-        : reporter_(reporter), doing_(std::move(doing)) {
-        for (const std::string& path : paths) {
-            std::error_code ignored;
-            const auto size = std::filesystem::file_size(path, ignored);
-            total_ += ignored ? 0 : size;
-        }
-    }
-    void show(std::uint64_t in_file) { reporter_.progress(doing_, done_ + in_file, total_); }
-    void finish_file(std::uint64_t size) { done_ += size; }
-
-private:
-    Reporter& reporter_;
-    std::string doing_;
-    std::uint64_t done_ = 0;
-    std::uint64_t total_ = 0;
-};
 
 /// Takes the chunks of one input after another into a survey.
 class Surveyor {
@@ -118,7 +94,7 @@ private:
     }
 
     static bool are_of_a_line(const std::vector<Vec3d>& positions) {
-        Moments moments;
+        PointMoments moments;
         for (const Vec3d& p : positions)
             if (is_finite(p)) moments.add(p);
         return moments.are_of_a_line();
@@ -170,76 +146,7 @@ private:
     std::vector<CloudInfo> infos_;  // of the inputs
 };
 
-/// A file that is not there has no size; the reader says so.
-std::pair<std::uintmax_t, std::filesystem::file_time_type> state_of(const std::string& path) {
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    return {size, std::filesystem::last_write_time(path, error)};
-}
-
 }  // namespace
-
-void Moments::add(const Vec3d& p) {
-    if (!has_first_) first_ = p, has_first_ = true;
-    const Vec3d d = p - first_;
-    n_ += 1, x_ += d.x, y_ += d.y, z_ += d.z;
-    xx_ += d.x * d.x, yy_ += d.y * d.y, zz_ += d.z * d.z;
-    xy_ += d.x * d.y, xz_ += d.x * d.z, yz_ += d.y * d.z;
-}
-
-bool Moments::are_of_a_line() const {
-    const auto moment = [&](double ab, double a, double b) { return ab / n_ - a / n_ * (b / n_); };
-    const double xx = moment(xx_, x_, x_), yy = moment(yy_, y_, y_), zz = moment(zz_, z_, z_);
-    const double xy = moment(xy_, x_, y_), xz = moment(xz_, x_, z_), yz = moment(yz_, y_, z_);
-    // Of the eigenvalues the sum, and the sum of the products of two: about the middle one over the
-    // largest.
-    const double sum = xx + yy + zz;
-    const double pairs = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;
-    return sum > 0 && pairs < 1e-12 * sum * sum;
-}
-
-void Spread::keep(const Vec3d& p) {
-    sample_.push_back(p);
-    if (sample_.size() < kSampled) return;
-    for (std::size_t i = 0; 2 * i < sample_.size(); ++i) sample_[i] = sample_[2 * i];
-    sample_.resize(sample_.size() / 2);
-    step_ *= 2;
-}
-
-/// The sample without the tenth that is farthest from its middle; of few points strays may be more
-/// than that.
-bool Spread::middle_is_line() const {
-    Vec3d middle;
-    std::vector<double> values(sample_.size());
-    const auto nth = [&](double share) {
-        const auto at = values.begin() +
-                        static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-        std::nth_element(values.begin(), at, values.end());
-        return *at;
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        for (std::size_t i = 0; i < values.size(); ++i) values[i] = sample_[i][axis];
-        middle[axis] = nth(0.5);
-    }
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = length(sample_[i] - middle);
-    const double most = nth(0.9);
-    Moments near;
-    for (const Vec3d& p : sample_)
-        if (length(p - middle) <= most) near.add(p);
-    return near.are_of_a_line();
-}
-
-InputWatch::InputWatch(std::vector<std::string> paths) : paths_(std::move(paths)) {
-    for (const std::string& path : paths_) states_.push_back(state_of(path));
-}
-
-void InputWatch::check() const {
-    for (std::size_t i = 0; i < paths_.size(); ++i)
-        if (state_of(paths_[i]) != states_[i])
-            throw DataError(paths_[i] +
-                            ": changed while it was read; run the command again when it is "
-                            "complete");
-}
 
 double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds) {
     if (world_bounds.empty()) return 0;
@@ -251,39 +158,6 @@ double coordinate_quantum(const CloudInfo& info, const Bbox& world_bounds) {
         largest = std::max({largest, std::abs(world_bounds.lo[axis] - shift[axis]),
                             std::abs(world_bounds.hi[axis] - shift[axis])});
     return largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 23) : 0;
-}
-
-void for_each_chunk(const std::vector<std::string>& paths, Reporter& reporter,
-                    const std::string& doing,
-                    const std::function<void(const PointChunk&, std::uint64_t, std::size_t,
-                                             const CloudInfo&)>& take,
-                    bool face_points) {
-    ByteProgress progress(paths, doing, reporter);
-    PointChunk chunk, next;
-    std::uint64_t first_id = 0;
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-        const auto source = open_cloud(paths[i], face_points);
-        bool more = source->read(chunk, kChunkPoints), after = false;
-        while (true) {
-            // The next chunk is read while this one is taken; what is wrong here comes first.
-            std::exception_ptr unreadable;
-            const auto read_next = [&] {
-                try {
-                    after = more && source->read(next, kChunkPoints);
-                } catch (...) {
-                    unreadable = std::current_exception();
-                }
-            };
-            run_both(read_next, [&] { take(chunk, first_id, i, source->info()); });
-            if (unreadable) std::rethrow_exception(unreadable);
-            if (!more) break;
-            first_id += chunk.size();
-            progress.show(source->bytes_read());
-            std::swap(chunk, next);
-            more = after;
-        }
-        progress.finish_file(source->info().file_size);
-    }
 }
 
 CloudSurvey survey_clouds(const std::vector<std::string>& paths, bool strict,

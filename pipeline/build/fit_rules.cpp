@@ -51,22 +51,25 @@ bool is_sharp_by_faces(const FitOptions& options, const SlicePlan& plan) {
 }
 
 nlohmann::json rules_json(const CoverRules& rules) {
-    return {{"degree", rules.degree},
-            {"choose_degree", rules.ladder.choose_degree},
-            {"t_mdl", rules.mdl_threshold},
-            {"diagonal", rules.diagonal},
-            {"noise_variance", rules.noise_variance},
-            {"typical_variance", rules.typical_variance},
-            {"contrary_share", rules.ladder.contrary_share},
-            {"spacing", rules.spacing},
-            {"radius_rule", rules.windows ? "windows" : "ladder"},
-            {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
-            {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
-            {"sharp", rules.sharp},
-            {"follow_normals", rules.follow_normals},
-            {"refits", rules.refits},
-            {"stray_density", rules.stray_density},
-            {"seed", rules.seed}};
+    nlohmann::json out{
+        {"degree", rules.degree},
+        {"choose_degree", rules.ladder.choose_degree},
+        {"t_mdl", rules.mdl_threshold},
+        {"diagonal", rules.diagonal},
+        {"noise_variance", rules.noise_variance},
+        {"typical_variance", rules.typical_variance},
+        {"contrary_share", rules.ladder.contrary_share},
+        {"spacing", rules.spacing},
+        {"radius_rule", rules.windows ? "windows" : "ladder"},
+        {"weight", rules.weight == FitWeight::gauss ? "gauss" : "polynomial"},
+        {"cover", std::string(1, static_cast<char>('A' + static_cast<int>(rules.reading)))},
+        {"sharp", rules.sharp},
+        {"follow_normals", rules.follow_normals},
+        {"refits", rules.refits},
+        {"stray_density", rules.stray_density},
+        {"seed", rules.seed}};
+    if (rules.lines_are_wires) out["lines_are_wires"] = true;
+    return out;
 }
 
 std::string shared_values(const CoverRules& rules) {

@@ -2,8 +2,10 @@
 
 #include "formats/slice_file.h"
 #include "pipeline/build/cloud_survey.h"
+#include "pipeline/build/each_chunk.h"
 #include "pipeline/build/fit_division.h"
 #include "pipeline/build/input_frames.h"
+#include "pipeline/build/input_watch.h"
 #include "pipeline/build/point_dealer.h"
 #include "pipeline/build/slice_planning.h"
 #include "pipeline/folder_lock.h"

@@ -49,4 +49,13 @@ void refuse_apart(const PlacedFile& cloud, const PlacedFile& model, std::uint64_
                     box_text(cloud.box), box_text(model.box), likely_cause(cloud, model)));
 }
 
+bool warn_of_lost(const std::string& cloud, const std::string& model, std::uint64_t lost,
+                  std::uint64_t n, Reporter& reporter) {
+    if (2 * lost <= n) return false;
+    reporter.warn(fmt::format(
+        "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
+        cloud, lost, n, model));
+    return true;
+}
+
 }  // namespace slim

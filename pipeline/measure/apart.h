@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/bbox.h"
+#include "slim/base/reporter.h"
 #include "slim/model/surfel_tree.h"
 
 #include <cstdint>
@@ -25,5 +26,9 @@ PlacedFile placed(const std::string& path, const ModelHeader& header);
 /// differ by a factor of 8 or more, a frame where their boxes do not meet, else a turn.
 [[noreturn]] void refuse_apart(const PlacedFile& cloud, const PlacedFile& model,
                                std::uint64_t n_points);
+
+/// Warns if most of the cloud's n points lie in no surfel's support; returns whether they do.
+bool warn_of_lost(const std::string& cloud, const std::string& model, std::uint64_t lost,
+                  std::uint64_t n, Reporter& reporter);
 
 }  // namespace slim

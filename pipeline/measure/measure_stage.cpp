@@ -7,6 +7,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
+#include "pipeline/measure/apart.h"
 #include "pipeline/measure/measure_back.h"
 #include "pipeline/measure/measure_cloud.h"
 #include "pipeline/measure/measure_clouds.h"
@@ -90,12 +91,7 @@ json measured(const MeasureConfig& config, const CloudFiles& files, StageContext
     const BallIndex index(tree);
     json out =
         measure_cloud(surface_of(config, model.header(), index), files, config.tolerance, context);
-    const auto points = out["points"].get<std::uint64_t>(),
-               missed = out["missed"].get<std::uint64_t>();
-    if (2 * missed > points)
-        context.reporter.warn(fmt::format(
-            "{}: {} of its {} points lie in no surfel's support of {}: are they in the same frame?",
-            config.cloud, missed, points, config.model));
+    warn_of_lost(config.cloud, config.model, out["missed"], out["points"], context.reporter);
     out["leaves"] = model.header().n_leaves;
     out["bytes"] = model.file_size();
     if (config.two_way)

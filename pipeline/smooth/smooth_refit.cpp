@@ -1,6 +1,6 @@
 #include "pipeline/smooth/smooth_refit.h"
 
-#include "pipeline/build/cloud_survey.h"
+#include "pipeline/build/each_chunk.h"
 #include "pipeline/median.h"
 #include "pipeline/memory_size.h"
 #include "slim/neighbors/point_pyramid.h"

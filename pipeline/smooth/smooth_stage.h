@@ -47,14 +47,14 @@ struct SmoothConfig {
 /// own. Points without support, or whose line meets no surface in reach, are kept as they are.
 /// Keys: mode points moved unsupported opposed astray not_finite rms_displacement (of those that
 /// moved) max_displacement; for a mesh faces faces_unsupported faces_turned (that would have turned
-/// over) vertices_held_back (so that they do not: TurnedFaces) held (vertices of the boundary,
-/// which stay) at_edges (share of the mesh at feature edges that the model rounds off,
-/// feature_edges; with an advice where it has some; none of a model with sharp leaves) instead of
-/// opposed, astray, points_by_model (the fits were out of reach) points_held_back (went a share of
-/// the way: trusted_share) refit_share, leaves_kept_for_memory, leaves_refitted, leaves_kept (as
-/// the model has them: wide_radii) and leaves_stray (left out: RefittedSurface), noise (of the
-/// points about the median leaf, over L as in `slim build` and `slim scan`; null: unknown),
-/// leaves_noise_unknown (local_noise).
+/// over) vertices_held_back (so that they do not: TurnedFaces) vertices_kept (those of them that
+/// stay) held (vertices of the boundary, which stay) at_edges (share of the mesh at feature edges
+/// that the model rounds off, feature_edges; with an advice where it has some; none of a model with
+/// sharp leaves) instead of opposed, astray, points_by_model (the fits were out of reach)
+/// points_held_back (went a share of the way: trusted_share) refit_share, leaves_kept_for_memory,
+/// leaves_refitted, leaves_kept (as the model has them: wide_radii) and leaves_stray (left out:
+/// RefittedSurface), noise (of the points about the median leaf, over L as in `slim build` and
+/// `slim scan`; null: unknown), leaves_noise_unknown (local_noise).
 /// throws  NumericalError: no point was moved and some lie in no surfel's support, as in another
 ///         frame or unit (nothing is written then); DataError: no finite point, or mesh mode
 ///         without faces; ConfigError: the output is the input or has another format's name; as

@@ -59,8 +59,10 @@ BlendSums blend_around(const Ray& ray, const FirstHit& hit, const std::vector<co
     return sums;
 }
 
+/// Whether a first hit does not count, as is_in_doubt and is_outvoted have it (slim/blend).
+/// weight: sum G of its blend.
 bool gives_way(const Ray& ray, const FirstHit& hit, double weight,
-                 const std::vector<const Leaf*>& row, bool sharp_model, RenderStats& stats) {
+               const std::vector<const Leaf*>& row, bool sharp_model, RenderStats& stats) {
     if (!is_in_doubt(weight)) return false;
     double passing = 0;
     for (const Leaf* leaf : row) {
@@ -80,7 +82,7 @@ BlendedHit blended_hit(const Ray& ray, double t_near, const std::vector<const Le
                        bool sharp_model, bool clean_outlines, Derivatives wanted,
                        RenderStats& stats) {
     BlendedHit hit;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMostOutvoted; ++round) {
         hit.first = nearest_hit(ray, t_near, hit.first, row, stats);
         if (!hit.first.leaf) break;
         hit.sums = blend_around(ray, hit.first, row, sharp_model, wanted, stats);

@@ -13,8 +13,8 @@ namespace slim {
 
 /// The picture that heights are written on.
 struct LabelSheet {
-    int width = 0, height = 0;  ///< pixels
-    std::string unit;           ///< after each number; may be empty
+    int width = 0, height = 0;    ///< pixels
+    std::string unit;             ///< after each number; may be empty
     std::vector<PixelBox> taken;  ///< legends and scale bar
 };
 
@@ -25,8 +25,7 @@ struct LabelSheet {
 /// - of each such stretch the label takes the place where the line is straightest, deviates by less
 ///   than a third of a digit's height, near the middle of the stretch;
 /// - heads of digits are uphill where that leaves them upright, and places where it does come
-/// first;
-///   a line that has none is labelled all the same, upright, heads downhill;
+///   first; a line that has none is labelled all the same, upright, heads downhill;
 /// - all of the label lies on the surface, between the index contours next to its own, off the
 ///   frame, the legends and the other labels; equal heights are five labels apart;
 /// - the longest lines choose first.

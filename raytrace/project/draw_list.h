@@ -2,10 +2,10 @@
 
 #include "raytrace/camera.h"
 #include "raytrace/intersect/pixel_record.h"
-#include "raytrace/intersect/sharp_kernel.h"
 #include "raytrace/project/marked_tiles.h"
 #include "raytrace/project/outline.h"
 #include "raytrace/project/screen_rect.h"
+#include "raytrace/project/sharp_record.h"
 #include "raytrace/renderer.h"
 #include "slim/model/rim.h"
 #include "slim/model/surfel_tree.h"
@@ -18,9 +18,6 @@
 #include <vector>
 
 namespace slim {
-
-/// A surfel in the form of the general kernels, sheet by sheet; doubles inside, floats out.
-SharpRecord sharp_record(const PixelView& view, const Surfel& surfel, std::uint32_t node);
 
 inline constexpr std::uint32_t kFast = 0xffffffffu;
 

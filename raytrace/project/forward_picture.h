@@ -18,8 +18,7 @@ public:
     /// throws  ConfigError for the camera, the size or the window; FormatError for a tree with
     ///         cycles
     /// cost    O(nodes above the cut + cut); with `only` a surfel that reaches no tile with a
-    /// wanted
-    ///         sample is left out early
+    ///         wanted sample is left out early
     ForwardPicture(const SurfelTree& tree, const RenderRequest& request,
                    const SampleMask* only = nullptr);
     ~ForwardPicture();

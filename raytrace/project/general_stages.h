@@ -65,6 +65,36 @@ template <int Degree, bool kBehind = false>
     keep_nearer(t, i, entry, nearer, z_root, sharp_gradient<Degree, FloatV>(s, f, found), sums);
 }
 
+/// A surfel's ball about q^ of a block's pixels.
+struct GeneralAtHit {
+    PixelRays<FloatV> rays;
+    BallRay<FloatV> ball;
+    FloatV tau;  ///< of q^, from b0
+    FloatV::mask_type inside;
+
+    GeneralAtHit(const DrawRecord& r, float base, int block, TileBuffers& t)
+        : rays(t.rays(block)), ball(ball_ray(r, rays)) {
+        const FloatV z = t.z.load(static_cast<std::size_t>(block * kLanes));
+        tau = (t.depths.relative<FloatV>(z) - base) * r.inv_radius * rays.inv_dz;
+        t.counts.distance_tests += kLanes;
+        inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
+    }
+    /// q^ from the point nearest the centre.
+    FloatV guess() const { return tau + ball.along; }
+    FloatV half_chord() const {
+        return stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
+    }
+};
+
+/// Of some lanes the root of the joined function nearest q^, inside the whole ball.
+template <int Degree>
+inline SharpRoot<FloatV> root_nearest(const SharpRecord& s, const SharpRays<FloatV>& f,
+                                      const GeneralAtHit& at, const FloatV::mask_type& lanes) {
+    const FloatV half = at.half_chord();
+    return best_joined_root<Degree, FloatV>(
+        s, f, -half, half, lanes, [q = at.guess()](const FloatV& x) { return stdx::abs(x - q); });
+}
+
 /// Stage 2: the root of the joined function nearest q^.
 template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
 [[gnu::flatten]] inline void blend_general(const SharpRecord& s, const RimLanes& rim, float base,
@@ -72,25 +102,18 @@ template <int Degree, bool kWantHessian, bool kSharpModel, bool kWantThird>
                                            TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const auto i = static_cast<std::size_t>(block * kLanes);
-    const PixelRays<FloatV> rays = t.rays(block);
-    const BallRay<FloatV> ball = ball_ray(r, rays);
-    const FloatV tau = (t.depths.relative<FloatV>(t.z.load(i)) - base) * r.inv_radius * rays.inv_dz;
-    t.counts.distance_tests += kLanes;
-    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
-    if (stdx::none_of(inside)) return;
+    const GeneralAtHit at(r, base, block, t);
+    if (stdx::none_of(at.inside)) return;
     t.counts.root_tests += s.n_sheets * kLanes;
-    const FloatV guess = tau + ball.along;
-    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
-    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
-    const auto found = best_joined_root<Degree, FloatV>(
-        s, f, -half, half, inside, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, at.rays, at.ball);
+    const auto found = root_nearest<Degree>(s, f, at, at.inside);
     const auto g = sharp_gradient<Degree, FloatV>(s, f, found);
     const FloatV& x = found.root.t;
-    const FloatV share = rim_share_at(rim, f, x);
-    const auto taken = found.root.hit && stdx::abs(x - guess) <= static_cast<float>(kBelongs) &&
+    const FloatV away = x - at.guess(), share = rim_share_at(rim, f, x);
+    const auto taken = found.root.hit && stdx::abs(away) <= static_cast<float>(kBelongs) &&
                        admitted<kSharpModel>(g, i, t) && share > 0.0f;
     if (stdx::none_of(taken)) return;
-    add_to_sums(t, i, taken, share, ball.sq_distance + x * x, r.radius * rays.dz * (x - guess), g,
+    add_to_sums(t, i, taken, share, at.ball.sq_distance + x * x, r.radius * at.rays.dz * away, g,
                 sums, [&](const FloatV& w) {
                     if constexpr (!kWantHessian) return;
                     const auto h = sharp_hessian<Degree, FloatV>(s, f, found);
@@ -120,25 +143,20 @@ template <int Degree, bool kSharpModel>
                                           int block, TileBuffers& t) {
     const DrawRecord& r = s.sheet[0];
     const auto i = static_cast<std::size_t>(block * kLanes);
-    const PixelRays<FloatV> rays = t.rays(block);
-    const BallRay<FloatV> ball = ball_ray(r, rays);
-    const FloatV tau = (t.depths.relative<FloatV>(t.z.load(i)) - base) * r.inv_radius * rays.inv_dz;
-    t.counts.distance_tests += kLanes;
-    const auto inside = ball.sq_distance_at(r, rays, tau) < 1.0f;
-    if (stdx::none_of(inside)) return;
-    const FloatV guess = tau + ball.along;
-    const SharpRays<FloatV> f = sharp_rays<Degree>(s, rays, ball);
-    const auto above = inside && joined_value<FloatV>(s, f, guess) > 0.0f;
+    const GeneralAtHit at(r, base, block, t);
+    if (stdx::none_of(at.inside)) return;
+    const FloatV guess = at.guess();
+    const SharpRays<FloatV> f = sharp_rays<Degree>(s, at.rays, at.ball);
+    const auto above = at.inside && joined_value<FloatV>(s, f, guess) > 0.0f;
     if (stdx::none_of(above)) return;
     t.counts.root_tests += s.n_sheets * kLanes;
-    const FloatV half = stdx::sqrt(stdx::max(1.0f - ball.sq_distance, FloatV(0.0f)));
-    const auto found = best_joined_root<Degree, FloatV>(
-        s, f, -half, half, above, [q = guess](const FloatV& x) { return stdx::abs(x - q); });
+    const auto found = root_nearest<Degree>(s, f, at, above);
     const auto near =
         found.root.hit && stdx::abs(found.root.t - guess) <= static_cast<float>(kBelongs);
     const auto passed =
         above && !near && admitted_by_any<Degree, kSharpModel>(s, f, guess, i, t);
-    add_passing(t, i, passed, rim_share_at(rim, f, guess), ball.sq_distance + guess * guess);
+    add_passing(t, i, passed, rim_share_at(rim, f, guess),
+                at.ball.sq_distance + guess * guess);
 }
 
 template <int Degree>

@@ -31,7 +31,8 @@ FloatV::mask_type in_doubt(const TileBuffers& t, std::size_t i) {
     return has_hit(t.z.load(i)) && is_in_doubt<FloatV>(t.weight.load(i));
 }
 
-/// The planes that every picture has.
+/// visit(of) for the planes of a hit and its sums, as the picture wants them; of(tile) is the
+/// plane of a tile.
 template <class Visit>
 void for_each_plane(const TileSums& sums, Visit&& visit) {
     using T = TileBuffers;
@@ -78,10 +79,8 @@ void PickedPixels::pick(const TileBuffers& tile, std::size_t entry) {
     const auto to = static_cast<std::size_t>(n_++), lane = entry % kLanes;
     const auto block = static_cast<int>(entry / kLanes);
     entry_[to] = static_cast<std::uint16_t>(entry);
-    columns_[to] = tile.places.columns[(block & tile.places.column_mask) * kLanes +
-                                       static_cast<int>(lane)];
-    rows_[to] = tile.places.rows[(block >> tile.places.row_shift) * kLanes +
-                                 static_cast<int>(lane)];
+    columns_[to] = tile.places.columns_of(block)[lane];
+    rows_[to] = tile.places.rows_of(block)[lane];
     t.z.v[to] = tile.z.v[entry], t.weight.v[to] = tile.weight.v[entry];
     t.gx.v[to] = tile.gx.v[entry], t.gy.v[to] = tile.gy.v[entry], t.gz.v[to] = tile.gz.v[entry];
 }
@@ -138,15 +137,16 @@ bool PickedPixels::leave_outvoted(const TileSums& sums) {
         for (std::uint64_t bits = lane_bits(outvoted); bits != 0; bits &= bits - 1)
             move(i + static_cast<std::size_t>(std::countr_zero(bits)), n++);
     }
+    if (n == 0) return false;
     n_ = static_cast<int>(n);
-    least_last_z_ = *std::min_element(t.last_z.v, t.last_z.v + std::max(n, std::size_t{1}));
+    least_last_z_ = *std::min_element(t.last_z.v, t.last_z.v + n);
     for (std::size_t i = 0; i < static_cast<std::size_t>(n_blocks() * kLanes); i += kLanes) {
         for_each_plane(sums, [&](auto&& of) { of(t).store(i, FloatV(0.0f)); });
         t.z.store(i, FloatV(kInfinity));
         t.passing.store(i, FloatV(0.0f));
     }
     fill_up();
-    return n > 0;
+    return true;
 }
 
 void PickedPixels::put_back(const TileSums& sums, TileBuffers& tile) const {

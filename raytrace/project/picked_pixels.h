@@ -33,7 +33,8 @@ public:
     }
     void find_depths();
     /// Leaves only pixels whose hit does not count (is_in_doubt, is_outvoted), to be looked
-    /// at behind it: z and sums as before stage 1. Returns whether there are any.
+    /// at behind it: z and sums as before stage 1. Returns whether there are any; if not, all is
+    /// left as it is.
     bool leave_outvoted(const TileSums& sums);
     /// Writes them to the tile.
     void put_back(const TileSums& sums, TileBuffers& tile) const;

@@ -62,11 +62,18 @@ struct PixelPlaces {
     const float* rows = kLanePlaces.row[0];
     int column_mask = kBlockColumns - 1, row_shift = kBlockRowShift;
 
+    /// Those of a block's lanes.
+    [[gnu::always_inline]] const float* columns_of(int block) const {
+        return columns + (block & column_mask) * kLanes;
+    }
+    [[gnu::always_inline]] const float* rows_of(int block) const {
+        return rows + (block >> row_shift) * kLanes;
+    }
     [[gnu::always_inline]] FloatV column(int block) const {
-        return FloatV(columns + (block & column_mask) * kLanes, stdx::vector_aligned);
+        return FloatV(columns_of(block), stdx::vector_aligned);
     }
     [[gnu::always_inline]] FloatV row(int block) const {
-        return FloatV(rows + (block >> row_shift) * kLanes, stdx::vector_aligned);
+        return FloatV(rows_of(block), stdx::vector_aligned);
     }
 };
 

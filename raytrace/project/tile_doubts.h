@@ -67,6 +67,18 @@ void for_each_near(const DrawList<Degree>& list, std::span<const std::uint32_t> 
     }
 }
 
+/// visit(record, rim, base, block) for all blocks of picked pixels, of a surfel that the general
+/// kernels draw. base: zeta of its record's b0.
+template <int Degree, class Visit>
+[[gnu::always_inline]] inline void for_each_picked(const DrawList<Degree>& list,
+                                                   const DrawItem& item,
+                                                   const PickedPixels& picked, Visit&& visit) {
+    const SharpRecord& s = list.general[item.general];
+    const auto base = static_cast<float>(s.sheet[0].z_base - picked.t.depths.z_ref);
+    const RimLanes rim(item.rims);
+    for (int block = 0; block < picked.n_blocks(); ++block) visit(s, rim, base, block);
+}
+
 /// Of some blocks of picked pixels those with a hit as deep as a surfel's ball.
 inline BlockMask at_depth(const PickedPixels& picked, const BlockMask& blocks,
                           const DepthScale& scale) {
@@ -121,14 +133,11 @@ void find_passing(const DrawList<Degree>& list, std::span<const std::uint32_t> e
     for_each_near(list, entries, near, t.depths,
                   [&](const NearPicked& one, const DrawItem& item, const DepthScale& scale) {
         const std::uint32_t i = entries[one.entry];
-        if (item.general != kFast) {
-            const SharpRecord& s = list.general[item.general];
-            const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
-            const RimLanes rim(item.rims);
-            for (int block = 0; block < picked.n_blocks(); ++block)
+        if (item.general != kFast)
+            return for_each_picked(list, item, picked, [&](const SharpRecord& s, const auto& rim,
+                                                           float base, int block) {
                 pass_general<Degree, kSharpModel>(s, rim, base, block, t);
-            return;
-        }
+            });
         const BlockMask left = at_depth(picked, one.blocks, scale);
         if (!left.any()) return;
         const SurfelOnTile<Degree> surfel(list.records[i], item, list.whole[i], scale, t);
@@ -149,14 +158,11 @@ template <int Degree>
                   [&](const NearPicked& one, const DrawItem& item, const DepthScale& scale) {
         const std::uint32_t entry = entries[one.entry];
         const auto number = static_cast<float>(one.entry);
-        if (item.general != kFast) {
-            const SharpRecord& s = list.general[item.general];
-            const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
-            const RimLanes rim(item.rims);
-            for (int block = 0; block < picked.n_blocks(); ++block)
+        if (item.general != kFast)
+            return for_each_picked(list, item, picked, [&](const SharpRecord& s, const auto& rim,
+                                                           float base, int block) {
                 first_general_hits<Degree, true>(s, rim, number, base, block, sums, t);
-            return;
-        }
+            });
         if (scale.zeta_c + kReach * scale.per_tau < picked.least_last_z()) return;
         const FirstWork<Degree> work(
             SurfelOnTile<Degree>(list.records[entry], item, list.core[entry], scale, t), 0,
@@ -191,13 +197,11 @@ void blend_behind(const DrawList<Degree>& list, std::span<const std::uint32_t> e
         const std::uint32_t i = entries[one.entry];
         if (item.general != kFast) {
             flush();
-            const SharpRecord& s = list.general[item.general];
-            const auto base = static_cast<float>(s.sheet[0].z_base - t.depths.z_ref);
-            const RimLanes rim(item.rims);
-            for (int block = 0; block < picked.n_blocks(); ++block)
+            return for_each_picked(list, item, picked, [&](const SharpRecord& s, const auto& rim,
+                                                           float base, int block) {
                 blend_general<Degree, kWantHessian, kSharpModel, kWantThird>(s, rim, base, block,
                                                                              sums, t);
-            return;
+            });
         }
         const BlockMask left = at_depth(picked, one.blocks, scale);
         if (!left.any()) return;
@@ -217,7 +221,7 @@ void settle_doubts(const PixelView& view, const DrawList<Degree>& list,
     PickedPixels picked(view, t);
     if (picked.n_blocks() == 0) return;
     auto near = near_picked(view, list, entries, picked);
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMostOutvoted; ++round) {
         find_passing<Degree, kSharpModel>(list, entries, near, picked);
         if (!picked.leave_outvoted(sums)) break;
         near = near_picked(view, list, entries, picked);

@@ -53,6 +53,62 @@ struct RaysAtHits {
             difference(at.point.z, at.point_low.z, 2)};
 }
 
+/// A surfel's ball about q^; lengths over rho.
+struct BallAtHits {
+    LanesOfVec base;     ///< q^ from the centre
+    FloatV sq_distance;  ///< of q^ from there
+    FloatV::mask_type inside;
+
+    [[gnu::always_inline]] BallAtHits(const TraceRecord& r, const RaysAtHits& at)
+        : base(from_center(r, at)), sq_distance(base.dot(base)) {
+        inside = at.hit && sq_distance < 1.0f;
+    }
+};
+
+/// A smooth surfel along the rays; parameters count from q^.
+template <int Degree>
+struct SmoothAtHits {
+    SurfelRay<FloatV> s;
+    PolynomialLanes<FloatV> f;
+    BallLanes<FloatV> ball;
+
+    [[gnu::always_inline]] SmoothAtHits(const TraceRecord& r, const RaysAtHits& at,
+                                        const BallAtHits& in) {
+        const KernelRay kernel(in.base, at.direction);
+        s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
+        f = ray_polynomial<Degree, FloatV>(r, s);
+        ball = {in.sq_distance - FloatV(1.0f), 2.0f * in.base.dot(at.direction), FloatV(1.0f)};
+    }
+    /// Of some lanes the root nearest q^, as far as kBelongs and a little.
+    [[gnu::always_inline]] RootLanes<FloatV> root(const FloatV::mask_type& lanes) const {
+        constexpr auto kFarthest = static_cast<float>(kBelongs) * 1.001f;
+        return nearest_in_ball<Degree, FloatV>(f, ball, kFarthest, lanes);
+    }
+};
+
+/// A sharp surfel along the rays; parameters count from the point nearest its centre.
+template <int Degree>
+struct SharpAtHits {
+    const SharpRecord& sharp;
+    FloatV sq_distance;  ///< of q^ from the centre
+    FloatV along;        ///< to q^
+    SharpRays<FloatV> f;
+
+    SharpAtHits(const SharpRecord& record, const RaysAtHits& at, const BallAtHits& in)
+        : sharp(record), sq_distance(in.sq_distance), along(in.base.dot(at.direction)) {
+        const KernelRay kernel(in.base - at.direction * along, at.direction);
+        f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
+    }
+    /// Of some lanes the root of the joined function nearest q^.
+    SharpRoot<FloatV> root(const FloatV::mask_type& lanes) const {
+        const FloatV half =
+            stdx::sqrt(stdx::max(1.0f - (sq_distance - along * along), FloatV(0.0f)));
+        return best_joined_root<Degree, FloatV>(
+            sharp, f, -half, half, lanes,
+            [q = along](const FloatV& x) { return stdx::abs(x - q); });
+    }
+};
+
 /// Adds a root at `tau` from q^ (units of rho): eqs (6) and (7) with the weight's share.
 [[gnu::always_inline]] inline FloatV add_root(const TraceRecord& r, const FloatV::mask_type& taken,
                                               const FloatV& share, const FloatV& sq_distance,
@@ -73,28 +129,22 @@ struct RaysAtHits {
 template <int Degree, Derivatives kWanted>
 [[gnu::always_inline]] inline void blend_smooth(const TraceRecord& r, const RaysAtHits& at,
                                                 bool closely, BlendLanes& sums) {
-    constexpr auto kFarthest = static_cast<float>(kBelongs);
-    const LanesOfVec base = from_center(r, at);
-    const FloatV sq_base = base.dot(base);
-    const auto inside = at.hit && sq_base < 1.0f;
-    if (stdx::none_of(inside)) return;
-    const KernelRay kernel(base, at.direction);
-    const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
-    const auto k = ray_polynomial<Degree, FloatV>(r, s);
-    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction),
-                                 FloatV(1.0f)};
-    const auto root = nearest_in_ball<Degree, FloatV>(k, ball, kFarthest * 1.001f, inside);
-    const FloatV u = s.bu + root.t * s.du, v = s.bv + root.t * s.dv;
+    const BallAtHits in(r, at);
+    if (stdx::none_of(in.inside)) return;
+    const SmoothAtHits<Degree> surfel(r, at, in);
+    const auto root = surfel.root(in.inside);
+    const FloatV u = surfel.s.bu + root.t * surfel.s.du, v = surfel.s.bv + root.t * surfel.s.dv;
     const auto g = gradient_at<Degree, FloatV>(r, u, v);
     const LanesOfVec gradient{g.x, g.y, g.z};
-    auto taken = root.hit && stdx::abs(root.t) <= kFarthest && admits(at, closely, gradient);
+    auto taken = root.hit && stdx::abs(root.t) <= static_cast<float>(kBelongs) &&
+                 admits(at, closely, gradient);
     FloatV share(1.0f);
     if (r.rims.any()) {
         share = RimLanes(r.rims).share(u, v);
         taken = taken && share > 0.0f;
     }
     if (stdx::none_of(taken)) return;
-    const FloatV sq_distance = ball.value(root.t) + FloatV(1.0f);
+    const FloatV sq_distance = surfel.ball.value(root.t) + FloatV(1.0f);
     const FloatV w = add_root(r, taken, share, sq_distance, root.t, gradient, sums);
     if constexpr (kWanted >= Derivatives::second) {
         const auto h = hessian_at<Degree, FloatV>(r, u, v);
@@ -110,26 +160,20 @@ template <int Degree, Derivatives kWanted>
 template <int Degree, Derivatives kWanted>
 inline void blend_sharp(const TraceRecord& r, const SharpRecord& sharp, const RaysAtHits& at,
                         BlendLanes& sums) {
-    const LanesOfVec base = from_center(r, at);
-    const auto inside = at.hit && base.dot(base) < 1.0f;
-    if (stdx::none_of(inside)) return;
-    const FloatV along = base.dot(at.direction);
-    const KernelRay kernel(base - at.direction * along, at.direction);
-    const SharpRays<FloatV> f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
-    const FloatV half =
-        stdx::sqrt(stdx::max(1.0f - (base.dot(base) - along * along), FloatV(0.0f)));
-    const auto found = best_joined_root<Degree, FloatV>(
-        sharp, f, -half, half, inside, [along](const FloatV& x) { return stdx::abs(x - along); });
-    const auto g = sharp_gradient<Degree, FloatV>(sharp, f, found);
+    const BallAtHits in(r, at);
+    if (stdx::none_of(in.inside)) return;
+    const SharpAtHits<Degree> surfel(sharp, at, in);
+    const auto found = surfel.root(in.inside);
+    const auto g = sharp_gradient<Degree, FloatV>(sharp, surfel.f, found);
     const LanesOfVec gradient{g.x, g.y, g.z};
-    const FloatV tau = found.root.t - along;
+    const FloatV tau = found.root.t - surfel.along;
     const auto taken = found.root.hit && stdx::abs(tau) <= static_cast<float>(kBelongs) &&
                        admits(at, true, gradient);
     if (stdx::none_of(taken)) return;
-    const LanesOfVec x = base + at.direction * tau;
+    const LanesOfVec x = in.base + at.direction * tau;
     const FloatV w = add_root(r, taken, FloatV(1.0f), x.dot(x), tau, gradient, sums);
     if constexpr (kWanted >= Derivatives::second) {
-        const auto h = sharp_hessian<Degree, FloatV>(sharp, f, found);
+        const auto h = sharp_hessian<Degree, FloatV>(sharp, surfel.f, found);
         for (std::size_t n = 0; n < 6; ++n) sums.hessian[n] += w * h[n];
     }
     if constexpr (kWanted >= Derivatives::third) {
@@ -142,51 +186,42 @@ inline void blend_sharp(const TraceRecord& r, const SharpRecord& sharp, const Ra
 template <int Degree>
 [[gnu::always_inline]] inline void pass_smooth(const TraceRecord& r, const RaysAtHits& at,
                                                bool closely, FloatV& passing) {
-    constexpr auto kFarthest = static_cast<float>(kBelongs);
-    const LanesOfVec base = from_center(r, at);
-    const FloatV sq_base = base.dot(base);
-    const auto inside = at.hit && sq_base < 1.0f;
-    if (stdx::none_of(inside)) return;
-    const KernelRay kernel(base, at.direction);
-    const SurfelRay<FloatV> s = surfel_ray<FloatV>(r, kernel.rays, kernel.ball);
-    const auto k = ray_polynomial<Degree, FloatV>(r, s);
-    const auto above = inside && k[0] > 0.0f;
+    const BallAtHits in(r, at);
+    if (stdx::none_of(in.inside)) return;
+    const SmoothAtHits<Degree> surfel(r, at, in);
+    const auto above = in.inside && surfel.f[0] > 0.0f;
     if (stdx::none_of(above)) return;
-    const BallLanes<FloatV> ball{sq_base - FloatV(1.0f), 2.0f * base.dot(at.direction),
-                                 FloatV(1.0f)};
-    const auto root = nearest_in_ball<Degree, FloatV>(k, ball, kFarthest * 1.001f, above);
-    const auto g = gradient_at<Degree, FloatV>(r, s.bu, s.bv);
-    const auto passed = above && !(root.hit && stdx::abs(root.t) <= kFarthest) &&
-                        admits(at, closely, {g.x, g.y, g.z});
-    const FloatV share = r.rims.any() ? RimLanes(r.rims).share(s.bu, s.bv) : FloatV(1.0f);
-    passing += select<FloatV>(passed, share * blend_weight(sq_base), FloatV(0.0f));
+    const auto root = surfel.root(above);
+    const FloatV &u = surfel.s.bu, &v = surfel.s.bv;
+    const auto g = gradient_at<Degree, FloatV>(r, u, v);
+    const auto near = root.hit && stdx::abs(root.t) <= static_cast<float>(kBelongs);
+    const auto passed = above && !near && admits(at, closely, {g.x, g.y, g.z});
+    const FloatV share = r.rims.any() ? RimLanes(r.rims).share(u, v) : FloatV(1.0f);
+    passing += select<FloatV>(passed, share * blend_weight(in.sq_distance), FloatV(0.0f));
 }
 
 /// The same of a sharp surfel.
 template <int Degree>
 inline void pass_sharp(const TraceRecord& r, const SharpRecord& sharp, const RaysAtHits& at,
                        FloatV& passing) {
-    const LanesOfVec base = from_center(r, at);
-    const FloatV sq_base = base.dot(base);
-    const auto inside = at.hit && sq_base < 1.0f;
-    if (stdx::none_of(inside)) return;
-    const FloatV along = base.dot(at.direction);
-    const KernelRay kernel(base - at.direction * along, at.direction);
-    const SharpRays<FloatV> f = sharp_rays<Degree>(sharp, kernel.rays, kernel.ball);
-    const auto above = inside && joined_value<FloatV>(sharp, f, along) > 0.0f;
+    const BallAtHits in(r, at);
+    if (stdx::none_of(in.inside)) return;
+    const SharpAtHits<Degree> surfel(sharp, at, in);
+    const FloatV& q = surfel.along;
+    const auto above = in.inside && joined_value<FloatV>(sharp, surfel.f, q) > 0.0f;
     if (stdx::none_of(above)) return;
-    const FloatV half = stdx::sqrt(stdx::max(1.0f - (sq_base - along * along), FloatV(0.0f)));
-    const auto found = best_joined_root<Degree, FloatV>(
-        sharp, f, -half, half, above, [along](const FloatV& x) { return stdx::abs(x - along); });
+    const auto found = surfel.root(above);
     FloatV::mask_type admitted(false);
     for (std::size_t i = 0; i < sharp.n_sheets; ++i) {
-        const auto g = gradient_at<Degree, FloatV>(
-            sharp.sheet[i], f.ray[i].bu + along * f.ray[i].du, f.ray[i].bv + along * f.ray[i].dv);
+        const SurfelRay<FloatV>& ray = surfel.f.ray[i];
+        const auto g = gradient_at<Degree, FloatV>(sharp.sheet[i], ray.bu + q * ray.du,
+                                                   ray.bv + q * ray.dv);
         admitted = admitted || admits(at, true, {g.x, g.y, g.z});
     }
-    const auto near = found.root.hit &&
-                      stdx::abs(found.root.t - along) <= static_cast<float>(kBelongs);
-    passing += select<FloatV>(above && !near && admitted, blend_weight(sq_base), FloatV(0.0f));
+    const auto near =
+        found.root.hit && stdx::abs(found.root.t - q) <= static_cast<float>(kBelongs);
+    passing += select<FloatV>(above && !near && admitted, blend_weight(in.sq_distance),
+                              FloatV(0.0f));
 }
 
 /// Adds the weight of one surfel where rays pass over it at q^.

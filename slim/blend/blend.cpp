@@ -187,13 +187,15 @@ std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
     return out;
 }
 
+Vec3d weighted_gradient(const Surfel& s, const Vec3d& p) {
+    const Vec3d x = (p - s.center) / s.support_radius;
+    const double sq = sq_length(x);
+    return sq < 1 ? s.sheet_gradient(s.active_sheet(x), x) * weight_kernel(sq) : Vec3d{};
+}
+
 std::optional<Vec3d> normal_at(const Vec3d& p, std::span<const Surfel* const> supporters) {
     Vec3d sum;
-    for (const Surfel* s : supporters) {
-        const Vec3d x = (p - s->center) / s->support_radius;
-        const double sq = sq_length(x);
-        if (sq < 1) sum += s->sheet_gradient(s->active_sheet(x), x) * weight_kernel(sq);
-    }
+    for (const Surfel* s : supporters) sum += weighted_gradient(*s, p);
     if (!(sq_length(sum) > 0)) return std::nullopt;
     return normalized(sum);
 }

@@ -76,8 +76,8 @@ template <class T>
 /// of its sheets).
 double passing_weight(const Ray& ray, double t_guess, const Gate& gate, const Surfel& surfel);
 
-/// How often a hit that was outvoted gives way to the next one along the ray.
-inline constexpr int kMostRounds = 16;
+/// How often a hit that was outvoted gives way to the next one along the ray, at the most.
+inline constexpr int kMostOutvoted = 16;
 
 /// How far beyond a first hit that was outvoted the next one lies at least, in rho of its surfel.
 inline constexpr double kNextHit = 1e-3;
@@ -109,8 +109,12 @@ std::optional<Projection> project_along(const Vec3d& p, const Vec3d& n,
                                         std::span<const Surfel* const> supporters,
                                         bool want_curvature = false);
 
-/// The model's own outward unit normal around p: gradients of the supporters' functions at p,
-/// weighted by G at |p - c| / rho. For points that bring no normal. Nothing if p has no supporter.
+/// The gradient of a surfel's function at p (of a sharp one that of the sheet that says its value),
+/// times G at |p - c| / rho; zero outside its ball.
+Vec3d weighted_gradient(const Surfel& surfel, const Vec3d& p);
+
+/// The model's own outward unit normal around p: that of the sum of the supporters'
+/// weighted_gradient. For points that bring no normal. Nothing if p has no supporter.
 std::optional<Vec3d> normal_at(const Vec3d& p, std::span<const Surfel* const> supporters);
 
 }  // namespace slim

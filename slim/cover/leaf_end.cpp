@@ -17,7 +17,6 @@ constexpr double kWidth = 4;          // of a strip, in spacings: the last of it
                                       // of a spacing from its end in the mean
 constexpr double kLeastWidth = 0.24;  // over rho
 constexpr std::size_t kEnough = 100;  // points: of fewer the steps of rims are half a spacing
-constexpr int kApart = 5;             // directions, 56 degrees, as of rims (leaf_rim.cpp)
 constexpr int kLeastShare = 62;       // hundredths of its radius
 constexpr double kSlack = 0.005;      // over rho: the smaller ball's points end a little elsewhere
 constexpr double kNone = -1;          // a strip without points
@@ -68,7 +67,7 @@ std::vector<Profile> ends_of(const CoveringSurfel& leaf, PerDirection reach) {
         const double last = static_cast<double>(*nearest);
         const LeafEnd end = end_beyond(last, static_cast<double>(leaf.covered.size()));
         if (last < kHitTrim && end.is_sure) out.emplace_back(leaf, k, last, end);
-        for (int d = -kApart; d <= kApart; ++d) reach[direction(k + d)] = 1;
+        for (int d = -kEndsApart; d <= kEndsApart; ++d) reach[direction(k + d)] = 1;
     }
     return out;
 }

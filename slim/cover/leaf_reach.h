@@ -17,6 +17,9 @@ inline std::size_t direction(int k) {
     return static_cast<std::size_t>((k + kRimDirections) % kRimDirections);
 }
 
+/// Directions, 56 degrees: what ends closer to another end of a leaf is the same one.
+inline constexpr int kEndsApart = 5;
+
 /// How far a leaf's covered points reach in each direction, over rho; at least 0, where the centre
 /// is. Nothing once they reach farther than `longest`, by default any rim, everywhere, as they soon
 /// do on most surfaces. Cost: 32 products a point.

@@ -27,7 +27,7 @@ constexpr double kBeyondEdge = 0.02;
 constexpr int kLeastShare = 78;   // hundredths of its radius: to where a rim is none, 0.56 / 0.72
 constexpr int kTogether = 2;      // directions, 22 degrees: signs of one edge
 constexpr int kLeans = 4;  // directions, 45 degrees: a corner's own point leans between its edges
-constexpr int kApart = 5;         // directions, 56 degrees: closer lines are one edge
+
 /// How far the leaf may reach in each direction, over rho.
 struct Bounds {
     std::array<double, kRimDirections> reach;
@@ -157,7 +157,7 @@ std::array<double, 2> nearest_edges(const CoveringSurfel& leaf, const PerDirecti
     for (double& reach : out) {
         const int k = bounds.nearest();
         reach = bounds.reach[direction(k)];
-        bounds.leave_out(k, kApart);
+        bounds.leave_out(k, kEndsApart);
     }
     return out;
 }
@@ -191,7 +191,7 @@ PackedRims rims_of(const CoveringSurfel& leaf) {
     Bounds bounds = bounds_of(leaf, *reaches);
     if (rims.first == 0) rims.first = rim_at(bounds);
     if (rims.first == 0) return rims;
-    bounds.leave_out(rims.first >> 3, kApart);
+    bounds.leave_out(rims.first >> 3, kEndsApart);
     rims.second = rim_at(bounds);
     return rims;
 }

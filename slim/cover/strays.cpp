@@ -17,9 +17,9 @@ namespace {
 // Times the density of strays, which is their mean without those near a surface, and deviations.
 constexpr double kDenser = 6, kByChance = 6;
 constexpr double kFillsSpace = 0.135;  // thick: at an edge 0.085, at a corner of a cube 0.13
-constexpr double kGrowsFast = 4.8;    // growth
-constexpr double kOff = 0.1;          // off, of a centre above a surface that the ball reaches
-constexpr double kFarOff = 0.32;      // off, however the points grow: on an edge it is 0.3
+constexpr double kGrowsFast = 4.8;     // growth
+constexpr double kOff = 0.1;           // off, of a centre above a surface that the ball reaches
+constexpr double kFarOff = 0.32;       // off, however the points grow: on an edge it is 0.3
 
 }  // namespace
 

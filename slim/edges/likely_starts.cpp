@@ -1,34 +1,14 @@
 #include "slim/edges/likely_starts.h"
 
+#include "slim/base/joined_sets.h"
 #include "slim/edges/edge_walk.h"
 
-#include <algorithm>
-#include <numeric>
 #include <span>
 
 namespace slim {
 namespace {
 
 constexpr std::size_t kGrain = 64;
-
-/// Sets that are joined, each known by its least member.
-class LeastOfSets {
-public:
-    explicit LeastOfSets(std::size_t n) : parent_(n) {
-        std::iota(parent_.begin(), parent_.end(), 0u);
-    }
-    std::uint32_t find(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = find(a), b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 /// The leaves' edges about each start, each list behind its start's number and length.
 using StartLists = std::vector<std::uint32_t>;
@@ -56,7 +36,7 @@ std::vector<std::uint32_t> likely_starts(const BallIndex& leaves, const Corners&
                      [&](std::size_t begin, std::size_t end) {
                          lists[begin / kGrain] = starts_of(leaves, corners, begin, end);
                      });
-    LeastOfSets sets(kSheetPairs.size() * leaves.n_leaves());
+    JoinedSets sets(kSheetPairs.size() * leaves.n_leaves());
     const auto for_each_start = [&](const auto& visit) {
         for (const StartLists& list : lists)
             for (std::size_t at = 0; at < list.size(); at += 2 + list[at + 1])

@@ -25,6 +25,8 @@ struct BallPoints {
     bool normals_count = false;  ///< fits follow the normals, too
                                  ///< (slim/fit/notes/0007); left as it is as well
 
+    Vec3d place(std::size_t i) const { return {x[i], y[i], z[i]}; }
+    Vec3d normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
     std::size_t padded() const {
         constexpr std::size_t lanes = stdx::native_simd<T>::size();
         return (n + lanes - 1) / lanes * lanes;

@@ -53,10 +53,7 @@ NoiseVariance with_neighbors(const NearestSearch& search, std::span<const std::u
     search.for_each(wanted, k, [&](std::size_t w, std::span<const std::uint32_t> neighbors) {
         if (neighbors.size() < 3) return;
         const Spread s = spread_of(search.positions(), neighbors);
-        double sq_reach = 0;
-        for (const std::uint32_t i : neighbors)
-            sq_reach = std::max(sq_reach, sq_length(search.positions()[i] -
-                                                    search.positions()[wanted[w]]));
+        const double sq_reach = sq_reach_of(search.positions(), wanted[w], neighbors);
         found[w] = {s.smallest, is_strip(s, wanted[w]) ? 1 : flatness_of(s),
                     sq_reach / static_cast<double>(neighbors.size()),
                     normals.empty()
@@ -154,8 +151,8 @@ std::vector<std::uint32_t> distinct_places(const NearestSearch& search,
     return places;
 }
 
-/// Of a usual neighbourhood.
-double sq_reach_of(const NoiseVariance& noise) {
+/// Squared reach of a usual neighbourhood.
+double usual_sq_reach(const NoiseVariance& noise) {
     const double sq_spacing = noise.spacing * noise.spacing;
     return static_cast<double>(noise.neighbors) * sq_spacing / std::numbers::pi;
 }
@@ -180,14 +177,14 @@ NoiseVariance estimate_noise_variance(const NearestSearch& search,
 double stray_share(const NoiseVariance& noise) {
     if (noise.n_sampled == 0) return 0;
     const double most =
-        std::max(kBeyondOthers * noise.bins.quantile(0.5), kNoSurface * sq_reach_of(noise));
+        std::max(kBeyondOthers * noise.bins.quantile(0.5), kNoSurface * usual_sq_reach(noise));
     const double others = static_cast<double>(noise.bins.mean_up_to(most).n);
     return 1 - others / static_cast<double>(noise.n_sampled);
 }
 
 RobustNoise robust_noise(const NoiseVariance& noise) {
     const double sq_spacing = noise.spacing * noise.spacing;
-    const double sq_reach = sq_reach_of(noise);
+    const double sq_reach = usual_sq_reach(noise);
     const VarianceBins& bins = noise.bins;
     const VarianceBins::Bin others = bins.mean_up_to(
         std::max(kBeyondOthers * bins.quantile(1 - kMostStrays), kNoSurface * sq_reach));

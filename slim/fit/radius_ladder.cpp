@@ -1,8 +1,7 @@
 #include "slim/fit/radius_ladder.h"
 
+#include "slim/fit/least_share.h"
 #include "slim/model/surfel.h"
-
-#include <boost/math/tools/minima.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -230,21 +229,14 @@ double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
     set_contrary_aside(work.ball, frame.normal, work.aside);
     const MdlEnergy energy = energy_of(chosen.degree);
-    const auto energy_at = [&](double log_radius) {
-        const double radius = std::exp(log_radius) * hi;
+    const auto energy_at = [&](double log_share) {
+        const double radius = std::exp(log_share) * hi;
         ++work.refinements;
         work.point_visits += work.ball.n;
         const LocalFit fit = fit_ball(work.ball, radius / hi, frame, chosen.degree);
         return energy(fit.sq_error, radius);
     };
-    // In log(rho), so that 2 % are 0.02 anywhere (NUMERICS 3.3); the offset keeps the argument away
-    // from 0, where the library's tolerance would vanish.
-    constexpr double offset = 2;
-    std::uintmax_t most = 8;
-    const auto found = boost::math::tools::brent_find_minima(
-        [&](double x) { return energy_at(x - offset); }, std::log(lo / hi) + offset, offset, 8,
-        most);
-    return std::exp(found.first - offset) * hi;
+    return least_share(std::log(lo / hi), energy_at) * hi;
 }
 
 RadiusChoice RadiusLadder::choose(const Vec3d& center, const Vec3d& normal, double first_guess,

@@ -1,8 +1,7 @@
 #include "slim/fit/radius_windows.h"
 
+#include "slim/fit/least_share.h"
 #include "slim/model/surfel.h"
-
-#include <boost/math/tools/minima.hpp>
 
 #include <algorithm>
 #include <array>
@@ -91,19 +90,14 @@ double RadiusWindows::Search::minimum(int window) {
     const Frame<double> frame =
         frame_from_normal(average_normal(work_.ball, kGoldenRatio, normal_).normal);
     set_contrary_aside(work_.ball, frame.normal, work_.aside);
-    // keeps the argument away from 0, where the tolerance would vanish
-    constexpr double offset = 2;
-    std::uintmax_t most = 8;
-    const auto found = boost::math::tools::brent_find_minima(
-        [&](double x) {
-            const double shrink = std::exp(x - offset);
-            ++work_.refinements;
-            work_.point_visits += work_.ball.n;
-            const LocalFit fit = fit_ball(work_.ball, shrink, frame, rules_.degree_);
-            return rules_.energy_(fit.sq_error, shrink * r);
-        },
-        2 * std::log(kGoldenRatio) + offset, offset, 8, most);
-    return std::exp(found.first - offset) * r;
+    const auto energy_at = [&](double log_share) {
+        const double shrink = std::exp(log_share);
+        ++work_.refinements;
+        work_.point_visits += work_.ball.n;
+        const LocalFit fit = fit_ball(work_.ball, shrink, frame, rules_.degree_);
+        return rules_.energy_(fit.sq_error, shrink * r);
+    };
+    return least_share(2 * std::log(kGoldenRatio), energy_at) * r;
 }
 
 RadiusChoice RadiusWindows::choose(const Vec3d& center, const Vec3d& normal, int first,

@@ -1,6 +1,6 @@
 #include "slim/fit/sharp_clusters.h"
 
-#include "slim/base/simd.h"
+#include "slim/fit/double_lanes.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,11 +22,6 @@ constexpr double kSpreadWithin2 = 0.4,
 constexpr double kLeastSpreadOfFaces = 0.001;  // 6 degrees through the middle of a ball
 constexpr std::size_t kJudged = 48;
 
-template <class T>
-Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
-    return {p.nx[i], p.ny[i], p.nz[i]};
-}
-
 /// The normal whose largest cosine to any of the first `k` normals is smallest, of every
 /// `stride`-th point.
 template <class T>
@@ -35,7 +30,7 @@ Vec3d farthest(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets>& fro
     Vec3d best;
     double least = 2;
     for (std::size_t i = 0; i < p.n; i += stride) {
-        const Vec3d n = normal_of(p, i);
+        const Vec3d n = p.normal(i);
         if (!(sq_length(n) > 0)) continue;
         double nearest = -1;
         for (std::size_t c = 0; c < k; ++c) nearest = std::max(nearest, dot(n, from[c]));
@@ -48,7 +43,7 @@ template <class T>
 void seed(const BallPoints<T>& p, std::size_t k, std::array<Vec3d, kMostSheets>& normal,
           std::size_t stride = 1) {
     Vec3d sum;
-    for (std::size_t i = 0; i < p.n; i += stride) sum += normal_of(p, i);
+    for (std::size_t i = 0; i < p.n; i += stride) sum += p.normal(i);
     normal[0] = normalized(sum);
     normal[0] = farthest(p, normal, 1, stride);
     for (std::size_t c = 1; c < k; ++c) normal[c] = farthest(p, normal, c, stride);
@@ -64,7 +59,7 @@ double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) 
         std::array<Vec3d, kMostSheets> sum{};
         n = 0, along = 0;
         for (std::size_t i = 0; i < p.n; i += stride) {
-            const Vec3d x = normal_of(p, i);
+            const Vec3d x = p.normal(i);
             std::size_t best = 0;
             for (std::size_t c = 1; c < k; ++c)
                 if (dot(x, normal[c]) > dot(x, normal[best])) best = c;
@@ -79,12 +74,6 @@ double spread_within(const BallPoints<T>& p, std::size_t k, std::size_t stride) 
     return n > 0 ? 1 - along / n : 0;
 }
 
-using Lanes = stdx::native_simd<double>;
-
-Lanes lanes_at(const std::vector<float>& a, std::size_t i) {
-    return stdx::static_simd_cast<Lanes>(LanesOfDouble<float>(&a[i], stdx::element_aligned));
-}
-
 /// The nearest cluster of each point, by its bit; 0 where a normal is missing, or not clearly that
 /// cluster's: nearer to another by less than kAmbiguous of what lies between the two.
 template <class T>
@@ -94,10 +83,11 @@ void assign_clusters(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets
     for (std::size_t a = 0; a < k; ++a)
         for (std::size_t b = 0; b < k; ++b)
             margin[a][b] = kAmbiguous * (1 - dot(normal[b], normal[a]));
-    for (std::size_t first = 0; first < p.n; first += Lanes::size()) {
-        const Lanes x = lanes_at(p.nx, first), y = lanes_at(p.ny, first), z = lanes_at(p.nz, first);
-        std::array<Lanes, kMostSheets> along;
-        Lanes most = -INFINITY, best = 0;
+    for (std::size_t first = 0; first < p.n; first += DoubleLanes::size()) {
+        const DoubleLanes x = double_lanes_at(p.nx, first), y = double_lanes_at(p.ny, first),
+                          z = double_lanes_at(p.nz, first);
+        std::array<DoubleLanes, kMostSheets> along;
+        DoubleLanes most = -INFINITY, best = 0;
         for (std::size_t c = 0; c < k; ++c) {
             along[c] = x * normal[c].x + y * normal[c].y + z * normal[c].z;
             const auto nearer = along[c] > most;
@@ -111,9 +101,9 @@ void assign_clusters(const BallPoints<T>& p, const std::array<Vec3d, kMostSheets
                 if (b != a) clear = clear && (is_other || most - along[b] >= margin[a][b]);
         }
         const std::uint64_t bits = lane_bits(clear);
-        std::array<double, Lanes::size()> nearest;
+        std::array<double, DoubleLanes::size()> nearest;
         best.copy_to(nearest.data(), stdx::element_aligned);
-        for (std::size_t lane = 0; lane < Lanes::size(); ++lane)
+        for (std::size_t lane = 0; lane < DoubleLanes::size(); ++lane)
             member[first + lane] = static_cast<std::uint8_t>(
                 (bits >> lane & 1) << static_cast<unsigned>(nearest[lane]));
     }
@@ -166,7 +156,7 @@ bool cluster_normals(const BallPoints<T>& p, std::size_t k, NormalClusters& clus
         for (std::size_t i = 0; i < p.n; ++i) {
             if (member[i] == 0) continue;
             const auto c = static_cast<std::size_t>(std::countr_zero(member[i]));
-            sum[c] += normal_of(p, i);
+            sum[c] += p.normal(i);
             ++count[c];
         }
         bool moved = false;

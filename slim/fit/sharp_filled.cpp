@@ -1,6 +1,6 @@
 #include "slim/fit/sharp_filled.h"
 
-#include "slim/base/simd.h"
+#include "slim/fit/double_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,31 +35,26 @@ Limits limits_of(const SharpFit& fit, const BallPoints<T>& points, double noise_
             kStandsOut + kNoises * std::sqrt(noise_variance) / points.radius};
 }
 
-using Lanes = stdx::native_simd<double>;
-
-template <class T>
-Lanes lanes_at(const std::vector<T>& a, std::size_t i) {
-    return stdx::static_simd_cast<Lanes>(LanesOfDouble<T>(&a[i], stdx::element_aligned));
-}
-
 /// Whether the points bear out a place x on a sheet of that normal. Padding has no normal: it says
 /// nothing.
 template <class T>
 bool is_borne_out(const BallPoints<T>& points, const Vec3d& x, const Vec3d& normal,
                   const Limits& limits) {
     bool found = false;
-    for (std::size_t i = 0; i < points.n; i += Lanes::size()) {
-        const Vec3<Lanes> away{x.x - lanes_at(points.x, i), x.y - lanes_at(points.y, i),
-                               x.z - lanes_at(points.z, i)};
-        const Lanes sq = sq_length(away);
+    for (std::size_t i = 0; i < points.n; i += DoubleLanes::size()) {
+        const Vec3<DoubleLanes> away{x.x - double_lanes_at(points.x, i),
+                                     x.y - double_lanes_at(points.y, i),
+                                     x.z - double_lanes_at(points.z, i)};
+        const DoubleLanes sq = sq_length(away);
         const auto is_near = sq <= limits.sq_gap;
         if (lane_bits(is_near) == 0) continue;
-        const Vec3<Lanes> n{lanes_at(points.nx, i), lanes_at(points.ny, i),
-                            lanes_at(points.nz, i)};
+        const Vec3<DoubleLanes> n{double_lanes_at(points.nx, i), double_lanes_at(points.ny, i),
+                                  double_lanes_at(points.nz, i)};
         const auto stands_out =
             sq <= limits.sq_beside && limits.side * dot(n, away) > limits.stands_out;
         if (lane_bits(is_near && stands_out) != 0) return false;
-        const Vec3<Lanes> to{Lanes(normal.x), Lanes(normal.y), Lanes(normal.z)};
+        const Vec3<DoubleLanes> to{DoubleLanes(normal.x), DoubleLanes(normal.y),
+                                   DoubleLanes(normal.z)};
         found = found || lane_bits(is_near && dot(n, to) > kFacing) != 0;
     }
     return found;

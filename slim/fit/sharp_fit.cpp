@@ -1,32 +1,22 @@
 #include "slim/fit/sharp_fit.h"
 
+#include "slim/fit/fitted_sheets.h"
 #include "slim/fit/sharp_clusters.h"
+#include "slim/fit/sharp_measure.h"
 #include "slim/fit/sheet_by_normals.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/model/weight_kernel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <optional>
 
 namespace slim {
 namespace {
 
-constexpr double kOffSheet = 5;         // times the noise, as in the ladder
-constexpr double kWorthADegree = 1.5;   // eps^2 of the plane over that of the full degree
-constexpr double kExplained = 4;        // residuals up to this many eps belong to a sheet
-constexpr double kLeastShare = 0.25;    // of 1 - K / n_eff, as in LocalFit
-constexpr double kFollows = 0.9;        // mean cosine of a sheet's gradients to its points' normals
+constexpr double kWorthADegree = 1.5;  // eps^2 of the plane over that of the full degree
+constexpr double kFollows = 0.9;       // mean cosine of a sheet's gradients to its points' normals
 constexpr int kRefits = 2;
-
-template <class T>
-Vec3d place_of(const BallPoints<T>& p, std::size_t i) {
-    return {p.x[i], p.y[i], p.z[i]};
-}
-template <class T>
-Vec3d normal_of(const BallPoints<T>& p, std::size_t i) {
-    return {p.nx[i], p.ny[i], p.nz[i]};
-}
 
 template <class T>
 void reserve_part(BallPoints<T>& part, std::size_t n) {
@@ -78,23 +68,11 @@ public:
         for (int i = 0; i < kRefits && assign(); ++i)
             if (!fit_sheets()) return std::nullopt;
         find_joins();
-        measure();
+        measure_sharp(p_, noise_, sheets_, work_);
         return fit_;
     }
 
 private:
-    double value(std::size_t k, const Vec3d& x) const {
-        const Vec3d local = fit_.frame[k].local_from_world(x);
-        return local.z - fit_.polynomial[k].value(local.x, local.y);
-    }
-    double cosine(std::size_t k, const Vec3d& x, const Vec3d& n) const {
-        if (plane_[k]) return dot(plane_[k]->gradient, n) / plane_[k]->length;
-        const Vec3d local = fit_.frame[k].local_from_world(x);
-        const Polynomial<double>& a = fit_.polynomial[k];
-        const Vec3d g{-a.d_u(local.x, local.y), -a.d_v(local.x, local.y), 1};
-        return dot(fit_.frame[k].world_from_local(g), n) / length(g);
-    }
-
     /// The fit of the full degree to the points of a sheet, those in work_.part; of few, by their
     /// normals too.
     LocalFit full_fit(std::size_t k) {
@@ -115,8 +93,8 @@ private:
                 const LocalFit full = full_fit(k);
                 if (full.degree > 1 && kWorthADegree * full.sq_error < best.sq_error) best = full;
             }
-            set_sheet(k, best);
-            if (!follows_normals(k)) set_sheet(k, best = level(k));
+            sheets_.set(k, best);
+            if (!follows_normals(k)) sheets_.set(k, best = level(k));
             error_[k] = std::sqrt(best.sq_error) / p_.radius;
             fit_.degree = std::max(fit_.degree, best.degree);
             fit_.n_coefficients += n_coefficients(best.degree);
@@ -124,22 +102,14 @@ private:
         return true;
     }
 
-    void set_sheet(std::size_t k, const LocalFit& fit) {
-        const Polynomial<double>& a = fit_.polynomial[k] = fit.polynomial;
-        plane_[k].reset();
-        if (std::any_of(a.a.begin() + 3, a.a.end(), [](double c) { return c != 0; })) return;
-        const Vec3d g{-a.a[1], -a.a[2], 1};
-        plane_[k] = Plane{fit_.frame[k].world_from_local(g), length(g)};
-    }
-
     /// Whether a sheet's gradients are the normals of the points that are its alone. A plane
     /// through a few points of a narrow strip may lean away from them.
     bool follows_normals(std::size_t k) const {
         double sum = 0, n = 0;
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d normal = normal_of(p_, i);
+            const Vec3d normal = p_.normal(i);
             if (work_.sheets[i] != 1u << k || !(sq_length(normal) > 0)) continue;
-            sum += cosine(k, place_of(p_, i), normal);
+            sum += sheets_.cosine(k, p_.place(i), normal);
             ++n;
         }
         return sum >= kFollows * n;
@@ -150,7 +120,7 @@ private:
     LocalFit level(std::size_t k) {
         double sum = 0, squares = 0, weight = 0;
         for (std::size_t i = 0; i < work_.part.n; ++i) {
-            const double w = dot(fit_.frame[k].normal, place_of(work_.part, i));
+            const double w = dot(fit_.frame[k].normal, work_.part.place(i));
             const double g = static_cast<double>(fit_weight(p_.weight, work_.part.sq[i]));
             sum += g * w, squares += g * w * w, weight += g;
         }
@@ -171,11 +141,11 @@ private:
             for (std::size_t b = 0; b < fit_.n_sheets; ++b)
                 apart[a][b] = 1 - dot(fit_.frame[b].normal, fit_.frame[a].normal);
         for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d x = place_of(p_, i), n = normal_of(p_, i);
+            const Vec3d x = p_.place(i), n = p_.normal(i);
             std::array<double, kMostSheets> cosines{};
             std::size_t best = 0;
             for (std::size_t k = 0; k < fit_.n_sheets; ++k) {
-                cosines[k] = cosine(k, x, n);
+                cosines[k] = sheets_.cosine(k, x, n);
                 if (cosines[k] > cosines[best]) best = k;
             }
             unsigned bits = 0;
@@ -183,7 +153,7 @@ private:
                 const bool alike =
                     k == best || cosines[k] >= cosines[best] - kAmbiguous * apart[best][k];
                 const double tolerance = kExplained * std::max(error_[k], noise_);
-                if (alike && cosines[k] >= kLeastCos && std::abs(value(k, x)) <= tolerance)
+                if (alike && cosines[k] >= kLeastCos && std::abs(sheets_.value(k, x)) <= tolerance)
                     bits |= 1u << k;
             }
             changed |= work_.sheets[i] != bits;
@@ -197,7 +167,7 @@ private:
         for (std::size_t i = 0; i < p_.n; ++i) {
             if (!work_.sheets[i]) continue;
             for (std::size_t k = 0; k < fit_.n_sheets; ++k)
-                work_.heights[i][k] = value(k, place_of(p_, i));
+                work_.heights[i][k] = sheets_.value(k, p_.place(i));
         }
     }
 
@@ -207,75 +177,16 @@ private:
                                                {work_.sheets.data(), p_.n});
         fit_.outer = way.outer;
         fit_.inner = way.inner;
-        std::swap(fit_.frame[0], fit_.frame[way.first]);
-        std::swap(fit_.polynomial[0], fit_.polynomial[way.first]);
-        std::swap(plane_[0], plane_[way.first]);
-    }
-
-    /// eps^2 about the joined surface over the points whose normal some sheet has.
-    void measure() {
-        const Surfel joined = fit_.surfel({}, 1);
-        if (work_.beside.size() < p_.n) work_.beside.resize(2 * p_.n);
-        double rss = 0, weight = 0, sq_weight = 0;
-        for (std::size_t i = 0; i < p_.n; ++i) {
-            const Vec3d x = place_of(p_, i);
-            const double f = joined.value(x);
-            const auto [sheet, cosine] = nearest_normal(x, normal_of(p_, i));
-            work_.beside[i] = {f, cosine, sheet};
-            if (cosine < kLeastCos) continue;
-            const double g = static_cast<double>(fit_weight(p_.weight, p_.sq[i]));
-            rss += g * f * f;
-            weight += g;
-            sq_weight += g * g;
-        }
-        fit_.n_points = p_.n;
-        fit_.n_effective = sq_weight > 0 ? weight * weight / sq_weight : 0;
-        const double freedom = 1 - fit_.n_coefficients / std::max(fit_.n_effective, 1.0);
-        const double sq_error =
-            weight > 0 ? rss / weight / std::max(freedom, kLeastShare) : INFINITY;
-        fit_.sq_error = p_.radius * p_.radius * sq_error;
-        count_off(std::sqrt(sq_error));
-    }
-
-    /// Points that lie off the joined surface, or off the sheet whose normal they have: a mean over
-    /// the ball would hide the few points of a third face, and sheets where there is no surface at
-    /// all.
-    void count_off(double error) {
-        const double tolerance = kExplained * std::max(error, noise_);
-        fit_.n_off = 0;
-        for (std::size_t i = 0; i < p_.n; ++i) {
-            const auto& at = work_.beside[i];
-            const double f = std::abs(at.height);
-            if (at.cosine < kLeastCos)
-                fit_.n_off += f > kOffSheet * noise_;
-            else
-                fit_.n_off +=
-                    f > tolerance || std::abs(value(at.sheet, place_of(p_, i))) > tolerance;
-        }
-    }
-
-    /// The sheet whose normal at x is nearest to n, and their cosine; 1 for a point without a
-    /// normal.
-    std::pair<std::size_t, double> nearest_normal(const Vec3d& x, const Vec3d& n) const {
-        std::pair<std::size_t, double> best{0, -1};
-        for (std::size_t k = 0; k < fit_.n_sheets; ++k)
-            if (const double c = cosine(k, x, n); c > best.second) best = {k, c};
-        if (!(sq_length(n) > 0)) best.second = 1;
-        return best;
+        sheets_.put_first(way.first);
     }
 
     const BallPoints<T>& p_;
     int degree_;
     double noise_;  // relative to the radius
     SharpWork<T>& work_;
-    SharpFit fit_;
+    FittedSheets sheets_;
+    SharpFit& fit_ = sheets_.fit;
     std::array<double, kMostSheets> error_{};  // eps of each sheet, relative
-    /// The gradient of a sheet without terms of higher order, world axes, and its length.
-    struct Plane {
-        Vec3d gradient;
-        double length;
-    };
-    std::array<std::optional<Plane>, kMostSheets> plane_;
 };
 
 }  // namespace

@@ -35,4 +35,12 @@ Spread spread_of(std::span<const Vec3d> positions, std::span<const std::uint32_t
             std::max(solver.eigenvalues()[2], 0.0), {n.x(), n.y(), n.z()}};
 }
 
+double sq_reach_of(std::span<const Vec3d> positions, std::uint32_t point,
+                   std::span<const std::uint32_t> neighbors) {
+    double most = 0;
+    for (const std::uint32_t i : neighbors)
+        most = std::max(most, sq_length(positions[i] - positions[point]));
+    return most;
+}
+
 }  // namespace slim

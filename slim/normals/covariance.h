@@ -7,10 +7,9 @@
 
 namespace slim {
 
-/// Spread of some points about their mean, of principal components.
+/// Spread of some points about their mean: eigenvalues of their covariance.
 struct Spread {
-    /// eigenvalues of the covariance, length^2, >= 0
-    double smallest = 0, middle = 0, largest = 0;
+    double smallest = 0, middle = 0, largest = 0;  ///< eigenvalues, length^2, >= 0
     Vec3d normal;                                  ///< unit eigenvector of the smallest
 };
 
@@ -18,5 +17,9 @@ struct Spread {
 /// and the smallest is exactly zero for points of a plane z = const.
 /// points: at least one
 Spread spread_of(std::span<const Vec3d> positions, std::span<const std::uint32_t> points);
+
+/// Squared distance of the farthest of a point's neighbours.
+double sq_reach_of(std::span<const Vec3d> positions, std::uint32_t point,
+                   std::span<const std::uint32_t> neighbors);
 
 }  // namespace slim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slim/base/vec.h"
+#include "slim/normals/outside.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,8 +36,7 @@ public:
     }
 
 private:
-    static constexpr double kSmallHole = 0.25;  ///< over the area; of a bowl 0.5
-    static constexpr double kSure = 4;          ///< standard deviations
+    static constexpr double kSure = 4;  ///< standard deviations
 
     double n_ = 0, size_sum_ = 0;
     double area_ = 0, sq_reach_ = 0;  ///< the latter: of area times squared arm

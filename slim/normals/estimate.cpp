@@ -60,15 +60,6 @@ std::vector<std::uint32_t> rows_on_lines(const NeighborGraph& graph,
     return out;
 }
 
-/// Squared distance of the farthest of a point's neighbours.
-double sq_reach_of(const std::vector<Vec3d>& positions, std::uint32_t point,
-                   std::span<const std::uint32_t> neighbors) {
-    double most = 0;
-    for (const std::uint32_t i : neighbors)
-        most = std::max(most, sq_length(positions[i] - positions[point]));
-    return most;
-}
-
 /// Estimates the normals of rows whose neighbours lie on a line from more of them: twice as many
 /// until they are a patch. Returns the rows that never have one; they are as they were. farthest:
 /// of a patch, in reaches of the neighbours that the graph lists; infinite: as far as may be

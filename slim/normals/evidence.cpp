@@ -18,7 +18,6 @@ constexpr double kOff = 0.7071;            // cosine
 constexpr std::size_t kFewestFlat = 50;
 constexpr double kFewestFlatShare = 0.1;   // in thick noise, by chance, one in a hundred is flat
 constexpr double kManyOff = 0.15;
-constexpr double kSmallHole = 0.25;        // over the area
 constexpr double kSure = 4;                // standard deviations
 constexpr double kMostArea = 100;          // medians: what stands for more is a stray far off
 
@@ -29,8 +28,7 @@ NormalEvidence evidence_of_one(const PointBlock& points, std::uint32_t i,
     const Vec3d p = points.position[i], normal = to_double(points.normal[i]);
     if (!(sq_length(normal) > 0)) return one;
     one.n = 1;
-    for (const std::uint32_t k : neighbors)
-        one.area = std::max(one.area, sq_length(points.position[k] - p));
+    one.area = sq_reach_of(points.position, i, neighbors);
     one.sq_size = one.area * sq_length(p);
     one.flux = one.area * dot(p, normal);
     one.moment = one.area * p;

@@ -1,6 +1,7 @@
 #include "slim/normals/orient.h"
 
 #include "slim/base/parallel.h"
+#include "slim/normals/covariance.h"
 #include "slim/normals/enclosure.h"
 #include "slim/normals/outside.h"
 #include "slim/normals/sign_groups.h"
@@ -18,8 +19,6 @@ constexpr std::size_t kGrain = 16384;  // points a task
 constexpr float kSteep = 0.5f;  // |n_z| of a slope of 60 degrees
 // share of points less steep in a scene that is seen from above
 constexpr double kMostlyFlat = 0.8;
-// |sum of normals| over their number of a shape that is closed but for small holes: of a bowl 0.5
-constexpr double kSmallHole = 0.25;
 // hints on a component's side less those on the other, of all: enough to outweigh a closed shape
 // (85 % are on one side), or where the shape says little
 constexpr double kSureHints = 0.7, kFairHints = 0.1;
@@ -130,10 +129,8 @@ std::vector<float> sizes_of(const PointBlock& points, const NeighborGraph& graph
     parallel_blocks(graph.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const std::uint32_t i = graph.points[row];
-            double most = 0;
-            for (const std::uint32_t k : graph.of(row))
-                most = std::max(most, sq_length(points.position[k] - points.position[i]));
-            sizes[i] = static_cast<float>(std::sqrt(most));
+            sizes[i] =
+                static_cast<float>(std::sqrt(sq_reach_of(points.position, i, graph.of(row))));
         }
     });
     return sizes;

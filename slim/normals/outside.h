@@ -6,4 +6,8 @@ namespace slim {
 /// outside: a sphere 1, a wall or a terrain next to nothing.
 inline constexpr double kClearFlux = 0.15;
 
+/// |sum of the normals|, each times its area or all alike, over the sum of the areas, below which a
+/// shape is closed but for small holes: of a bowl 0.5.
+inline constexpr double kSmallHole = 0.25;
+
 }  // namespace slim

@@ -185,6 +185,7 @@ SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings,
         for (std::size_t v = 0; v < from.size(); ++v) {
             out.vertices[v].position = from[v];
             out.vertices[v].held = held[v] != 0;
+            out.vertices[v].displacement = 0;
             if (out.vertices[v].moved)
                 end_at(from[v], mesh.position[v], settings.most, out.vertices[v]);
             mesh.position[v] = out.vertices[v].position;
@@ -192,6 +193,8 @@ SmoothedMesh smooth_mesh(const BallIndex& index, const SmoothSettings& settings,
     };
     end_all();  // no farther than they may
     out.turned = hold_back_turned(mesh, around, toward, from, mesh.position);
+    for (const std::uint32_t v : out.turned.kept)
+        out.vertices[v].moved = false, out.vertices[v].held_back = true;
     if (out.turned.n_held_back > 0) end_all();
     return out;
 }

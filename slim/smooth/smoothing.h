@@ -25,12 +25,13 @@ struct SmoothedPoint {
     Vec3d position;           ///< as it was if it did not move
     Vec3d normal;             ///< of the model by eq. (7), unit; its own if it did not move
     double displacement = 0;  ///< how far it went, positive along `normal`
-    bool moved = false;       ///< the model had a place for it
+    bool moved = false;       ///< to the place that the model had for it, or on the way there
     bool held = false;        ///< a vertex of a mesh's boundary
-    bool by_model = false;  ///< the model's own surface served, the fits made anew were out of
-                            ///< reach or another sheet's
-    bool held_back = false;  ///< went only a share of the way: the surface is
-                             ///< farther off there than the point's noise
+    bool by_model = false;    ///< the model's own surface served, the fits made anew were out of
+                              ///< reach or another sheet's
+    /// Went only a share of the way: the surface is farther off there than the point's noise. A
+    /// vertex that did not move: else it would turn a face over.
+    bool held_back = false;
     bool opposed = false, astray = false;  ///< as PointProjector says, in the first iteration
 };
 
@@ -62,7 +63,8 @@ struct SmoothedMesh {
 
 /// Projects the faces' centroids and puts every vertex where it is nearest the planes there (Ohtake
 /// 2005, sec. 4; NUMERICS 5.5). Vertices of the boundary stay, as do those of no face that the
-/// model supports. Vertices that would turn a face over go a share of their way (turned_faces.h).
+/// model supports. Vertices that would turn a face over go a share of their way, or stay as well
+/// (turned_faces.h).
 /// Normals of the vertices: the mean of their planes' by area. `mesh` is left as smoothed.
 /// each_step  called before each iteration
 /// cost       about 200 bytes a vertex beside the mesh

@@ -72,6 +72,12 @@ public:
         return static_cast<std::uint64_t>(
             std::count_if(steps_.begin(), steps_.end(), [](std::uint8_t s) { return s > 0; }));
     }
+    std::vector<std::uint32_t> kept() const {
+        std::vector<std::uint32_t> out;
+        for (std::size_t v = 0; v < steps_.size(); ++v)
+            if (steps_[v] == kStays) out.push_back(static_cast<std::uint32_t>(v));
+        return out;
+    }
 
 private:
     const Mesh& mesh_;
@@ -92,7 +98,8 @@ TurnedFaces hold_back_turned(const Mesh& mesh, const VertexFaces& around,
     HoldBack hold(mesh, toward, from, to);
     std::vector<std::uint32_t> turned =
         hold.turned(mesh.n_faces(), [](std::size_t i) { return i; });
-    TurnedFaces out{.turned = turned.size()};
+    TurnedFaces out;
+    out.turned = turned.size();
     // Ends: a face that turns has a corner that is not back yet, which each round takes one of its
     // four steps back.
     while (!turned.empty()) {
@@ -105,6 +112,7 @@ TurnedFaces hold_back_turned(const Mesh& mesh, const VertexFaces& around,
         turned = hold.turned(near.size(), [&](std::size_t i) { return near[i]; });
     }
     out.n_held_back = hold.n_held_back();
+    out.kept = hold.kept();
     return out;
 }
 

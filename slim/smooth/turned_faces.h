@@ -11,7 +11,8 @@ namespace slim {
 /// Faces that vertices turn over or across the surface on their way, and what was done about it.
 struct TurnedFaces {
     std::uint64_t turned = 0;       ///< that would have been
-    std::uint64_t n_held_back = 0;  ///< vertices that go a share of their way
+    std::uint64_t n_held_back = 0;  ///< vertices that go a share of their way, or stay
+    std::vector<std::uint32_t> kept;  ///< those that stay, rising
 };
 
 /// Keeps faces from turning over: the corners of a face that was less than 72 degrees off `toward`

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace slim {
@@ -26,8 +25,7 @@ LeafPieces::LeafPieces(const SurfelTree& tree) : tree_(tree) {
         const double r = double{balls_[leaf].radius};
         return Bbox{c - Vec3d{r, r, r}, c + Vec3d{r, r, r}};
     });
-    parent_.resize(size());
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    pieces_ = JoinedSets(size());
     join_what_agrees();
 }
 
@@ -54,15 +52,6 @@ void LeafPieces::order_leaves() {
     for (std::size_t i = 0; i < n; ++i)
         balls_[i] = {to_float(tree_.center(node_[i]) - box.center()),
                      static_cast<float>(support_radius(i))};
-}
-
-void LeafPieces::join(std::uint32_t a, std::uint32_t b) {
-    const auto first_of = [&](std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    };
-    a = first_of(a), b = first_of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
 }
 
 void LeafPieces::join_what_agrees() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/joined_sets.h"
 #include "slim/base/parallel.h"
 #include "slim/model/surfel_tree.h"
 #include "slim/neighbors/box_tree.h"
@@ -27,11 +28,8 @@ public:
     double support_radius(std::size_t leaf) const { return tree_.support_radius(node_[leaf]); }
 
     /// Number of the piece that a leaf is of: that of its first leaf.
-    std::uint32_t piece(std::uint32_t leaf) const {
-        while (parent_[leaf] != leaf) leaf = parent_[leaf];
-        return leaf;
-    }
-    void join(std::uint32_t a, std::uint32_t b);
+    std::uint32_t piece(std::uint32_t leaf) const { return pieces_.find(leaf); }
+    void join(std::uint32_t a, std::uint32_t b) { pieces_.join(a, b); }
 
     /// Two leaves whose balls overlap, and how they stand to each other.
     struct Link {
@@ -105,9 +103,8 @@ private:
     SurfelTree tree_;
     std::vector<std::uint32_t> node_;
     std::vector<Ball> balls_;
-    // never above the leaf's own number; itself: first of its piece
-    std::vector<std::uint32_t> parent_;
-    BoxTree boxes_;                      // of the balls
+    JoinedSets pieces_;
+    BoxTree boxes_;  // of the balls
 };
 
 }  // namespace slim

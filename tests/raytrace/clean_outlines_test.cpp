@@ -1,30 +1,20 @@
 #include "raytrace/brute/brute_renderer.h"
 #include "raytrace/project/forward_renderer.h"
-#include "raytrace/trace/trace_renderer.h"
 #include "tests/raytrace/support/like_brute.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
-#include <span>
 
 namespace slim {
 namespace {
 
-using test::request_for, test::rough_model, test::sharp_model;
+using test::request_for, test::rough_model, test::sharp_model, test::traced;
 
 GBuffer projected(const SurfelTreeData& model, const RenderRequest& request) {
     GBuffer out;
     render_forward(model.view(), request, out);
-    return out;
-}
-
-GBuffer traced(const SurfelTreeData& model, const RenderRequest& request) {
-    const SurfelTree tree = model.view();
-    const ScenePart part{&tree, {}};
-    GBuffer out;
-    render_traced(TraceScene(std::span(&part, 1), request.loose), request, out);
     return out;
 }
 

@@ -21,6 +21,13 @@ namespace fs = std::filesystem;
 
 class FitStage : public FitStages {};
 
+TEST(RulesJson, SaysThatLinesAreWiresWhereTheyAre) {
+    CoverRules rules;
+    EXPECT_FALSE(rules_json(rules).contains("lines_are_wires"));
+    rules.lines_are_wires = true;
+    EXPECT_EQ(rules_json(rules).value("lines_are_wires", false), true);
+}
+
 TEST_F(FitStage, MissingNormalsAreExit6AndNamed) {
     slice(write(sampled("sphere", 3000), "c.ply"), 3);
     EXPECT_EQ(code_of([&] { fit(); }), ExitCode::incomplete);

@@ -1,8 +1,4 @@
-#include "pipeline/build/normals_stage.h"
-
-#include "formats/slice_file.h"
-#include "slim/base/hash.h"
-#include "tests/pipeline/build/fit_stages_support.h"
+#include "tests/pipeline/build/normals_stage_support.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,25 +9,6 @@
 
 namespace slim::test {
 namespace {
-
-class NormalsStage : public FitStages {
-protected:
-    PointBlock oriented(std::size_t slice = 0) {
-        return read_slice(oriented_points_path(file("work"), slice).string());
-    }
-    Cloud with_flips(double share) {
-        Cloud cloud = sampled("sphere", 10000);
-        for (std::size_t i = 0; i < cloud.size(); ++i)
-            if (unit_interval(keyed_hash(1, i)) < share) cloud.normals[i] = -cloud.normals[i];
-        return cloud;
-    }
-    static std::size_t inwards(const PointBlock& block) {
-        std::size_t n = 0;
-        for (std::size_t i = 0; i < block.size(); ++i)
-            n += dot(to_double(block.normal[i]), block.position[i] + block.origin) < 0;
-        return n;
-    }
-};
 
 TEST_F(NormalsStage, KeepsGoodNormals) {
     slice(write(sampled("sphere", 10000), "c.ply"), 1);
@@ -158,28 +135,6 @@ TEST_F(NormalsStage, SeparateObjectsFaceOutwardsInAnyNumberOfSlices) {
     }
 }
 
-TEST_F(NormalsStage, TakesDirectionsOfScannersThatAreFar) {
-    // Seen along -x, a sphere's normals all point to -x, also at the back.
-    const std::string path = write(sampled("sphere", 5000), "c.ply", false);
-    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "direction": [-2, 0, 0]}]})");
-    slice(path, 1);
-    EXPECT_EQ(normals()["oriented_by_sensor"], 5000);
-    std::size_t towards = 0;
-    for (const Vec3f& n : oriented().normal) towards += n.x <= 1e-3f;
-    EXPECT_EQ(towards, 5000u);
-}
-
-TEST_F(NormalsStage, UsesTheSensorsBesideTheCloud) {
-    // A scanner in the middle of the sphere sees it from inside.
-    Cloud cloud = sampled("sphere", 5000);
-    const std::string path = write(cloud, "c.ply", false);
-    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "position": [0, 0, 0]}]})");
-    slice(path, 1);
-    const auto r = normals();
-    EXPECT_EQ(r["oriented_by_sensor"], 5000);
-    EXPECT_EQ(inwards(oriented()), 5000u);
-}
-
 TEST_F(NormalsStage, TakesMoreNeighboursWhereNoiseIsThick) {
     for (const auto& [noise, least, most] :
          {std::tuple{0.0, 16, 16}, {0.001, 16, 16}, {0.02, 40, 64}}) {
@@ -215,22 +170,6 @@ TEST_F(NormalsStage, AMissingNormalChangesNoOther) {
     EXPECT_LE(n_other, 16u);  // whose majority it was part of
 }
 
-// Noise as large as the spacing tilts estimates by 15 degrees and more: where a scanner looks along
-// the surface it gives them the wrong sign.
-TEST_F(NormalsStage, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
-    const Cloud cloud = sampled("sphere", 20000, 1, 5e-3);
-    const std::string path = write(cloud, "c.ply", false);
-    // From inside, near the surface: nothing is seen at more than 82 degrees.
-    folder_.write("c.scans.json", R"({"scans": [{"id": 0, "position": [0, 0, 0.99]}]})");
-    slice(path, 1);
-    const auto r = normals();
-    EXPECT_EQ(r["oriented_by_sensor"], 20000);
-    EXPECT_EQ(r["turned"], 0);  // that is of a cloud's own
-    const std::size_t turned = r["estimates_turned"], outwards = 20000 - inwards(oriented());
-    EXPECT_GT(turned, 200u);
-    EXPECT_LT(2 * outwards, turned);
-}
-
 TEST_F(NormalsStage, WorksSliceBySlice) {
     slice(write(sampled("sphere", 10000), "c.ply"), 3);
     NormalsConfig config;
@@ -246,113 +185,6 @@ TEST_F(NormalsStage, WorksSliceBySlice) {
     EXPECT_EQ(r["slices"], 1);
     EXPECT_TRUE(std::filesystem::exists(oriented_points_path(file("work"), 2)));
     EXPECT_EQ(normals()["slices"], 3);
-}
-
-/// An environment variable while it lives.
-class Variable {
-public:
-    Variable(const char* name, const char* value) : name_(name) { ::setenv(name, value, 1); }
-    ~Variable() { ::unsetenv(name_); }
-
-private:
-    const char* name_;
-};
-
-SlicePlan plan_of(std::size_t n) {
-    SlicePlan plan;
-    plan.slices.resize(n);
-    return plan;
-}
-
-std::vector<std::size_t> slices(std::size_t n, int slice, int per_task) {
-    SliceChoice choice;
-    choice.slice = slice, choice.slices_per_task = per_task;
-    return slices_to_do(choice, plan_of(n));
-}
-
-std::string refusal(std::size_t n, int slice, int per_task) {
-    try {
-        slices(n, slice, per_task);
-        return "";
-    } catch (const ConfigError& error) {
-        return error.what();
-    }
-}
-
-using Numbers = std::vector<std::size_t>;
-
-TEST(SlicesToDo, ATaskOfAnArrayDoesItsOwn) {
-    EXPECT_EQ(slices(3, -1, 1), (Numbers{0, 1, 2}));
-    EXPECT_EQ(slices(3, 1, 1), (Numbers{1}));
-    {
-        const Variable task("PBS_ARRAY_INDEX", "1");
-        EXPECT_EQ(slices(10, -1, 1), (Numbers{1}));
-        EXPECT_EQ(slices(10, -1, 4), (Numbers{4, 5, 6, 7}));
-        EXPECT_EQ(slices(10, kAllSlices, 1).size(), 10u);
-        EXPECT_EQ(slices(10, 7, 1), (Numbers{7}));
-    }
-    const Variable task("SGE_TASK_ID", "3");  // from 1
-    EXPECT_EQ(slices(10, -1, 4), (Numbers{8, 9}));
-}
-
-TEST(SlicesToDo, TasksTogetherDoAllOnce) {
-    Numbers all;
-    for (const char* index : {"0", "1", "2", "3"}) {
-        const Variable task("SLURM_ARRAY_TASK_ID", index);
-        const Numbers own = slices(11, -1, 3);
-        all.insert(all.end(), own.begin(), own.end());
-    }
-    EXPECT_EQ(all, (Numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
-    const Variable task("SLURM_ARRAY_TASK_ID", "4");
-    EXPECT_EQ(
-        refusal(11, -1, 3),
-        "task 4: at 3 slices a task the slices 0 to 10 of the plan are those of tasks 0 to 3");
-}
-
-TEST(SlicesToDo, AnIndexThatIsNoneIsRefusedByItsVariable) {
-    for (const char* index : {"0abc", "abc", "-1", "1.5", " 1", "99999999999999999999"}) {
-        const Variable task("PBS_ARRAY_INDEX", index);
-        EXPECT_NE(refusal(3, -1, 1).find(std::string("PBS_ARRAY_INDEX=") + index + ":"),
-                  std::string::npos)
-            << index;
-    }
-    const Variable first("SGE_TASK_ID", "0");
-    EXPECT_NE(refusal(3, -1, 1).find("SGE_TASK_ID=0"), std::string::npos);
-    const Variable none("SGE_TASK_ID", "undefined");  // what SGE says outside of arrays
-    EXPECT_EQ(slices(3, -1, 1).size(), 3u);
-}
-
-TEST(SlicesToDo, SlicesPerTaskIsForArrays) {
-    EXPECT_NE(refusal(3, -1, 2).find("SLURM_ARRAY_TASK_ID"), std::string::npos);
-    EXPECT_NE(refusal(3, 1, 2).find("leave out one"), std::string::npos);
-}
-
-TEST_F(NormalsStage, SensorsThatAreNoneAreRefusedByScanAndFile) {
-    const std::string path = write(sampled("sphere", 500), "c.ply", false);
-    const auto refused = [&](const std::string& entry) -> std::string {
-        folder_.write("c.scans.json", "{\"scans\": [" + entry + "]}");
-        slice(path, 1);
-        try {
-            normals();
-            return "";
-        } catch (const FormatError& error) {
-            return error.what();
-        }
-    };
-    for (const auto& [entry, told] :
-         {std::pair{R"({"id": 0, "direction": [0, 0, 0]})", "scan 0: direction [0,0,0]"},
-          std::pair{R"({"id": 4294967296, "position": [0, 0, 9]})", "scan 4294967296:"},
-          std::pair{R"({"id": 65536, "position": [0, 0, 9]})", "scan 65536:"},
-          std::pair{R"({"id": -1, "position": [0, 0, 9]})", "scan -1:"},
-          std::pair{R"({"id": 0.5, "position": [0, 0, 9]})", "scan 0.5:"},
-          std::pair{R"({"id": 0, "position": [0, 9]})", "scan 0: position [0,9]"},
-          std::pair{R"({"id": 0, "position": [0, null, 9]})", "c.scans.json"},
-          std::pair{R"({"id": 0, "position": [0, 1e999, 9]})", "c.scans.json"}}) {
-        const std::string message = refused(entry);
-        EXPECT_NE(message.find(told), std::string::npos) << entry << ": " << message;
-        EXPECT_NE(message.find("c.scans.json"), std::string::npos) << message;
-    }
-    EXPECT_EQ(refused(R"({"id": 0, "direction": [0, 0, 1e-200]})"), "");
 }
 
 TEST_F(NormalsStage, KeepsNormalsWithoutOptionsOfTheirEstimate) {

@@ -44,10 +44,10 @@ std::string write_cloud(const TempFolder& folder, const std::string& name,
     return folder.file(name);
 }
 
-TEST(Spread, TellsALineFromASpeckBesideStrays) {
+TEST(CloudSpread, TellsALineFromASpeckBesideStrays) {
     for (const std::size_t n : {std::size_t{12}, std::size_t{2000}, std::size_t{50000}}) {
         SCOPED_TRACE(n);
-        Spread line, speck, flat, bent;
+        CloudSpread line, speck, flat, bent;
         for (std::size_t i = 0; i < n; ++i) {
             const double t = unit_interval(keyed_hash(1, i, 0)),
                          u = unit_interval(keyed_hash(1, i, 1));
@@ -61,7 +61,7 @@ TEST(Spread, TellsALineFromASpeckBesideStrays) {
         EXPECT_FALSE(line.has_far_strays());
         EXPECT_FALSE(speck.is_line());
         EXPECT_TRUE(speck.has_far_strays());
-        for (const Spread& surface : {flat, bent}) {
+        for (const CloudSpread& surface : {flat, bent}) {
             EXPECT_FALSE(surface.is_line());
             EXPECT_FALSE(surface.has_far_strays());
         }

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -26,22 +25,6 @@ protected:
     }
 };
 
-struct Margins {
-    int left = 1 << 20, right = 1 << 20, top = 1 << 20, bottom = 1 << 20;
-    int least() const { return std::min({left, right, top, bottom}); }
-};
-
-Margins margins_of(const PngImage& image) {
-    Margins m;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            if (test::pixel(image, x, y)[3] == 0) continue;
-            m.left = std::min(m.left, x), m.right = std::min(m.right, image.width - 1 - x);
-            m.top = std::min(m.top, y), m.bottom = std::min(m.bottom, image.height - 1 - y);
-        }
-    return m;
-}
-
 // The frame held the points: discs were cut on two to four sides.
 TEST_F(FewPoints, NamedCamerasHoldTheirDiscs) {
     build_bend();
@@ -49,7 +32,7 @@ TEST_F(FewPoints, NamedCamerasHoldTheirDiscs) {
         for (const bool ortho : {false, true}) {
             RenderConfig c = config("p.png");
             c.size = "200x200", c.camera = camera, c.ortho = ortho, c.background = "transparent";
-            const Margins m = margins_of(draw(c));
+            const test::Margins m = test::margins(draw(c));
             EXPECT_GE(m.least(), 2) << camera << ortho;
             EXPECT_LE(m.least(), 6) << camera << ortho;  // 4 are asked for
             EXPECT_NEAR(m.left, m.right, 4) << camera << ortho;

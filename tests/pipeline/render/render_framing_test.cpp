@@ -9,21 +9,7 @@
 namespace slim {
 namespace {
 
-/// Pixels beside what a picture shows.
-struct Margins {
-    int left, right, top, bottom;
-};
-
-Margins margins(const PngImage& image) {
-    Margins m{image.width, image.width, image.height, image.height};
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            if (test::pixel(image, x, y)[3] == 0) continue;
-            m.left = std::min(m.left, x), m.right = std::min(m.right, image.width - 1 - x);
-            m.top = std::min(m.top, y), m.bottom = std::min(m.bottom, image.height - 1 - y);
-        }
-    return m;
-}
+using test::Margins, test::margins;
 
 class RenderFraming : public test::RenderTest {
 protected:

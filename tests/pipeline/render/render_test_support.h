@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -22,6 +23,23 @@ namespace slim::test {
 /// Four bytes.
 inline const std::uint8_t* pixel(const PngImage& image, int x, int y) {
     return &image.rgba[4 * static_cast<std::size_t>(y * image.width + x)];
+}
+
+/// Pixels beside what a picture shows.
+struct Margins {
+    int left, right, top, bottom;
+    int least() const { return std::min({left, right, top, bottom}); }
+};
+
+inline Margins margins(const PngImage& image) {
+    Margins m{image.width, image.width, image.height, image.height};
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            if (pixel(image, x, y)[3] == 0) continue;
+            m.left = std::min(m.left, x), m.right = std::min(m.right, image.width - 1 - x);
+            m.top = std::min(m.top, y), m.bottom = std::min(m.bottom, image.height - 1 - y);
+        }
+    return m;
 }
 
 /// A folder with a sphere model in it, and runs of the render stage there at small sizes.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raytrace/brute/brute_renderer.h"
+#include "raytrace/trace/trace_renderer.h"
 #include "slim/base/hash.h"
 #include "slim/blend/blend.h"
 #include "tests/raytrace/support/analytic_models.h"
@@ -11,8 +12,18 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 namespace slim::test {
+
+/// The picture of a model by rays.
+inline GBuffer traced(const SurfelTreeData& model, const RenderRequest& request) {
+    const SurfelTree tree = model.view();
+    const ScenePart part{&tree, {}};
+    GBuffer out;
+    render_traced(TraceScene(std::span(&part, 1), request.loose), request, out);
+    return out;
+}
 
 /// Pixels that differ from the reference's, by what they hold.
 struct Difference {

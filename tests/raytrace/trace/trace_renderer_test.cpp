@@ -13,15 +13,7 @@
 namespace slim {
 namespace {
 
-using test::request_for, test::rough_model, test::sharp_model;
-
-GBuffer traced(const SurfelTreeData& model, const RenderRequest& request) {
-    const SurfelTree tree = model.view();
-    const ScenePart part{&tree, {}};
-    GBuffer out;
-    render_traced(TraceScene(std::span(&part, 1), request.loose), request, out);
-    return out;
-}
+using test::request_for, test::rough_model, test::sharp_model, test::traced;
 
 void expect_agreement(const SurfelTreeData& model, const RenderRequest& request) {
     test::expect_like_brute(model, request, traced(model, request));

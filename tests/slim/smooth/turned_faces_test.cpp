@@ -55,6 +55,19 @@ TEST(TurnedFaces, AVertexThatWouldTurnFacesGoesAShareOfItsWay) {
     for (std::size_t v = 0; v < to.size(); ++v) n_held_back += to[v] != wanted[v] ? 1u : 0u;
     EXPECT_EQ(n_held_back, found.n_held_back);
     EXPECT_LE(n_held_back, 7u);  // the corners of faces about it
+    EXPECT_TRUE(found.kept.empty());
+}
+
+TEST(TurnedFaces, AVertexWhoseLeastShareWouldTurnFacesIsKept) {
+    const Mesh mesh = plane_mesh(9);
+    std::vector<Vec3d> to = mesh.position;
+    const std::uint32_t middle = 4 * 9 + 4;
+    to[middle].x += 20;  // an eighth of it is past its neighbour
+    const TurnedFaces found =
+        hold_back(mesh, std::vector<Vec3f>(mesh.n_faces()), mesh.position, to);
+    EXPECT_EQ(found.n_held_back, 1u);
+    EXPECT_EQ(found.kept, std::vector<std::uint32_t>{middle});
+    EXPECT_EQ(to, mesh.position);
 }
 
 TEST(TurnedFaces, WhatTurnsTheRightWayGoes) {
