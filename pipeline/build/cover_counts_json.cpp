@@ -22,6 +22,7 @@ nlohmann::json counts_json(const CoverCounts& c) {
             {"two_layers", c.two_layers},
             {"refitted", c.refitted},
             {"own", c.own},
+            {"gaps_closed", c.gaps},
             {"recentred", c.recentred},
             {"sharp_edges", c.sharp_edges},
             {"sharp_corners", c.sharp_corners},

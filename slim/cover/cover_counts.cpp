@@ -26,6 +26,7 @@ CoverCounts& CoverCounts::operator+=(const CoverCounts& b) {
     unexplained += b.unexplained, beside += b.beside, isolated += b.isolated;
     sharp_edges += b.sharp_edges, sharp_corners += b.sharp_corners, sharp_rungs += b.sharp_rungs;
     recentred += b.recentred, refitted += b.refitted, own += b.own;
+    gaps += b.gaps;
     evaluated += b.evaluated, discarded += b.discarded, rungs += b.rungs;
     refinements += b.refinements, point_visits += b.point_visits;
     for (std::size_t i = 0; i < fallbacks.size(); ++i) fallbacks[i] += b.fallbacks[i];

@@ -23,6 +23,7 @@ struct CoverCounts {
     std::uint64_t refitted = 0;     ///< leaves moved by the second fit (those of the halo too)
     std::uint64_t own = 0;          ///< leaves of single points that all others passed by, some of
                                     ///< them unexplained or beside
+    std::uint64_t gaps = 0;         ///< leaves that close gaps between the others
     std::uint64_t recentred = 0;    ///< leaves of border points, moved inwards
     std::uint64_t evaluated = 0, discarded = 0, rungs = 0, refinements = 0, point_visits = 0;
     std::array<std::uint64_t, kFallbacks> fallbacks{};

@@ -64,6 +64,14 @@ public:
     /// leaf_maker_own.cpp.
     std::optional<CoveringSurfel> make_own(std::uint32_t point, int n_before, LeafWork& work) const;
 
+    /// The leaf that a search about a point gives, whatever its level, with its rims and flags.
+    /// Nothing if it does not explain its centre, and about strays. leaf_maker_own.cpp.
+    std::optional<CoveringSurfel> make_usual(std::uint32_t point, LeafWork& work) const;
+
+    /// Whether a smooth leaf is thicker than noise makes it where edges are looked for. Such a one
+    /// would round off an edge or a corner. leaf_maker_edges.cpp.
+    bool rounds_off(const CoveringSurfel& leaf) const;
+
 private:
     static constexpr double kFinestBall = 3.3;    ///< the usual one's radius, in spacings
     /// sqrt(lambda) over the spacing: up to it a single point's plane says enough for larger balls
@@ -81,7 +89,6 @@ private:
     Edges edges() const;
     bool is_clean() const;
     bool are_edges_in_noise() const;
-    bool rounds_off(const CoveringSurfel& leaf) const;
     double share_before_edges(const CoveringSurfel& leaf, const BallPoints<double>& ball) const;
     void sharpen(LeafCandidate& c, const Vec3d& center, LeafWork& work) const;
     CoveringSurfel fit(const Vec3d& center, const Vec3d& normal, const RadiusChoice& choice,

@@ -62,4 +62,21 @@ std::optional<CoveringSurfel> LeafMaker::make_own(std::uint32_t point, int n_bef
     return {};
 }
 
+std::optional<CoveringSurfel> LeafMaker::make_usual(std::uint32_t point, LeafWork& work) const {
+    LeafCandidate c;
+    c.point = c.center = point;
+    c.level = rules_.last_level;
+    choose(c, work);
+    if (c.choice.isolated) return {};
+    c.leaf = true;
+    make(c, 0, work);
+    if (!c.leaf || !c.surfel.explains_center) return {};
+    FittedSurfel& f = c.surfel.fitted;
+    f.surfel.rims = rims_of(c.surfel);
+    f.point_id = block_.id[c.center];
+    f.flags = static_cast<std::uint8_t>((c.choice.forced ? kForced : 0) |
+                                        (c.choice.limited ? kLimited : 0));
+    return std::move(c.surfel);
+}
+
 }  // namespace slim

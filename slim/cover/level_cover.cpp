@@ -81,7 +81,7 @@ Cover LevelCover::run(Reporter& reporter) {
         out_.counts.levels = static_cast<std::uint64_t>(level);
     }
     reporter.progress("fit", n - states_.count_open(), n);
-    if (rules_.fits_again()) finish_leaves();
+    if (rules_.fits_again() || closes_gaps()) finish_leaves();
     for (const LeafWork& w : work_) {
         out_.counts.rungs += w.ladder.rungs;
         out_.counts.sharp_rungs += w.ladder.sharp_rungs;

@@ -109,6 +109,8 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
     states_.close(c.point);
     mark(c.surfel);
     if (rules_.fits_again()) second_.wait(f);
+    else if (closes_gaps())
+        known_.push_back(f);
     if (!is_kept(f)) return;
     out_.counts.recentred += c.center != c.point;
     out_.counts.add_leaf(c.surfel);
@@ -120,17 +122,26 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
 /// stay as they are.
 void LevelCover::finish_leaves() {
     out_.counts.refitted += second_.run(pyramid_.all());
-    const auto own =
-        own_leaves(pyramid_.all(), block_, rules_, leaves_, second_, strays_, work_.local());
+    const auto own = own_leaves(
+        pyramid_.all(), block_, rules_, leaves_,
+        [&](const SurfelVisit& visit) { for_known_leaves(visit); },
+        {strays_, out_.dropped, closes_gaps()}, work_.local());
     second_.hand_over([&](const FittedSurfel& leaf) {
         if (is_kept(leaf)) keep(leaf);
     });
-    for (const CoveringSurfel& leaf : own) {
+    for (std::size_t i = 0; i < own.leaves.size(); ++i) {
+        const CoveringSurfel& leaf = own.leaves[i];
         if (!is_kept(leaf.fitted)) continue;
-        ++out_.counts.own;
+        ++(i < own.n_at_gaps ? out_.counts.gaps : out_.counts.own);
         out_.counts.add_leaf(leaf);
         keep(leaf.fitted);
     }
+}
+
+/// Of this job, as they end.
+void LevelCover::for_known_leaves(const SurfelVisit& visit) const {
+    if (rules_.fits_again()) return second_.for_each(visit);
+    for (const FittedSurfel& f : known_) visit(f);
 }
 
 /// Leaves a point to nobody; whether it counts here. A sample's is looked at again with all its

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -45,10 +46,17 @@ private:
     void make_internal(CoverCandidate& c, double radius, std::size_t thinning,
                        LeafWork& work) const;
     void finish_leaves();
+    void for_known_leaves(const SurfelVisit& visit) const;
     void accept(CoverCandidate& c, int level);
     void accept_leaf(CoverCandidate& c, int level);
     bool drop(std::uint32_t point);
     void mark(const CoveringSurfel& leaf);
+    /// Gaps between leaves are told once all are known. Raw scans have holes and rims of their own;
+    /// the paper's rule is left as it is.
+    bool closes_gaps() const {
+        return (rules_.refits || !is_raw()) && !rules_.windows && rules_.last_level == kLastLevel &&
+               !rules_.is_sample();
+    }
     bool is_raw() const { return rules_.ladder.contrary_share >= kCleanNormals; }
 
     const PointBlock& block_;
@@ -57,6 +65,7 @@ private:
     LeafMaker leaves_;
     CoverStates states_;
     SecondFit second_;
+    std::deque<FittedSurfel> known_;  // the leaves, if gaps are closed and none waits for that fit
     std::vector<std::uint64_t> strays_;  // their ids
     // places in by_priority() of points that may be open, rising
     std::vector<std::uint32_t> open_;

@@ -1,12 +1,14 @@
 #include "slim/cover/own_leaves.h"
 
 #include "slim/cover/far_points.h"
+#include "slim/cover/gaps.h"
 #include "slim/cover/sound_normal.h"
 #include "slim/model/surfel_encoder.h"
 #include "slim/model/surfel_tree.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -22,7 +24,7 @@ constexpr double kApart = 0.5;  // over rho: a leaf of the same round
 class OwnLeaves {
 public:
     OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules,
-              const LeafMaker& maker, const SecondFit& others,
+              const LeafMaker& maker, const SurfelSource& others,
               std::span<const std::uint64_t> strays, LeafWork& work)
         : points_(points),
           block_(block),
@@ -37,10 +39,35 @@ public:
                 if (f.flags & kLeaf)
                     leaves_.push_back(&copies_.emplace_back(level_linear(f.surfel)));
             });
-        others.for_each([&](const FittedSurfel& f) { blend(f.surfel); });
+        others([&](const FittedSurfel& f) { blend(f.surfel); });
     }
 
-    std::deque<CoveringSurfel> run() {
+    std::deque<CoveringSurfel> take() { return std::move(own_); }
+
+    /// Gives gaps between the leaves a leaf each, of a point beside it: that of its finest ball if
+    /// that closes the gap, else what its search finds. Returns how many.
+    std::size_t close_gaps(std::span<const std::uint64_t> given_up) {
+        std::unordered_set<std::uint64_t> nobodys(given_up.begin(), given_up.end());
+        nobodys.insert(dropped_.begin(), dropped_.end());
+        for (const Gap& gap : find_gaps(points_, leaves_)) {
+            const std::uint32_t point = points_.source(gap.point);
+            if (!owns(gap.point) || nobodys.contains(block_.id[point])) continue;
+            const auto closes = [&](const CoveringSurfel& leaf) {
+                return is_drawn_at(leaf.fitted.surfel, gap.place, gap.normal);
+            };
+            const auto serves = [&](const std::optional<CoveringSurfel>& leaf) {
+                return leaf && closes(*leaf) && !maker_.rounds_off(*leaf);
+            };
+            if (std::any_of(own_.begin(), own_.end(), closes)) continue;
+            auto leaf = maker_.make_own(point, 0, work_);
+            if (leaf) leaf->fitted.flags = kForced;
+            if (!serves(leaf)) leaf = maker_.make_usual(point, work_);
+            if (serves(leaf)) add(std::move(*leaf));
+        }
+        return own_.size();
+    }
+
+    void mend_far_points() {
         std::vector<std::uint32_t> places = first_places();
         for (int round = 0; round < kRounds && !places.empty(); ++round) {
             auto far = far_points(points_, places, leaves_, rules_.farthest(),
@@ -49,7 +76,6 @@ public:
                              [](const auto& a, const auto& b) { return a.off > b.off; });
             places = mend(far, static_cast<std::uint8_t>(round + 1));
         }
-        return std::move(own_);
     }
 
 private:
@@ -95,14 +121,18 @@ private:
         auto leaf = maker_.make_own(point, tries.leaves, work_);
         if (!leaf) return false;
         ++tries.leaves;
-        FittedSurfel& f = own_.emplace_back(std::move(*leaf)).fitted;
-        const Surfel& s = f.surfel;
-        f.flags = kLeaf | kForced;
-        f.level = static_cast<std::uint8_t>(
-            level_of(s.support_radius, rules_.diagonal, rules_.first_level, rules_.last_level));
-        leaves_.push_back(&s);
+        leaf->fitted.flags = kForced;
+        add(std::move(*leaf));
+        const Surfel& s = *leaves_.back();
         gather_ball(points_, s.center, s.support_radius, work_.exact.ball);
         return true;
+    }
+    void add(CoveringSurfel&& leaf) {
+        FittedSurfel& f = own_.emplace_back(std::move(leaf)).fitted;
+        f.flags |= kLeaf;
+        f.level = static_cast<std::uint8_t>(level_of(f.surfel.support_radius, rules_.diagonal,
+                                                     rules_.first_level, rules_.last_level));
+        leaves_.push_back(&f.surfel);
     }
 
     const PointTree& points_;
@@ -124,11 +154,15 @@ private:
 
 }  // namespace
 
-std::deque<CoveringSurfel> own_leaves(const PointTree& points, const PointBlock& block,
-                                      const CoverRules& rules, const LeafMaker& maker,
-                                      const SecondFit& others,
-                                      std::span<const std::uint64_t> strays, LeafWork& work) {
-    return OwnLeaves(points, block, rules, maker, others, strays, work).run();
+OwnLeavesFound own_leaves(const PointTree& points, const PointBlock& block,
+                          const CoverRules& rules, const LeafMaker& maker,
+                          const SurfelSource& others, const OwnLeafRules& own, LeafWork& work) {
+    OwnLeaves leaves(points, block, rules, maker, others, own.strays, work);
+    OwnLeavesFound out;
+    if (own.at_gaps) out.n_at_gaps = leaves.close_gaps(own.dropped);
+    if (rules.fits_again()) leaves.mend_far_points();
+    out.leaves = leaves.take();
+    return out;
 }
 
 }  // namespace slim

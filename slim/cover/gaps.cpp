@@ -1,0 +1,198 @@
+#include "slim/cover/gaps.h"
+
+#include "slim/base/bbox.h"
+#include "slim/base/parallel.h"
+#include "slim/fit/ball_points.h"
+#include "slim/model/rim.h"
+#include "slim/neighbors/morton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <utility>
+
+namespace slim {
+namespace {
+
+using Leaves = std::vector<const Surfel*>;
+
+constexpr std::size_t kTogether = 4;  // leaves that share a list of those near
+constexpr std::size_t kPiece = 256;   // leaves of a task
+constexpr double kBeyond = 0.03;      // over rho: just outside of what is drawn
+constexpr double kOnSheet = 0.3;      // over rho of the other leaf, along the normal
+constexpr double kFacesAway = -0.2;   // cosine of normals: what is drawn is another side
+constexpr double kLeastCos = 0.5;     // of normals of one sheet
+constexpr std::size_t kAbout = 10;    // points about a place that are asked
+constexpr std::size_t kLeast = 5;     // of them on its sheet
+constexpr double kOff = 0.6;          // times the points' spacing: off the leaf's sheet
+constexpr double kWidest = 0.8 * std::numbers::pi;  // between directions to points on all sides
+constexpr double kAlike = 1e-6;
+
+/// How far a leaf is drawn in direction k of its tangent plane, over rho.
+double drawn_reach(const Surfel& s, double u, double v) {
+    double reach = kHitTrim;
+    for (const PackedRim packed : {s.rims.first, s.rims.second}) {
+        const Rim rim = unpack_rim(packed);
+        const double toward = rim.u * u + rim.v * v;
+        if (!rim.is_whole() && toward > 0) reach = std::min(reach, rim.reach / toward);
+    }
+    return reach;
+}
+
+/// The place of its surface just beyond.
+Vec3d place_beyond(const Surfel& s, double u, double v) {
+    // the core is a ball, not a disc: drawn towards the middle until it is in it
+    double r = drawn_reach(s, u, v);
+    const double w = s.polynomial.value(r * u, r * v);
+    const double length = std::hypot(r, w);
+    if (length > kHitTrim) r *= kHitTrim / length;
+    r += kBeyond;
+    return s.frame.world_from_local({r * u, r * v, s.polynomial.value(r * u, r * v)});
+}
+
+}  // namespace
+
+bool is_drawn_at(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
+    const Vec3d away = x - s.center;
+    const double sq = sq_length(away), sq_radius = s.support_radius * s.support_radius;
+    if (sq > sq_radius) return false;
+    if (s.sharp) return sq < kHitTrim * kHitTrim * sq_radius;
+    if (dot(s.frame.normal, normal) < kFacesAway) return false;
+    const Vec3d local = s.frame.local_from_world(away / s.support_radius);
+    const double w = s.polynomial.value(local.x, local.y);
+    if (std::abs(local.z - w) > kOnSheet) return false;
+    if (local.x * local.x + local.y * local.y + w * w > kHitTrim * kHitTrim) return false;
+    for (const PackedRim packed : {s.rims.first, s.rims.second}) {
+        const Rim rim = unpack_rim(packed);
+        if (rim.u * local.x + rim.v * local.y > rim.reach + kAlike) return false;
+    }
+    return true;
+}
+
+namespace {
+
+class GapSearch {
+public:
+    explicit GapSearch(const PointTree& points) : points_(points) {}
+
+    void look(std::span<const Surfel* const> leaves, const Leaves& others,
+              std::vector<Gap>& out) {
+        Bbox box;
+        for (const Surfel* s : leaves) {
+            const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
+            box.extend(s->center - r), box.extend(s->center + r);
+        }
+        Leaves near;
+        for (const Surfel* s : others)
+            if (box.sq_distance(s->center) < s->support_radius * s->support_radius)
+                near.push_back(s);
+        if (leaves.size() > kTogether) {
+            const std::size_t half = leaves.size() / 2;
+            look(leaves.first(half), near, out);
+            look(leaves.subspan(half), near, out);
+            return;
+        }
+        for (const Surfel* s : leaves)
+            if (!s->sharp) look_about(*s, near, out);
+    }
+
+private:
+    void look_about(const Surfel& s, const Leaves& others, std::vector<Gap>& out) {
+        near_.clear();
+        radius_ = s.support_radius / 4;
+        for (const Surfel* t : others) {
+            const double reach = s.support_radius + t->support_radius;
+            if (t != &s && sq_length(t->center - s.center) < reach * reach) near_.push_back(t);
+        }
+        for (int k = 0; k < kRimDirections; ++k) {
+            const auto [u, v] = rim_direction(k);
+            const Vec3d x = s.center + place_beyond(s, u, v) * s.support_radius;
+            if (!is_drawn_by_others(x, s.frame.normal)) ask_points(s, x, out);
+        }
+    }
+
+    /// Those that draw one place come first at the next one, which mostly is theirs too.
+    bool is_drawn_by_others(const Vec3d& x, const Vec3d& normal) {
+        for (std::size_t i = 0; i < near_.size(); ++i)
+            if (is_drawn_at(*near_[i], x, normal)) {
+                std::swap(near_[i], near_.front());
+                return true;
+            }
+        return false;
+    }
+
+    /// Whether points of the leaf's sheet lie about a place on all sides: the nearest is added.
+    void ask_points(const Surfel& s, const Vec3d& x, std::vector<Gap>& out) {
+        // as large as at the place before, unless that was too large
+        double& radius = radius_;
+        gather_ball(points_, x, radius, ball_);
+        while (ball_.n < kAbout && radius < s.support_radius)
+            gather_ball(points_, x, radius *= 1.4, ball_);
+        if (ball_.n > 2 * kAbout) {
+            radius *= std::sqrt(1.5 * kAbout / static_cast<double>(ball_.n));
+            shrink_ball(ball_, radius, ball_);
+        }
+        if (ball_.n < kLeast) return;
+        const double off = kOff * std::sqrt(std::numbers::pi / static_cast<double>(ball_.n));
+        std::vector<double> angles;
+        double least = INFINITY;
+        std::uint32_t nearest = 0;
+        const Vec3d at = s.frame.local_from_world((x - s.center) / s.support_radius);
+        const double scale = radius / s.support_radius;
+        for (std::size_t i = 0; i < ball_.n; ++i) {
+            const Vec3d d{ball_.x[i], ball_.y[i], ball_.z[i]};
+            const Vec3d n{ball_.nx[i], ball_.ny[i], ball_.nz[i]};
+            if (dot(n, s.frame.normal) < kLeastCos) continue;
+            const Vec3d local = s.frame.local_from_world(d);
+            const double u = at.x + scale * local.x, v = at.y + scale * local.y;
+            const double w = at.z + scale * local.z;
+            if (std::abs(w - s.polynomial.value(u, v)) > off * scale) continue;
+            angles.push_back(std::atan2(local.y, local.x));
+            if (ball_.sq[i] < least) least = ball_.sq[i], nearest = ball_.index[i];
+        }
+        if (angles.size() < kLeast) return;
+        std::sort(angles.begin(), angles.end());
+        double widest = angles.front() + 2 * std::numbers::pi - angles.back();
+        for (std::size_t i = 1; i < angles.size(); ++i)
+            widest = std::max(widest, angles[i] - angles[i - 1]);
+        if (widest < kWidest) out.push_back({x, s.frame.normal, nearest});
+    }
+
+    const PointTree& points_;
+    Leaves near_;
+    double radius_ = 0;  // of the last ball about a place of this leaf
+    BallPoints<double> ball_;
+};
+
+/// The leaves along a curve: those that follow each other lie together.
+Leaves along_curve(const Leaves& leaves) {
+    Bbox box;
+    for (const Surfel* s : leaves) box.extend(s->center);
+    const MortonCurve curve(box);
+    std::vector<std::pair<std::uint64_t, std::size_t>> keys;
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+        keys.emplace_back(curve.key(leaves[i]->center), i);
+    std::sort(keys.begin(), keys.end());
+    Leaves out;
+    for (const auto& [key, i] : keys) out.push_back(leaves[i]);
+    return out;
+}
+
+}  // namespace
+
+std::vector<Gap> find_gaps(const PointTree& points, const Leaves& leaves) {
+    const Leaves ordered = along_curve(leaves);
+    std::vector<std::vector<Gap>> found((ordered.size() + kPiece - 1) / kPiece);
+    parallel_blocks(ordered.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+        GapSearch(points).look(std::span(ordered).subspan(begin, end - begin), ordered,
+                               found[begin / kPiece]);
+    });
+    std::vector<Gap> out;
+    for (const auto& f : found) out.insert(out.end(), f.begin(), f.end());
+    return out;
+}
+
+}  // namespace slim
