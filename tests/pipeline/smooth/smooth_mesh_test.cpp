@@ -41,6 +41,22 @@ TEST_F(SmoothStage, TheBoundaryOfAMeshStays) {
     EXPECT_EQ(n_moved, before.size() - 160);
 }
 
+TEST_F(SmoothStage, VerticesThatStaySoThatNoFaceTurnsOverHaveNotMoved) {
+    const std::string in = mesh(0.15);
+    build(build_config(in, "m.slim"));
+    const auto said = smooth(in);
+    const std::size_t kept = said["vertices_kept"], held = said["held"];
+    EXPECT_GT(kept, 0u);
+    EXPECT_LT(kept, said["vertices_held_back"]);
+    EXPECT_EQ(said["unsupported"], 0);
+    EXPECT_EQ(said["moved"].get<std::size_t>() + kept + held, said["points"]);
+    const PointChunk before = read_all(in, 5000), after = read_all(file("smooth.ply"), 5000);
+    std::size_t n_stay = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+        n_stay += after.position[i] == before.position[i] ? 1 : 0;
+    EXPECT_EQ(n_stay, kept + held);
+}
+
 TEST_F(SmoothStage, AdvisesSharpLeavesWhereAMeshHasEdgesThatTheModelRoundsOff) {
     const std::string sphere = mesh(0.02);
     build(build_config(sphere, "m.slim"));
