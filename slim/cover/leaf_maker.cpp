@@ -1,6 +1,7 @@
 #include "slim/cover/leaf_maker.h"
 
 #include "slim/base/parallel.h"
+#include "slim/cover/leaf_end.h"
 #include "slim/cover/scatter.h"
 #include "slim/cover/strays.h"
 
@@ -204,6 +205,7 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         return;
     }
     bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
+    bool may_end_at_points = rules_.refits && !c.choice.forced && !c.choice.past_sheet && ends_with_points();
     for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
         const Glance seen =
             attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
@@ -233,9 +235,13 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             if (!c.leaf) return;
             continue;
         }
-        const double share = std::exchange(may_end_at_edges, false)
+        double share = std::exchange(may_end_at_edges, false)
                                  ? share_before_edges(c.surfel, work.exact.ball)
                                  : 1;
+        if (share == 1 && std::exchange(may_end_at_points, false)) {
+            share = share_at_end(c.surfel);
+            if (share * c.choice.radius < c.choice.finest) share = 1;
+        }
         if (share < 1) {
             make_smaller(c, share * c.choice.radius, lower);
             if (!c.leaf) return;
