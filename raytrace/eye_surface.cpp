@@ -14,10 +14,8 @@ namespace {
 constexpr float kTurnedRound = 0.5f;  ///< from -n . e on no silhouette
 constexpr float kSameSurface = 0.5f;  ///< cosine between normals of one surface that turns away
 /// Shares of a neighbourhood that face the eye: up to the first a pixel is of a sheet's back, from
-/// the second on an overshoot. Of the surface that turns away,
+/// the second on an overshoot.
 constexpr float kBack = 0.1f, kOvershoot = 0.3f;
-/// and of any: along the border of a back they are one half.
-constexpr float kBorder = 0.55f, kFleck = 0.75f;
 constexpr std::size_t kPlaces = EyeFrame::kPlaces;
 
 /// Even over the unit disc: a spiral with the golden angle, which has no direction of its own.
@@ -94,31 +92,24 @@ EyeFrame::EyeFrame(const ShadeView& v, int width, int height)
         places[k] = {nearest(reach * disc[k][0]), nearest(reach * disc[k][1])};
 }
 
-float EyeSurface::overshoot(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
+float EyeSurface::share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     // In the axes of the planes: two products a place instead of a normal turned and made unit.
-    const Vec3f eye = frame.to_world(toward_eye), turning = frame.to_world(n);
-    int hits = 0, front = 0, front_turning = 0;
+    const Vec3f eye = frame.to_world(toward_eye), same = frame.to_world(n);
+    int hits = 0, front = 0;
     for (const auto& [dx, dy] : frame.places) {
         const std::optional<Vec3f> there = normal_near(x + dx, y + dy);
         if (!there) continue;
-        ++hits;
-        if (!(dot(*there, eye) > 0)) continue;
-        ++front;
-        front_turning += dot(*there, turning) > kSameSurface * length(*there);
+        ++hits, front += dot(*there, eye) > 0 && dot(*there, same) > kSameSurface * length(*there);
     }
-    if (hits == 0) return 0;
-    const auto between = [&](int count, float lo, float hi) {
-        const float share = static_cast<float>(count) / static_cast<float>(hits);
-        return std::clamp((share - lo) / (hi - lo), 0.0f, 1.0f);
-    };
-    return std::max(between(front_turning, kBack, kOvershoot), between(front, kBorder, kFleck));
+    return hits > 0 ? static_cast<float>(front) / static_cast<float>(hits) : 0;
 }
 
 Vec3f EyeSurface::eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const {
     const float away = -dot(n, toward_eye);
     if (!(away > 0)) return n;
     if (away >= kTurnedRound) return -n;
-    const float t = overshoot(x, y, n, toward_eye);
+    const float t = std::clamp((share_of_front(x, y, n, toward_eye) - kBack) / (kOvershoot - kBack),
+                               0.0f, 1.0f);
     if (t == 0) return -n;
     return normalized(silhouette_normal(n, toward_eye) * t - n * (1 - t));
 }

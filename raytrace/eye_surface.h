@@ -78,11 +78,10 @@ struct EyeSurface {
     /// The normal that the planes, or those around, have at a place; null without a hit or outside.
     std::optional<Vec3f> normal_near(int x, int y) const;
 
-    /// How sure it is that a pixel whose normal n faces away is a front that overshoots its edge, 0
-    /// to 1: by the shares of the surface within shade_reach that face the eye, with a normal less
-    /// than 60 degrees from n (near one half then, 0 on the back of a sheet), or with any (of a
-    /// fleck nearly all).
-    float overshoot(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
+    /// Of the surface about a pixel whose normal n faces away, within shade_reach, the share that
+    /// faces the eye with a normal less than 60 degrees from n: near one half where a front
+    /// overshoots its edge, 0 on the back of a sheet.
+    float share_of_front(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
 
     /// The normal n of one pixel, turned to the eye; zero where the renderer had none.
     Vec3f eye_normal(int x, int y, const Vec3f& n, const Vec3f& toward_eye) const;
