@@ -205,7 +205,9 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
         return;
     }
     bool may_end_at_edges = edges() == Edges::real && !c.choice.forced;
-    bool may_end_at_points = rules_.refits && !c.choice.forced && !c.choice.past_sheet && ends_with_points();
+    // those past another sheet ended there when they were chosen
+    bool may_end_at_points =
+        rules_.refits && !c.choice.forced && !c.choice.past_sheet && ends_with_points();
     for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
         const Glance seen =
             attempt < kMostAttempts ? glance(c, center, normal, work) : Glance::undecided;
