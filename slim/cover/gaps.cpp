@@ -124,6 +124,13 @@ private:
         return false;
     }
 
+    /// Whether a leaf has its centre there already.
+    bool is_center(const Vec3d& p, const Surfel& s) const {
+        return p == s.center || std::any_of(near_.begin(), near_.end(), [&](const Surfel* t) {
+                   return p == t->center;
+               });
+    }
+
     /// Whether points of the leaf's sheet lie about a place on all sides: the nearest is added.
     void ask_points(const Surfel& s, const Vec3d& x, std::vector<Gap>& out) {
         // as large as at the place before, unless that was too large
@@ -151,9 +158,10 @@ private:
             const double w = at.z + scale * local.z;
             if (std::abs(w - s.polynomial.value(u, v)) > off * scale) continue;
             angles.push_back(std::atan2(local.y, local.x));
-            if (ball_.sq[i] < least) least = ball_.sq[i], nearest = ball_.index[i];
+            if (ball_.sq[i] < least && !is_center(points_.position(ball_.index[i]), s))
+                least = ball_.sq[i], nearest = ball_.index[i];
         }
-        if (angles.size() < kLeast) return;
+        if (angles.size() < kLeast || std::isinf(least)) return;
         std::sort(angles.begin(), angles.end());
         double widest = angles.front() + 2 * std::numbers::pi - angles.back();
         for (std::size_t i = 1; i < angles.size(); ++i)

@@ -21,6 +21,10 @@ constexpr int kTries = 2;       // of a point
 constexpr double kApart = 0.5;  // over rho: a leaf of the same round
                                 // may have mended what is so near
 
+constexpr double kThin = 0.1;  // eps / rho: a thicker leaf is no surface to close a gap with
+
+bool is_thin(const FittedSurfel& f) { return f.fit_error <= kThin * f.surfel.support_radius; }
+
 class OwnLeaves {
 public:
     OwnLeaves(const PointTree& points, const PointBlock& block, const CoverRules& rules,
@@ -56,11 +60,11 @@ public:
                 return is_drawn_at(leaf.fitted.surfel, gap.place, gap.normal);
             };
             const auto serves = [&](const std::optional<CoveringSurfel>& leaf) {
-                return leaf && closes(*leaf) && !maker_.rounds_off(*leaf);
+                return leaf && closes(*leaf) && is_thin(leaf->fitted) && !maker_.rounds_off(*leaf);
             };
             if (std::any_of(own_.begin(), own_.end(), closes)) continue;
+            if (!nobodys.insert(block_.id[point]).second) continue;  // no two leaves of a point
             auto leaf = maker_.make_own(point, 0, work_);
-            if (leaf) leaf->fitted.flags = kForced;
             if (!serves(leaf)) leaf = maker_.make_usual(point, work_);
             if (serves(leaf)) add(std::move(*leaf));
         }
