@@ -48,8 +48,8 @@ result = run("slim-build", cloud, "-o", "oom.slim", "-q", "--memory", "64MiB", m
 if result.code == 4:  # a sanitizer's build needs more for itself
     check(cloud in result.err and "a smaller --memory than 64MiB" in result.err, result.err)
 # A full disk, as a limit on file sizes is: what is sliced stays, and the same command goes on.
-command = [harness.bin / "slim-build", cloud, "-o", "full.slim", "--slices", "2", "--t-mdl", "0.00001"]
-limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150000, 150000))
+command = [harness.bin / "slim-build", cloud, "-o", "full.slim", "--slices", "20", "--t-mdl", "0.00001"]
+limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (16000, 16000))
 full = subprocess.run(command, cwd=harness.folder, capture_output=True, text=True, preexec_fn=limit)
 check(full.returncode == 4 and "the same command goes on where it was, from full.slim.work, which stays" in full.stderr,
       f"a full disk: {full.returncode} {full.stderr}")
