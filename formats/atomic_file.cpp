@@ -1,5 +1,7 @@
 #include "formats/atomic_file.h"
 
+#include "formats/dead_temporaries.h"
+#include "formats/made_folders.h"
 #include "formats/message.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
@@ -12,6 +14,7 @@
 #include <fcntl.h>
 #include <mutex>
 #include <set>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -50,6 +53,24 @@ LiveTemporaries& live_temporaries() {
     return all;
 }
 
+int open_new(const std::string& path) {
+    return ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+}
+
+void make_folder_of(const std::string& path) {
+    try {
+        make_folders(folder_of(path));
+    } catch (const IoError& error) {
+        throw IoError(path + ": " + error.what(), error.code());
+    }
+}
+
+std::string host_name() {
+    char host[256] = {};
+    ::gethostname(host, sizeof host - 1);
+    return host;
+}
+
 /// The new name must survive a power cut too; a file system that cannot sync a folder is no error.
 void sync_folder(const std::string& folder) {
     const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -64,15 +85,13 @@ void remove_live_temporaries() { live_temporaries().remove_files(); }
 
 const std::string& temporary_suffix() {
     static const std::string suffix = [] {
-        char host[256] = {};
-        ::gethostname(host, sizeof host - 1);
         std::uint32_t random = 0;
         if (::getentropy(&random, sizeof random) != 0)
             random = static_cast<std::uint32_t>(
                 std::chrono::steady_clock::now().time_since_epoch().count());
         char text[16];
         std::snprintf(text, sizeof text, "%08x", random);
-        return std::string(".tmp.") + host + "." + std::to_string(::getpid()) + "." + text;
+        return ".tmp." + host_name() + "." + std::to_string(::getpid()) + "." + text;
     }();
     return suffix;
 }
@@ -88,13 +107,20 @@ void check_replaceable(const std::string& path) {
 AtomicFile::AtomicFile(std::string path)
     : path_(std::move(path)), temporary_(path_ + temporary_suffix()) {
     check_replaceable(path_);
-    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    remove_dead_temporaries(path_);
+    file_ = open_new(temporary_);
+    if (file_ < 0 && errno == ENOENT) {
+        make_folder_of(path_);
+        file_ = open_new(temporary_);
+    }
     if (file_ < 0) {
         const bool full = errno == ENOSPC || errno == EDQUOT || errno == EMFILE || errno == ENFILE;
         throw IoError(message(path_, ": cannot be created: ", std::strerror(errno)),
                       full ? ExitCode::resource : ExitCode::usage);
     }
     live_temporaries().insert(temporary_);
+    // To be seen alive by others, also by those that know other numbers of processes.
+    ::flock(file_, LOCK_EX | LOCK_NB);
 }
 
 AtomicFile::~AtomicFile() {

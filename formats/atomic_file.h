@@ -26,8 +26,8 @@ void check_replaceable(const std::string& path);
 enum class Outlasts { power_cut, process };
 
 /// A file that appears under its name whole or not at all: written as `name` + temporary_suffix()
-/// in the same directory, then flushed to disk (unless it may be lost) and renamed by commit().
-/// Without commit() the destructor removes it.
+/// in the same directory, made if missing, then flushed to disk (unless it may be lost) and renamed
+/// by commit(). Without commit() the destructor removes it.
 ///
 /// throws IoError naming the file: exit code `resource` when the disk is full or fails, `usage`
 /// when the place cannot be written to at all. What failed once fails again in seal() and commit():

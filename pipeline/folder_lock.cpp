@@ -1,5 +1,6 @@
 #include "pipeline/folder_lock.h"
 
+#include "formats/made_folders.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -7,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <filesystem>
 #include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -43,12 +43,10 @@ bool holds_already(const std::string& folder) {
 
 /// -1 if it is missing and not to be made.
 int open_folder(const std::string& folder, FolderLock::Hold hold) {
-    std::error_code error;
-    if (hold == FolderLock::Hold::alone) std::filesystem::create_directories(folder, error);
-    const int descriptor = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (hold == FolderLock::Hold::alone) make_folders(folder);
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0 && hold == FolderLock::Hold::alone)
-        throw IoError(fmt::format("{}: cannot be created: {}", folder,
-                                  error ? error.message() : std::strerror(errno)),
+        throw IoError(fmt::format("{}: cannot be created: {}", folder, std::strerror(errno)),
                       ExitCode::usage);
     return descriptor;
 }

@@ -12,7 +12,7 @@ namespace slim {
 class FolderLock {
 public:
     enum class Hold {
-        alone,   ///< makes the folder if it is missing
+        alone,   ///< makes the folder if it is missing (make_folders)
         shared,  ///< beside other shared ones: tasks that do a slice each
     };
     /// throws Error with exit code `temporary` (75) at once if another process holds it; IoError

@@ -2,6 +2,7 @@
 
 #include "formats/cloud_endings.h"
 #include "formats/extension.h"
+#include "formats/made_folders.h"
 #include "formats/point_source.h"
 #include "slim/base/error.h"
 
@@ -102,11 +103,7 @@ void refuse_to_overwrite(const std::string& output, std::initializer_list<std::s
 }
 
 void make_writable_folder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder))
-        throw IoError(folder.string() + ": cannot make this folder: " + error.message(),
-                      ExitCode::usage);
+    make_folders(folder.string());
     if (::access(folder.c_str(), W_OK) != 0)
         throw IoError(folder.string() + ": cannot write into this folder: " + std::strerror(errno),
                       ExitCode::usage);
@@ -115,7 +112,7 @@ void make_writable_folder(const fs::path& folder) {
 void require_model(const std::string& path) {
     const InputKind kind = input_kind(path);
     if (kind == InputKind::folder)
-        throw FormatError(path +
+        throw ConfigError(path +
                           ": is a folder; expected a model (model.slim), as `slim build` writes");
     if (kind == InputKind::other && names_a_cloud(path)) say_what_is_wrong(path);
     if (kind != InputKind::cloud) return;

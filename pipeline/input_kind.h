@@ -12,9 +12,9 @@ enum class InputKind { missing, folder, model, cloud, other };
 /// Looks at the first bytes; a cloud is what yields a point. Never throws.
 InputKind input_kind(const std::string& path);
 
-/// FormatError that says how to make a model of it if the path is a cloud, what is wrong with it if
-/// it would be a cloud (by its first bytes or name) but cannot be read, and what a model is if it
-/// is a folder; anything else is left to the reader.
+/// FormatError that says how to make a model of it if the path is a cloud, and what is wrong with it
+/// if it would be a cloud (by its first bytes or name) but cannot be read; ConfigError that says
+/// what a model is if it is a folder; anything else is left to the reader.
 void require_model(const std::string& path);
 
 /// Throws ConfigError if an output is one of the inputs, under whatever name;

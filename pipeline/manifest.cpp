@@ -221,6 +221,7 @@ json Stamp::commit(json result, Outlasts outlasts, const std::vector<fs::path>& 
     json manifest = {{"stage", context_.stage},
                      {"program", program_version()},
                      {"config", context_.config_toml},
+                     {"settings", context_.config},
                      {"config_hash", hash_text(context_.config + depends_)},
                      {"depends", depends_},
                      {"inputs", inputs_json()},

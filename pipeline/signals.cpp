@@ -1,6 +1,7 @@
 #include "pipeline/signals.h"
 
 #include "formats/atomic_file.h"
+#include "formats/made_folders.h"
 
 #include <atomic>
 #include <csignal>
@@ -19,16 +20,36 @@ constexpr int kMoreForAChild = 2;
 std::atomic<int> stop_signal{0};
 std::atomic<pid_t> child{0};
 
+/// What `nohup` lets its command ignore, which sigwait would notice nevertheless.
+bool is_ignored(int signal) {
+    struct sigaction now {};
+    return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 sigset_t stop_signals() {
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGXCPU);
+    if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
     return set;
 }
 
 ExitCode exit_code_of(int signal) {
-    return signal == SIGTERM ? ExitCode::terminated : ExitCode::interrupted;
+    switch (signal) {
+        case SIGINT: return ExitCode::interrupted;
+        case SIGXCPU: return ExitCode::resource;
+        default: return ExitCode::terminated;
+    }
+}
+
+/// Those that ask for an end at once if they come a second time: not SIGXCPU, which comes again
+/// every second.
+sigset_t hurry_signals() {
+    sigset_t set = stop_signals();
+    sigdelset(&set, SIGXCPU);
+    return set;
 }
 
 void wait_for_signals() {
@@ -39,13 +60,15 @@ void wait_for_signals() {
     if (const pid_t pid = child.load()) kill(pid, signal);
     const bool has_child = child.load() != 0;
     const timespec grace{has_child ? kGraceSeconds + kMoreForAChild : kGraceSeconds, 0};
-    const bool again = sigtimedwait(&set, nullptr, &grace) > 0;
+    const sigset_t hurry = hurry_signals();
+    const bool again = sigtimedwait(&hurry, nullptr, &grace) > 0;
     if (const pid_t pid = child.load(); pid && again) {
         kill(pid, signal);
         sleep(kMoreForAChild);
     }
     if (const pid_t pid = child.load()) kill(pid, SIGKILL);
     remove_live_temporaries();
+    remove_empty_made_folders();
     constexpr std::string_view kSaid =
         "interrupted before its work was done: nothing unfinished is left\n";
     if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0)

@@ -8,13 +8,18 @@
 
 namespace slim {
 
-/// Thrown where a stage notices that it was asked to stop: exit 130 (SIGINT) or 143 (SIGTERM).
+/// Thrown where a stage notices that it was asked to stop: exit 130 (SIGINT), 143 (SIGTERM, SIGHUP)
+/// or 4 (SIGXCPU).
 struct Interrupted : Error {
     explicit Interrupted(ExitCode code)
-        : Error(code, code == ExitCode::terminated ? "terminated" : "interrupted") {}
+        : Error(code, code == ExitCode::terminated ? "terminated"
+                      : code == ExitCode::resource
+                          ? "the limit of processor time is reached (see `ulimit -t`)"
+                          : "interrupted") {}
 };
 
-/// Blocks SIGINT and SIGTERM in this and later threads and waits for them in a thread of its own;
+/// Blocks SIGINT, SIGTERM, SIGHUP (unless ignored, as by nohup) and SIGXCPU in this and later
+/// threads and waits for them in a thread of its own;
 /// ignores SIGPIPE and SIGXFSZ (writes fail instead). Call first in main. On a signal: passes it to
 /// the child of watch_child, lets check_stop throw, and if the stage has not ended after the grace
 /// time (or a second signal comes) removes half-written files and leaves the process.

@@ -1,5 +1,6 @@
 #include "pipeline/stage.h"
 
+#include "formats/made_folders.h"
 #include "pipeline/command_line.h"
 #include "pipeline/console.h"
 #include "pipeline/json_text.h"
@@ -191,6 +192,7 @@ bool runs_in_a_job() { return std::getenv(kErrorsByParent) != nullptr; }
 namespace {
 
 int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const std::string& what) {
+    remove_empty_made_folders();
     if (!as_json || !runs_in_a_job())
         Console("slim-" + stage.description.name, Console::Level::quiet).error(what);
     if (as_json) {
@@ -200,6 +202,18 @@ int report_failure(const ErasedStage& stage, bool as_json, ExitCode code, const 
         std::fflush(stdout);
     }
     return static_cast<int>(code);
+}
+
+/// What ran out of memory, and with which option it may take less.
+std::string out_of_memory(const FieldList& fields) {
+    std::string of, remedy;
+    for (const Field& field : fields.fields()) {
+        if (field.role == FieldRole::input && of.empty() && !field.empty())
+            of = " at work on " + field.items()[0];
+        if (field.key == "memory" && !field.empty())
+            remedy = ": a smaller --memory than " + field.items()[0] + " takes less at a time";
+    }
+    return "out of memory" + of + remedy;
 }
 
 }  // namespace
@@ -226,7 +240,7 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
         return fail(error.code(),
                     usage ? with_option_names(stage.fields, error.what()) : error.what());
     } catch (const std::bad_alloc&) {
-        return fail(ExitCode::resource, "out of memory");
+        return fail(ExitCode::resource, out_of_memory(stage.fields));
     } catch (const std::filesystem::filesystem_error& error) {
         const bool full = error.code() == std::errc::no_space_on_device;
         return fail(full ? ExitCode::resource : ExitCode::bad_data, error.what());

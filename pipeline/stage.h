@@ -70,8 +70,8 @@ struct StageContext {
 
     bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }
 
-    /// Throws Interrupted (exit 130/143) if SIGINT or SIGTERM came. Reporter::progress calls it
-    /// too.
+    /// Throws Interrupted (exit 130, 143 or 4) if a signal asked to stop. Reporter::progress calls
+    /// it too.
     void check_stop() const;
 };
 

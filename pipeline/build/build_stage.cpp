@@ -9,6 +9,7 @@
 #include "pipeline/build/sensors.h"
 #include "pipeline/build/slice_stage.h"
 #include "pipeline/build/tree_stage.h"
+#include "pipeline/build/work_folder.h"
 #include "pipeline/folder_lock.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/json_text.h"
@@ -26,13 +27,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <new>
 
 namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uint64_t kLeastMemory = 64 << 20;
 
 SliceConfig slice_config(const BuildConfig& c, const std::string& work) {
     SliceConfig s;
@@ -67,14 +67,27 @@ FitConfig fit_config(const BuildConfig& c, const std::string& work) {
 /// What the stages of a build know of each other.
 struct BuildState {
     HandedPoints handed;
+    WorkFolder work;
     std::map<std::string, std::string> written = {};
+    nlohmann::json stages = nlohmann::json::object();  ///< results of those that ended
 };
+
+/// What a stage that ran out of memory was asked for.
+std::string out_of_memory(const char* stage, const BuildConfig& config) {
+    return fmt::format("out of memory in the {} stage of {}{}: a smaller --memory than {} has it "
+                       "cut into smaller slices",
+                       stage, config.inputs[0],
+                       config.inputs.size() > 1
+                           ? fmt::format(" and {} more", config.inputs.size() - 1)
+                           : "",
+                       config.memory);
+}
 
 /// Runs one stage with a context of its own; its result, with its seconds, those of all its threads
 /// and its peak memory, goes under its name.
 template <class Config, class Run>
 nlohmann::json run_one(const char* name, const Config& config, Run run, StageContext& parent,
-                       BuildState& state, nlohmann::json& stages) {
+                       BuildState& state) {
     StageContext context = for_stage(parent, name, config);
     context.written = &state.written;
     context.handed = &state.handed;
@@ -86,6 +99,7 @@ nlohmann::json run_one(const char* name, const Config& config, Run run, StageCon
         static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     parent.reporter.info(fmt::format("{}: {:.2f} s", name, seconds.count()));
+    nlohmann::json& stages = state.stages;
     stages[name] = result;
     stages[name]["seconds"] = seconds.count();
     stages[name]["processor_seconds"] = processor_seconds;
@@ -132,37 +146,34 @@ void check_output(const BuildConfig& config) {
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
     refuse_to_replace_other(config.output);
     refuse_other_ending(config.output);
-    if (parse_memory_size(config.memory) < kLeastMemory)
-        throw ConfigError("--memory " + config.memory + ": expected at least " +
-                          memory_size_text(kLeastMemory) + ", which the coarse levels take");
+    check_slice_memory(config.memory);
 }
 
 /// The work folder of a build that was not given one.
 std::string own_work(const BuildConfig& config) { return config.output + ".work"; }
 
-/// Where it goes once nothing in it is needed. A build is killed between its commit and the end of
-/// this folder's removal; the next one finds by the name that it is nobody's. A folder of the other
-/// name may be one that `slim slice --work` made and make goes on with.
-std::string used_up_work(const BuildConfig& config) { return own_work(config) + ".done"; }
-
-void put_aside(const BuildConfig& config) {
-    std::error_code error;
-    fs::rename(own_work(config), used_up_work(config), error);
-    if (error) fs::remove_all(own_work(config));
-}
-
-void remove_used_up(const BuildConfig& config) {
-    std::error_code ignored;  // another process may be removing it, too
-    fs::remove_all(used_up_work(config), ignored);
+/// Locked by the caller.
+WorkFolder claim_work(const BuildConfig& config, bool existed, Reporter& reporter) {
+    if (!config.work.empty()) {
+        unmark_work(config.work);
+        return {config.work};
+    }
+    WorkFolder work = claim_own_work(own_work(config), existed);
+    if (!work.is_own)
+        reporter.info(work.path + ": was sliced by itself, so it is used and kept");
+    return work;
 }
 
 /// The stages, one after the other, and the record of what they came to.
-nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stamp& stamp,
+nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& stamp,
                         StageContext& context) {
-    nlohmann::json stages = nlohmann::json::object();
-    BuildState state{HandedPoints(config.work.empty())};
+    const std::string& work = state.work.path;
     const auto run_next = [&](const char* name, const auto& of_stage, auto run) {
-        return run_one(name, of_stage, run, context, state, stages);
+        try {
+            return run_one(name, of_stage, run, context, state);
+        } catch (const std::bad_alloc&) {
+            throw ResourceError(out_of_memory(name, config));
+        }
     };
     run_next("slice", slice_config(config, work), run_slice);
     const auto normals = run_next("normals", normals_config(config, work), run_normals);
@@ -176,6 +187,7 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
         result["color"] = add_colors(config.output, config.inputs, context);
         result["bytes"] = fs::file_size(config.output);
     }
+    nlohmann::json& stages = state.stages;
     take_recorded_costs(work, stages);
     result.erase("up_to_date");
     result.erase("recorded");
@@ -184,31 +196,36 @@ nlohmann::json build_in(const BuildConfig& config, const std::string& work, Stam
         result["typical_variance"] = fit.at("typical_variance");
     result["noise"] = noise_over_diagonal(fit.at("noise_variance").get<double>(),
                                           stages.at("slice").at("diagonal").get<double>());
-    result["dropped"] = fit.at("dropped_isolated").get<std::uint64_t>() +
-                        fit.at("dropped_unexplained").get<std::uint64_t>() +
-                        fit.at("dropped_beside").get<std::uint64_t>();
+    result["dropped"] = stages.at("slice").at("dropped");
+    for (const char* cause : {"dropped_isolated", "dropped_unexplained", "dropped_beside"})
+        result[cause] = fit.at(cause);
     result["normals_estimated"] = normals.at("estimated");
     result["normals_turned"] = normals.at("turned");
     result.update(sharp_of(fit));
     result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;
-    if (config.work.empty()) put_aside(config);
+    if (state.work.is_own && !put_aside(state.work))
+        context.reporter.warn(work + ": holds files that no build made, which are left there");
     return stamp.commit(std::move(result));
 }
 
 /// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called
 /// while `error` is handled.
-[[noreturn]] void give_up(const BuildConfig& config, const std::string& work, const Error& error) {
+[[noreturn]] void give_up(const BuildState& state, const Error& error) {
+    const WorkFolder& work = state.work;
     const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
-    const bool stopped =
-        error.code() == ExitCode::interrupted || error.code() == ExitCode::terminated;
-    const bool sliced = fs::exists(manifest_path(work, "slice"));
-    // A bad input leaves nothing to resume from, a build stopped while slicing hardly more.
-    if (config.work.empty() && (bad || (stopped && !sliced))) fs::remove_all(work);
-    if (!sliced || !fs::exists(work)) throw;  // as it came, with its own type
-    throw Error(error.code(), fmt::format("{}; the same command goes on where it was, from {}",
-                                          error.what(), work));
+    const bool sliced = fs::exists(manifest_path(work.path, "slice"));
+    const bool wrote =
+        !work.had_plan || state.stages.contains("slice") || !fs::exists(plan_path(work.path));
+    // A bad input leaves nothing to resume from, a build stopped while slicing hardly more. What an
+    // earlier build left stays where this one changed none of it.
+    const bool goes = work.is_own && ((bad && wrote) || !sliced);
+    if (goes) remove_own_work(work);
+    if (goes || bad || !sliced) throw;  // as it came, with its own type
+    throw Error(error.code(),
+                fmt::format("{}; the same command goes on where it was, from {}, which stays",
+                            error.what(), work.path));
 }
 
 }  // namespace
@@ -219,7 +236,7 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
     check_normals_config(normals_config(config, ""));
     const bool keep_work = !config.work.empty();
     const std::string work = keep_work ? config.work : own_work(config);
-    if (!keep_work) remove_used_up(config);
+    if (!keep_work) remove_put_aside(work);
     Stamp stamp(context, manifest_path(config.output));
     for (const std::string& input : config.inputs) {
         stamp.input(input);
@@ -234,12 +251,15 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
         result = *done;
     } else {
         if (config.color) require_colors(config.inputs);
+        const bool existed = fs::exists(fs::symlink_status(work));
         const FolderLock lock(work);
+        const WorkFolder folder = claim_work(config, existed, context.reporter);
+        BuildState state{HandedPoints(folder.is_own), folder};
         try {
-            result = build_in(config, work, stamp, context);
-            if (!keep_work) remove_used_up(config);
+            result = build_in(config, state, stamp, context);
+            if (folder.is_own) remove_put_aside(work);
         } catch (const Error& error) {
-            give_up(config, work, error);
+            give_up(state, error);
         }
     }
     context.text = build_summary(config.output, config.inputs, result);

@@ -43,9 +43,9 @@ struct BuildConfig : FitOptions {
         field("slices", slices, "number of slices; 0: as many as the memory asks for", 0, 500);
         visit_face_points(field, face_points);
         field("strict", strict, "refuse clouds with non-finite points instead of dropping these");
-        field.path(
-            "work", work,
-            "folder for intermediate files, kept; default: <output>.work, removed at the end");
+        field.path("work", work,
+                   "folder for intermediate files, kept; default: <output>.work, removed if a "
+                   "build made it");
         field("seed", seed, "chooses among equally good centres");
         field("color", color,
               "keep the colours of the clouds (PLY: red green blue), for slim render --aov color: "

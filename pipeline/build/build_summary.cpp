@@ -56,7 +56,7 @@ std::string remarks(const nlohmann::json& result) {
     std::string text;
     const auto& slice = result.at("stages").at("slice");
     const auto& fit = result.at("stages").at("fit");
-    if (const auto n = count(slice, "dropped"))
+    if (const auto n = count(result, "dropped"))
         text += fmt::format("not finite, dropped: {}\n", counted(n, "point"));
     if (const auto n = count(slice, "face_points"))
         text += fmt::format("added on large faces: {} (--face-points off: vertices alone)\n",
@@ -67,7 +67,8 @@ std::string remarks(const nlohmann::json& result) {
         text += fmt::format("normals turned: {}\n", n);
     if (const auto n = count(fit, "copies"))
         text += fmt::format("at the place of another, left out: {}\n", counted(n, "point"));
-    if (const auto n = count(result, "dropped"))
+    if (const auto n = count(fit, "dropped_isolated") + count(fit, "dropped_unexplained") +
+                       count(fit, "dropped_beside"))
         text += fmt::format("strays, left out: {}\n", counted(n, "point"));
     if (const std::string edges = edges_text(result, Remedies::of_a_command); !edges.empty())
         text += edges + "\n";

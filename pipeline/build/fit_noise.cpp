@@ -1,5 +1,6 @@
 #include "pipeline/build/fit_noise.h"
 
+#include "pipeline/build/normals_settings.h"
 #include "pipeline/build/normals_stage.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -91,6 +92,7 @@ void add_slice(const nlohmann::json& result, NormalsSaid& out) {
 
 NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& plan) {
     NormalsSaid out;
+    NormalsSettings settings;
     std::string missing;
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
         std::ifstream file(manifest_path(oriented_points_path(work, i)));
@@ -101,6 +103,7 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
         }
         try {
             add_slice(manifest.at("result"), out);
+            settings.add(i, manifest.value("settings", ""));
         } catch (const nlohmann::json::exception&) {
             throw FormatError(
                 fmt::format("{}: no manifest of this version: run `slim normals {}` for all slices",
@@ -110,6 +113,7 @@ NormalsSaid read_normals_manifests(const std::string& work, const SlicePlan& pla
     if (!missing.empty())
         throw IncompleteError(fmt::format(
             "{}: normals are missing for slices{}: run `slim normals {}`", work, missing, work));
+    settings.require_same(work);
     return out;
 }
 

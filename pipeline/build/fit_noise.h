@@ -22,7 +22,8 @@ struct GlobalNoise {
     bool normals_inform = false;
 };
 /// lambda: as configured, 0: as measured
-/// throws  IncompleteError (exit 6) naming the slices whose normals are missing
+/// throws  IncompleteError (exit 6) naming the slices whose normals are missing, or were
+///         made with different options
 GlobalNoise read_global_noise(const std::string& work, double lambda, const SlicePlan& plan);
 
 }  // namespace slim

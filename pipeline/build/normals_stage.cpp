@@ -174,6 +174,18 @@ nlohmann::json run_slice_normals(const NormalsConfig& config, const SlicePlan& p
     return result;
 }
 
+/// throws IncompleteError naming those of the job's slices that are missing
+void require_slices(const NormalsConfig& config, const std::vector<std::size_t>& todo) {
+    std::string missing;
+    for (const std::size_t i : todo)
+        if (!std::filesystem::exists(slice_points_path(config.work, i)))
+            missing += fmt::format(" {}", i);
+    if (!missing.empty())
+        throw IncompleteError(fmt::format(
+            "{}: the points of these slices are missing:{}: run `slim slice -o {}` again",
+            config.work, missing, config.work));
+}
+
 /// Whether the arrays of one slice may be kept for the next one: not all find room among them, half
 /// as much memory again, which slices do not need where their fits hold wide halos besides.
 bool has_room_for_freed(const SlicePlan& plan) {
@@ -216,6 +228,8 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     check_normals_config(config);
     const FolderLock lock(config.work, FolderLock::Hold::shared);
     const SlicePlan plan = read_plan(config.work);
+    const auto todo = slices_to_do(config, plan);
+    if (context.writes_handed_points()) require_slices(config, todo);
     const bool keeps = has_room_for_freed(plan);
     if (keeps && plan.slices.size() > 1)
         keep_all_freed_memory();
@@ -228,7 +242,6 @@ nlohmann::json run_normals(const NormalsConfig& config, StageContext& context) {
     nlohmann::json sum = nlohmann::json::object();
     bool up_to_date = true;
     NormalEvidence evidence;
-    const auto todo = slices_to_do(config, plan);
     for (std::size_t i = 0; i < todo.size(); ++i) {
         if (!keeps) return_freed_memory();
         const nlohmann::json one =

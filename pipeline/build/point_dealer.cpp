@@ -17,7 +17,6 @@ PointDealer::PointDealer(const std::filesystem::path& work, SlicePlan& plan,
     : plan_(plan), blocks_(blocks) {
     const double width = rim_width(plan);
     for (std::size_t i = 0; i < plan.slices.size(); ++i) {
-        std::filesystem::create_directories(slice_folder(work, i));
         writers_.emplace_back(slice_points_path(work, i).string(), plan.origin,
                               plan.slices[i].n_points, plan.has_normals, plan.has_scans);
         Bbox inside = plan.slices[i].region;

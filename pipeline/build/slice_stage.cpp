@@ -8,6 +8,7 @@
 #include "pipeline/build/input_watch.h"
 #include "pipeline/build/point_dealer.h"
 #include "pipeline/build/slice_planning.h"
+#include "pipeline/build/work_folder.h"
 #include "pipeline/folder_lock.h"
 #include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
@@ -26,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kLeastMemory = 64 << 20;
 // Radii, curvatures and their squares are floats in models and pictures.
 constexpr double kLeastDiagonal = 1e-12, kMostDiagonal = 1e12;
 // Four steps of the coordinates floor the square root of lambda (NUMERICS 3.2); at this share of
@@ -73,7 +75,6 @@ void pass_on_gathered(const fs::path& work, SlicePlan& plan, CloudSurvey& survey
     points.origin = plan.origin;
     for (Vec3d& p : points.position) p -= plan.origin;
     plan.slices[0].bounds = {survey.bounds.lo - plan.origin, survey.bounds.hi - plan.origin};
-    fs::create_directories(slice_folder(work, 0));
     const std::string path = slice_points_path(work, 0).string();
     if (context.writes_handed_points()) write_slice(path, points);
     if (context.handed) context.handed->put(path, std::move(points));
@@ -87,15 +88,7 @@ std::uint64_t most_gathered(const SliceConfig& config) {
 /// Slices of an earlier run with more of them would be taken for ours.
 void remove_slices_from(const fs::path& work, std::size_t first) {
     for (std::size_t i = first; fs::exists(slice_folder(work, i)); ++i)
-        fs::remove_all(slice_folder(work, i));
-}
-
-void make_folder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error)
-        throw IoError(fmt::format("{}: cannot be created: {}", folder.string(), error.message()),
-                      ExitCode::usage);
+        if (!remove_slice_files(slice_folder(work, i))) break;
 }
 
 /// The same points twice weigh twice, and their noise seems less than it is.
@@ -200,10 +193,17 @@ Vec3d choose_origin(const Bbox& bounds) {
             std::round(center.z / step) * step};
 }
 
+void check_slice_memory(const std::string& memory) {
+    if (parse_memory_size(memory) < kLeastMemory)
+        throw ConfigError("--memory " + memory + ": expected at least " +
+                          memory_size_text(kLeastMemory) + ", which the coarse levels take");
+}
+
 nlohmann::json run_slice(const SliceConfig& config, StageContext& context) {
     const fs::path work(config.work);
     parse_memory_size(config.memory);
-    make_folder(work);
+    // A folder that someone names is theirs, whoever made it.
+    if (!context.handed) unmark_work(work);
     Stamp stamp(context, manifest_path(work, "slice"));
     for (const std::string& path : config.inputs) stamp.input(path);
     stamp.outputs({plan_path(work)});

@@ -37,6 +37,9 @@ struct SliceConfig {
 /// float.
 Vec3d choose_origin(const Bbox& world_bounds);
 
+/// throws ConfigError if a build cannot do with so little
+void check_slice_memory(const std::string& memory);
+
 /// Reads all inputs once if they fit into one slice, which is kept meanwhile; else twice: bounds
 /// and counts first, then deals the points out to
 /// WORK/slice_NNNN/points.slice, ordered by id (the number of the point among all of all inputs,

@@ -74,8 +74,23 @@ nlohmann::json header_of_fit(const std::filesystem::path& path, const FitReader&
     return header;
 }
 
+/// "t_mdl 0.01, not 0.02" for each rule in which the other fit differs.
+std::string differences(const nlohmann::json& rules, const nlohmann::json& other) {
+    nlohmann::json all = rules;
+    all.update(other);
+    std::string text;
+    for (const auto& [key, unused] : all.items()) {
+        const auto here = other.value(key, nlohmann::json("none"));
+        const auto there = rules.value(key, nlohmann::json("none"));
+        if (here != there)
+            text += fmt::format("{}{} {}, not {}", text.empty() ? "" : "; ", key, text_of(here),
+                                text_of(there));
+    }
+    return text;
+}
+
 /// throws IncompleteError if two fits were made with different rules
-Fits open_fits(const std::vector<std::filesystem::path>& paths) {
+Fits open_fits(const std::string& work, const std::vector<std::filesystem::path>& paths) {
     Fits out;
     for (const auto& path : paths) {
         const FitReader& fit = out.readers.emplace_back(path.string());
@@ -83,9 +98,10 @@ Fits open_fits(const std::vector<std::filesystem::path>& paths) {
         if (out.rules.is_null()) out.rules = header.at("rules");
         if (header.at("rules") != out.rules)
             throw IncompleteError(fmt::format(
-                "{}: fitted with other settings than {}: expected {}, found {}: run `slim fit` "
-                "again",
-                path.string(), paths[0].string(), text_of(out.rules), text_of(header.at("rules"))));
+                "{}: fitted with other settings than {}: {}: run `slim fit {}` for all slices, "
+                "with the same options",
+                path.string(), paths[0].string(), differences(out.rules, header.at("rules")),
+                work));
         out.counts.push_back(header.at("counts"));
     }
     return out;
@@ -178,7 +194,7 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     if (auto done = stamp.up_to_date()) return *done;
 
     if (plan.slices.size() > 1) return_freed_memory();
-    const Fits fits = open_fits(paths);
+    const Fits fits = open_fits(config.work, paths);
     require_leaves(plan, fits);
     warn_of_memory(config, fits.n_surfels(), context.reporter);
     TreeCounts counts;

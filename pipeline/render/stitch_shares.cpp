@@ -87,7 +87,6 @@ void stitch_exr(const Tiles& tiles, const fs::path& whole) {
 void copy_whole(const fs::path& from, const fs::path& to) {
     std::ifstream in(from, std::ios::binary);
     if (!in) throw IoError(from.string() + ": cannot be opened");
-    if (to.has_parent_path()) fs::create_directories(to.parent_path());
     write_file_atomically(to.string(), std::string(std::istreambuf_iterator<char>(in), {}));
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/report/report_stage.h"
 
 #include "formats/atomic_file.h"
+#include "formats/made_folders.h"
 #include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -105,7 +106,7 @@ json run_report(const ReportConfig& config, StageContext& context) {
     check_files(report.files);
     const fs::path folder = fs::absolute(config.output).lexically_normal();
     const FolderLock lock(folder.string());
-    fs::create_directories(folder / "steps");
+    make_folders((folder / "steps").string());
     Stamp stamp(context, manifest_path(folder, "report"));
     for (const std::string& file : config.files) stamp.input(file);
     for (const std::string& setting : config.settings) stamp.depends("--set " + setting);

@@ -1,5 +1,6 @@
 #include "formats/atomic_file.h"
 
+#include "formats/made_folders.h"
 #include "tests/formats/file_support.h"
 
 #include <csignal>
@@ -8,12 +9,69 @@
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <malloc.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace slim::test {
 namespace {
+
+/// The number of a process that has ended.
+pid_t dead_process() {
+    const pid_t pid = ::fork();
+    if (pid == 0) ::_exit(0);
+    ::waitpid(pid, nullptr, 0);
+    return pid;
+}
+
+/// What a process leaves of a file if it is killed.
+std::string left_by(const std::string& file, const std::string& host, pid_t pid) {
+    return file + ".tmp." + host + "." + std::to_string(pid) + ".0123abcd";
+}
+
+std::string this_host() {
+    char host[256] = {};
+    ::gethostname(host, sizeof host - 1);
+    return host;
+}
+
+TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftOfItsName) {
+    const TempFolder folder;
+    const pid_t dead = dead_process();
+    const std::string gone = folder.write(left_by("a", this_host(), dead), "half");
+    const std::string locked = folder.write(left_by("a", this_host(), dead + 1000000), "half");
+    const int holder = ::open(locked.c_str(), O_RDWR);
+    ASSERT_EQ(::flock(holder, LOCK_EX), 0);  // as a container's process does
+    std::vector<std::string> stay = {locked};
+    for (const std::string& name :
+         {left_by("a", this_host(), ::getppid()), left_by("a", this_host(), ::getpid()),
+          left_by("a", "other", dead), left_by("b", this_host(), dead),
+          left_by("a", this_host(), dead) + "e", std::string("a.tmp.") + this_host() + ".notes"})
+        stay.push_back(folder.write(name, "of others"));
+    write_file_atomically(folder.file("a"), "whole");
+    EXPECT_FALSE(std::filesystem::exists(gone));
+    for (const std::string& path : stay) EXPECT_TRUE(std::filesystem::exists(path)) << path;
+    EXPECT_EQ(read_bytes(folder.file("a")), "whole");
+    ::close(holder);
+}
+
+TEST(AtomicFile, MakesItsFolderWhichGoesAgainIfNothingIsWrittenThere) {
+    const TempFolder folder;
+    const std::string kept = folder.file("kept/deep/a"), not_kept = folder.file("new/deep/a");
+    write_file_atomically(kept, "whole");
+    { AtomicFile never_committed(not_kept); }
+    EXPECT_TRUE(std::filesystem::exists(folder.file("new/deep")));
+    remove_empty_made_folders();
+    EXPECT_FALSE(std::filesystem::exists(folder.file("new")));
+    EXPECT_EQ(read_bytes(kept), "whole");
+    std::filesystem::create_directory(folder.file("empty"));  // not by make_folders
+    make_folders(folder.file("empty"));
+    remove_empty_made_folders();
+    EXPECT_TRUE(std::filesystem::exists(folder.file("empty")));
+}
 
 TEST(AtomicFile, IsInvisibleUntilCommitted) {
     const TempFolder folder;
@@ -139,7 +197,7 @@ TEST(AtomicFile, AFullDiskIsAResourceErrorAndLeavesNothing) {
         << said;
     EXPECT_EQ(folder.n_files(), 0u);
     try {
-        write_file_atomically(folder.file("no/such/folder"), "x");
+        write_file_atomically(folder.write("file", "") + "/inside/a", "x");
         ADD_FAILURE();
     } catch (const IoError& error) {
         EXPECT_EQ(error.code(), ExitCode::usage);

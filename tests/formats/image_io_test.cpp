@@ -208,7 +208,8 @@ TEST_F(ImageIo, LightIsLinearFromIntegersAndAsItIsFromFloats) {
 }
 
 TEST_F(ImageIo, UnwritablePlacesAndWrongFilesAreNamed) {
-    const std::string nowhere = file("no/such/folder/a.png");
+    std::ofstream(file("text")) << "no folder";
+    const std::string nowhere = file("text/folder/a.png");
     try {
         write_png_srgb8(nowhere, 2, 2, ramp(2, 2, true));
         FAIL();

@@ -81,7 +81,8 @@ TEST_F(BuildStage, WhatAKillLeftOfAFinishedBuildGoes) {
     const BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
     build(c);
     EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
-    fs::create_directories(file("m.slim.work.done/slice"));
+    fs::create_directories(file("m.slim.work.done/slice_0000"));
+    folder_.write("m.slim.work.done/made_by_slim_build", "");
     EXPECT_TRUE(build(c).contains("up_to_date"));
     EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
 }

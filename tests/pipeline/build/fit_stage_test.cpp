@@ -38,6 +38,29 @@ TEST_F(FitStage, MissingNormalsAreExit6AndNamed) {
     EXPECT_NE(message_.find("slices 1:"), std::string::npos) << message_;
 }
 
+TEST_F(FitStage, MissingSlicesAreExit6AndNamed) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 3);
+    fs::remove(slice_points_path(file("work"), 1));
+    EXPECT_EQ(code_of([&] { normals(); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find("slices are missing: 1:"), std::string::npos) << message_;
+}
+
+TEST_F(FitStage, NormalsOfDifferentOptionsAreExit6AndNamed) {
+    slice(write(sampled("sphere", 3000), "c.ply"), 3);
+    normals();
+    NormalsConfig other;
+    other.slice = 1;
+    other.normals = "flip";
+    normals(other);
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::incomplete);
+    EXPECT_NE(message_.find("slices 0 2 with --normals auto"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("slice 1 with --normals flip"), std::string::npos) << message_;
+    EXPECT_EQ(message_.find("neighbors"), std::string::npos) << message_;
+    other.slice = -1;
+    normals(other);
+    EXPECT_EQ(code_of([&] { fit(); }), ExitCode::ok) << message_;
+}
+
 TEST_F(FitStage, NormalsOfAnotherVersionAreNamed) {
     slice(write(sampled("sphere", 2000), "c.ply"), 1);
     normals();

@@ -38,6 +38,8 @@ TEST_F(TreeStage, FitsOfDifferentSettingsAreNotMixed) {
     fit(other);
     EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::incomplete);
     EXPECT_NE(message_.find("other settings"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("t_mdl 0.01, not 0.05: run `slim fit"), std::string::npos) << message_;
+    EXPECT_EQ(message_.find('{'), std::string::npos) << message_;
     other.slice = -1;
     fit(other);
     EXPECT_EQ(code_of([&] { tree("m.slim"); }), ExitCode::ok) << message_;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace slim {
+
+/// The folder of a build's intermediate files: one that --work names, which is kept, or
+/// `<output>.work`. The latter is the build's own, and goes with its end, if it bears a mark: a
+/// file that a build puts into a folder that it made or found empty. One without, which `slim
+/// slice` filled, is used and kept.
+struct WorkFolder {
+    std::string path;
+    bool is_own = false;
+    /// of an own one: it was there, empty, or is a link: its files go alone
+    bool stays = false;
+    bool had_plan = false;  ///< before this build
+};
+
+/// `<output>.work`, locked by the caller, for a build that was given no other; `existed`: before it
+/// was locked.
+/// throws ConfigError if there are files in it that neither a build nor `slim slice` put there
+WorkFolder claim_own_work(const std::string& path, bool existed);
+
+/// A folder that someone names is theirs, also if a killed build left it.
+void unmark_work(const std::filesystem::path& work);
+
+/// Removes the files that builds write into an own folder, and itself if nothing else is in it.
+/// Files of others stay. Returns whether all went.
+bool remove_own_work(const WorkFolder& work);
+/// The same for one slice's folder.
+bool remove_slice_files(const std::filesystem::path& folder);
+
+/// Moves an own folder to `<output>.work.done`, or removes it where that cannot be: nothing in it
+/// is needed any more. A build may be killed between its commit and the end of the removal; the
+/// next one finds by the name that the folder is nobody's.
+bool put_aside(const WorkFolder& work);
+/// Removes what put_aside() made of that folder, now or before a kill.
+void remove_put_aside(const std::string& work);
+
+}  // namespace slim
