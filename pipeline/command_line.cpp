@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <set>
 #include <system_error>
 
 namespace slim {
@@ -74,14 +75,15 @@ std::vector<std::string> items_of(const Field& field, const std::vector<std::str
     return items;
 }
 
-void apply_set(const std::string& text, const FieldList& fields) {
+/// Sets the key and returns it; nothing of a file that the verb reads.
+std::string apply_set(const std::string& text, const FieldList& fields) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos)
         throw ConfigError(fmt::format("--set {}: expected key=value", text));
     const std::string key = text.substr(0, equals);
     if (fields.settings() && key.find('.') != std::string::npos) {
         fields.settings()->push_back(text);
-        return;
+        return "";
     }
     const Field* field = fields.find(key);
     if (!field)
@@ -90,6 +92,7 @@ void apply_set(const std::string& text, const FieldList& fields) {
                                           ? "; " + fields.settings_help()
                                           : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
+    return key;
 }
 
 std::vector<std::string> all_options(const FieldList& fields) {
@@ -208,9 +211,15 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     if (common.quiet && common.verbose)
         throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
-    if (!common.config.empty()) apply_config_file(common.config, fields);
-    for (const std::string& text : common.set) apply_set(text, fields);
+    std::set<std::string> keys;
+    if (!common.config.empty())
+        for (const std::string& key : apply_config_file(common.config, fields)) keys.insert(key);
+    for (const std::string& text : common.set) keys.insert(apply_set(text, fields));
     apply_given(fields, given);
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (given[i].option->count() > 0) keys.insert(fields.fields()[i].key);
+    keys.erase("");
+    common.given.assign(keys.begin(), keys.end());
     return common;
 }
 

@@ -171,6 +171,7 @@ void work(const ErasedStage& stage, int argc, char** argv) {
                          canonical_config(stage.fields), print_config(stage.fields), "",
                          passed_on(common, threads)};
     context.threads_given = common.threads;
+    context.given = common.given;
     if (common.verbose) console.info("configuration:\n" + context.config_toml);
     json result = stage.run(context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -53,14 +53,7 @@ public:
     }
 
     Job read() {
-        check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
-        if (!root_.values.empty())
-            throw ConfigError(
-                fmt::format("{}:{}: unknown key '{}': keys stand in the tables input, fit, render, "
-                            "light, view, output and measure",
-                            file_.string(), root_.values[0].line, root_.values[0].key));
-        job_.file = file_;
-        read_output();
+        read_frame();
         read_input();
         read_fit();
         read_measure();
@@ -69,7 +62,36 @@ public:
         return std::move(job_);
     }
 
+    /// The views of a model that is there.
+    Job read_drawing(const JobDrawing& drawing) {
+        const auto n_views = std::count_if(root_.tables.begin(), root_.tables.end(),
+                                           [](const TomlTable& t) { return t.name == "view"; });
+        override_views(root_, drawing.options);
+        read_frame();
+        if (n_views == 0)
+            throw ConfigError(file_.string() + ": no [[view]]: there is nothing to draw");
+        if (n_views > 1 && !drawing.picture.empty())
+            throw ConfigError(fmt::format(
+                "{}: its {} views cannot all be {}: expected a folder to write them into",
+                file_.string(), n_views, drawing.picture.string()));
+        job_.folder = drawing.folder, job_.stages = drawing.stages;
+        read_job_views({file_, root_, output_.aovs, drawing.model, drawing.picture}, job_);
+        return std::move(job_);
+    }
+
 private:
+    /// What every reading of a job begins with: its tables are known, and where it writes.
+    void read_frame() {
+        check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
+        if (!root_.values.empty())
+            throw ConfigError(
+                fmt::format("{}:{}: unknown key '{}': keys stand in the tables input, fit, render, "
+                            "light, view, output and measure",
+                            file_.string(), root_.values[0].line, root_.values[0].key));
+        job_.file = file_;
+        read_output();
+    }
+
     const TomlTable* find(const TomlTable& in, const std::string& name) const {
         return find_table(in, name, file_);
     }
@@ -233,6 +255,19 @@ fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); 
 
 Job read_job(const fs::path& file, const std::vector<std::string>& settings) {
     return JobReader(file, settings).read();
+}
+
+Job read_drawing(const fs::path& file, const JobDrawing& drawing) {
+    return JobReader(file, {}).read_drawing(drawing);
+}
+
+std::string model_remedy(const BuildStages& stages, const std::string& key,
+                         const std::string& value) {
+    const bool is_flag = value == "true";
+    if (stages.given)
+        return fmt::format("a model built with --{}{}", key, is_flag ? "" : " " + value);
+    const bool is_word = !is_flag && value.find_first_not_of("0123456789") != std::string::npos;
+    return fmt::format("{} = {} in [fit]", key, is_word ? "\"" + value + "\"" : value);
 }
 
 }  // namespace slim

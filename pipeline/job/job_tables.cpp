@@ -12,8 +12,7 @@ namespace slim {
 namespace fs = std::filesystem;
 
 std::string table_place(const fs::path& file, const TomlTable& table) {
-    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line)
-                          : file.string() + ", --set";
+    return toml_place(file, table.line);
 }
 
 const TomlTable* find_table(const TomlTable& in, const std::string& name, const fs::path& file) {
@@ -42,7 +41,7 @@ TomlTable without_replaced(TomlTable table) {
     };
     const auto is_said_later = [&](const char* key, const char* none) {
         const auto value = find(key);
-        return value != table.values.end() && value->line == 0 &&
+        return value != table.values.end() && value->line <= 0 &&
                value->items != std::vector<std::string>{none};
     };
     const auto leave_out = [&](const char* key) {
@@ -66,6 +65,41 @@ std::set<std::string> replaced_by_view(const TomlTable& view) {
     if (antialias == supersample)
         return {};  // of both the renderer says that they do not go together
     return {antialias ? "supersample" : "antialias"};
+}
+
+namespace {
+
+void put_value(TomlTable& table, TomlValue value) {
+    std::erase_if(table.values, [&](const TomlValue& v) { return v.key == value.key; });
+    table.values.push_back(std::move(value));
+}
+
+/// What an option for all views leaves without effect in a view's own table.
+void erase_overridden(TomlTable& view, const TomlValue& option) {
+    const auto erase = [&](const std::string& key) {
+        std::erase_if(view.values, [&](const TomlValue& v) { return v.key == key; });
+    };
+    erase(option.key);
+    for (const std::string& other : replaced_by_view({"", 0, {option}, {}})) erase(other);
+}
+
+}  // namespace
+
+void override_views(TomlTable& root, const std::vector<TomlValue>& options) {
+    const auto is = [](const char* name) {
+        return [name](const TomlTable& table) { return table.name == name; };
+    };
+    if (!options.empty() && std::none_of(root.tables.begin(), root.tables.end(), is("render")))
+        root.tables.push_back({"render", kOnCommandLine, {}, {}});
+    for (TomlValue option : options) {
+        const bool of_each = option.key == "aov" || option.key == "name";
+        if (option.key == "aov") option.key = "aovs";  // as views call it
+        if (option.key == "light") std::erase_if(root.tables, is("light"));
+        for (TomlTable& table : root.tables) {
+            if (table.name == "view") erase_overridden(table, option);
+            if (table.name == (of_each ? "view" : "render")) put_value(table, option);
+        }
+    }
 }
 
 void append_option(const Field& field, std::vector<std::string>& out) {

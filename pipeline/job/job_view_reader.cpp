@@ -54,6 +54,7 @@ public:
           root_(pictures.root),
           usual_aovs_(pictures.usual_aovs),
           model_(pictures.model),
+          picture_(pictures.picture),
           job_(job) {}
 
     void read_views() {
@@ -131,8 +132,7 @@ private:
         if (view.name.empty()) view.name = name_of(options);
         try {
             check_view_name(view.name);
-            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color,
-                              job_.stages.sharp);
+            check_view_of_fit(view.aovs, render, job_.stages);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
@@ -142,12 +142,13 @@ private:
         check_rays(render, view.aovs, table);
         asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
+        step.line = table.line;
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append_arguments(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
-        step.output = job_.folder / (view.name + aov + ".png");
+        step.output = picture_.empty() ? job_.folder / (view.name + aov + ".png") : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
@@ -256,13 +257,14 @@ private:
         return camera.find(',') == std::string::npos ? camera : "view";
     }
 
-    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share",
-                                                              "join"};
+    inline static const std::set<std::string> kOwnedByView = {"model", "output", "job",
+                                                              "aov",   "share",  "join"};
 
     const fs::path& file_;
     const TomlTable& root_;
     const std::vector<std::string>& usual_aovs_;
     const fs::path& model_;
+    const fs::path& picture_;
     Job& job_;
     std::set<std::string> taken_;  // keys for all views that some view takes
     AllViewsTable all_views_;

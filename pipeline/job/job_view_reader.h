@@ -15,6 +15,7 @@ struct JobPictures {
     const TomlTable& root;
     const std::vector<std::string>& usual_aovs;  ///< of a view that names none
     const std::filesystem::path& model;
+    const std::filesystem::path picture = {};  ///< of the one view; empty: named in the job's folder
 };
 
 /// Reads [render], [[light]] and [[view]]: adds a step for each view, and what no view asks for to
