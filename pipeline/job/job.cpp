@@ -4,6 +4,7 @@
 #include "pipeline/build/fit_stage.h"
 #include "pipeline/build/normals_stage.h"
 #include "pipeline/build/slice_stage.h"
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/job/job_tables.h"
 #include "pipeline/job/job_view_reader.h"
 #include "pipeline/manifest.h"
@@ -20,28 +21,6 @@ namespace slim {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct InputTable {
-    std::vector<std::string> files;
-    template <class V>
-    void visit(V&& field) {
-        field.path("files", files, "point clouds");
-    }
-};
-
-struct OutputTable {
-    std::string dir;
-    std::string title;
-    std::vector<std::string> aovs = {"shaded"};
-    bool html = true;
-    template <class V>
-    void visit(V&& field) {
-        field.path("dir", dir, "folder for everything that is written");
-        field("title", title, "heading of the page");
-        field("aovs", aovs, "pictures of every view that names none");
-        field("html", html, "write DIR/index.html");
-    }
-};
 
 /// The tables of a job file, found by name and strictly known.
 class JobReader {
@@ -82,12 +61,8 @@ public:
 private:
     /// What every reading of a job begins with: its tables are known, and where it writes.
     void read_frame() {
-        check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
-        if (!root_.values.empty())
-            throw ConfigError(
-                fmt::format("{}:{}: unknown key '{}': keys stand in the tables input, fit, render, "
-                            "light, view, output and measure",
-                            file_.string(), root_.values[0].line, root_.values[0].key));
+        check_tables(root_, kJobTables);
+        check_top_keys(root_, file_);
         job_.file = file_;
         read_output();
     }
@@ -139,7 +114,7 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}),
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, kOwnedOfScan),
                      {},     {},     {},
                      {}};
         // The shape is a word of slim-scan, not an option.
@@ -160,7 +135,7 @@ private:
         JobStep step{"build", "build", {}, clouds_, model_, {}, {}};
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
-        append_arguments(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
+        append_arguments(step, read_options<BuildConfig>(table, file_, none, kOwnedOfFit));
         add_step_output(step, job_);
         job_.steps.push_back(std::move(step));
         read_build_stages(table);
@@ -205,8 +180,7 @@ private:
         }
         check_tables(*table, {});
         NoKeys none;
-        std::set<std::string> owned = {"model", "cloud", "output"};
-        if (clouds_.size() > 1) owned.insert("per_point");  // one file for one cloud
+        const std::set<std::string> owned = owned_of_measure(clouds_.size());
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, owned);
         std::set<std::string> names;

@@ -9,10 +9,14 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <system_error>
 
 namespace slim {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 [[noreturn]] void fail(const JobStep& step, const ChildResult& child) {
@@ -57,6 +61,17 @@ StepOutcome run_step(const JobStep& step, const StageContext& context) {
     context.check_stop();
     if (child.exit_code != 0) fail(step, child);
     return outcome_of(step, child);
+}
+
+void require_inputs(const Job& job) {
+    std::set<fs::path> made;
+    for (const JobStep& step : job.steps) made.insert(step.output);
+    for (const JobStep& step : job.steps)
+        for (const fs::path& file : step.inputs) {
+            std::error_code error;
+            if (made.contains(file) || fs::exists(file, error)) continue;
+            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
+        }
 }
 
 json steps_json(const std::vector<StepOutcome>& outcomes) {

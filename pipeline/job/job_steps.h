@@ -24,6 +24,9 @@ struct StepOutcome {
 /// with its exit code and message, the step's name first.
 StepOutcome run_step(const JobStep& step, const StageContext& context);
 
+/// Throws IoError for a file that a step reads, that no step makes and that is not there.
+void require_inputs(const Job& job);
+
 /// name, verb, up_to_date, seconds, peak_memory_bytes and result of each.
 nlohmann::json steps_json(const std::vector<StepOutcome>& outcomes);
 

@@ -1,5 +1,6 @@
 #include "pipeline/job/job_tables.h"
 
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 
@@ -32,6 +33,22 @@ void check_tables(const TomlTable& in, const std::vector<std::string>& known,
         if (std::find(known.begin(), known.end(), table.name) == known.end())
             throw ConfigError(fmt::format("{}: unknown table [{}]{}", table_place(file, table),
                                           table.name, suggestion(table.name, known)));
+}
+
+void check_top_keys(const TomlTable& root, const fs::path& file) {
+    for (const TomlValue& value : root.values) {
+        const std::string place = toml_place(file, value.line);
+        if (value.key != "schema_version")
+            throw ConfigError(fmt::format(
+                "{}: unknown key '{}'{}: keys stand in the tables {}, above them schema_version",
+                place, value.key, suggestion(value.key, {"schema_version"}),
+                fmt::join(kJobTables, ", ")));
+        if (value.kind != Field::Kind::integer || value.is_list ||
+            value.items != std::vector<std::string>{std::to_string(kJobSchema)})
+            throw ConfigError(fmt::format(
+                "{}: schema_version: this program reads jobs of version {}, found {}", place,
+                kJobSchema, fmt::join(value.items, ", ")));
+    }
 }
 
 TomlTable without_replaced(TomlTable table) {

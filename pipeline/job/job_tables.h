@@ -31,6 +31,10 @@ TomlTable without_replaced(TomlTable table);
 /// the antialias of all views, and the other way round.
 std::set<std::string> replaced_by_view(const TomlTable& view);
 
+/// Checks what stands above a job's tables: nothing but schema_version, and that it is 1.
+/// ConfigError with the line.
+void check_top_keys(const TomlTable& root, const std::filesystem::path& file);
+
 /// Puts options of slim-render over a job's: into [render] (aov and name into each [[view]]), and
 /// what [[view]] and [[light]] tables say of the same goes.
 void override_views(TomlTable& root, const std::vector<TomlValue>& options);

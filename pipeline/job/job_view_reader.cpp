@@ -1,6 +1,7 @@
 #include "pipeline/job/job_view_reader.h"
 
 #include "pipeline/job/job_left_out.h"
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/job/job_tables.h"
 #include "pipeline/job/job_views.h"
 #include "pipeline/job/view_shares.h"
@@ -24,28 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The keys of a view that are the job's own; the others are options of slim-render.
-struct ViewTable {
-    std::string name;
-    std::vector<std::string> aovs;
-    int shares = 0;
-    template <class V>
-    void visit(V&& field) {
-        field("name", name, "begins the names of the view's pictures");
-        field("aovs", aovs, "pictures of this view");
-        field("shares", shares, "tasks that plans divide it among (0: by its pixels)", 0, 9999);
-    }
-};
-
-/// The keys of [render] that are the job's own.
-struct AllViewsTable {
-    int shares = 0;
-    template <class V>
-    void visit(V&& field) {
-        field("shares", shares, "of every view that does not say it itself", 0, 9999);
-    }
-};
-
 /// The tables that say what is drawn.
 class ViewReader {
 public:
@@ -61,9 +40,7 @@ public:
         std::vector<std::string> defaults;
         if (const TomlTable* found = find_table(root_, "render", file_)) {
             const TomlTable table = without_replaced(*found);
-            std::set<std::string> owned = kOwnedByView;
-            owned.insert("name");  // one for each view
-            defaults = read_options<RenderConfig>(table, file_, all_views_, owned);
+            defaults = read_options<RenderConfig>(table, file_, all_views_, kOwnedOfRender);
             check_view(table, render_);
             job_.unit = render_.unit;
         }
@@ -116,7 +93,7 @@ private:
         ViewTable view;
         view.shares = all_views_.shares;
         const std::vector<std::string> own =
-            read_options<RenderConfig>(table, file_, view, kOwnedByView);
+            read_options<RenderConfig>(table, file_, view, kOwnedOfView);
         RenderConfig render = render_;
         const std::set<std::string> replaced = replaced_by_view(table);
         if (replaced.contains("supersample")) render.supersample = RenderConfig{}.supersample;
@@ -256,9 +233,6 @@ private:
             if (option.starts_with("--camera=")) camera = option.substr(9);
         return camera.find(',') == std::string::npos ? camera : "view";
     }
-
-    inline static const std::set<std::string> kOwnedByView = {"model", "output", "job",
-                                                              "aov",   "share",  "join"};
 
     const fs::path& file_;
     const TomlTable& root_;

@@ -4,6 +4,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/job/index_page.h"
 #include "pipeline/job/job.h"
+#include "pipeline/job/job_config.h"
 #include "pipeline/job/job_steps.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
@@ -20,18 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Files that no step makes, before a folder is made for what comes of them.
-void require_inputs(const Job& job) {
-    std::set<fs::path> made;
-    for (const JobStep& step : job.steps) made.insert(step.output);
-    for (const JobStep& step : job.steps)
-        for (const fs::path& file : step.inputs) {
-            std::error_code error;
-            if (made.contains(file) || fs::exists(file, error)) continue;
-            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
-        }
-}
 
 /// Pictures beside the job's that no view of it makes any more: those of manifests that no step
 /// writes.
@@ -55,6 +44,10 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
 }
 
 }  // namespace
+
+std::string resolved_run(const RunConfig& config) {
+    return config.job.empty() ? "" : resolved_job(job_file(config), job_settings(config));
+}
 
 json run_job(const RunConfig& config, StageContext& context) {
     const std::vector<std::string> settings = job_settings(config);

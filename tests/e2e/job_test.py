@@ -193,6 +193,38 @@ def plan():
     check("Left out" in explained.out and "depth" in explained.out, explained.out)
 
 
+def resolved():
+    """--print-config prints all that could be written, and what it prints is the same job."""
+    written = JOB.replace("SIZE", "240x180")
+    (harness.folder / "asked.toml").write_text("schema_version = 1\n" + written)
+    printed = run("slim", "run", "asked.toml", "--print-config", "--set", "fit.degree=3")
+    check(printed.code == 0, f"--print-config: {printed.err}")
+    for line in ("schema_version = 1", "[input.scan]", 'shape = "bumpy"', "[fit]", 'degree = "3"', "t_mdl = 0.02",
+                 "normals = ", "[measure]", "tolerance = ", 'size = "240x180"', "supersample = 1", 'name = "front"',
+                 'size = "200x150"', 'aovs = ["shaded"]', 'title = "asked"'):
+        check(line in printed.out, f"--print-config lacks {line}")
+    (harness.folder / "again.toml").write_text(printed.out)
+    again = run("slim", "run", "again.toml", "--print-config")
+    check(again.out == printed.out, f"what --print-config prints is another job: {again.err}")
+    commands = [run("slim", "plan", name, "--explain", *more).out.replace("again", "asked") for name, more in
+                (("asked.toml", ["--set", "fit.degree=3"]), ("again.toml", []))]
+    steps_of = [[line for line in text.splitlines() if "third derivatives" in line or line.startswith("view")]
+                for text in commands]
+    check(steps_of[0] == steps_of[1], f"the printed job does otherwise: {steps_of}")
+    check(run("slim", "run", "--print-config").out.count("\n[") == 0, "without a job: the options of run")
+
+
+def schema():
+    job = harness.folder / "schema.toml"
+    for said, expected in (("2", "version 1, found 2"), ("'1'", "version 1, found 1"), ("[1]", "version 1")):
+        job.write_text(f"schema_version = {said}\n[input]\nfiles = ['nowhere.ply']\n")
+        result = run("slim", "run", "schema.toml", "--json")
+        check(result.code == 2 and "schema.toml:1: schema_version" in result.err and expected in result.err, result.err)
+    job.write_text("shcema_version = 1\n[input]\nfiles = ['nowhere.ply']\n")
+    result = run("slim", "run", "schema.toml", "--json")
+    check(result.code == 2 and "'schema_version'" in result.err, result.err)
+
+
 def wrong_jobs():
     job = harness.folder / "wrong.toml"
     job.write_text("[input]\nfiles = ['nowhere.ply']\n[fit]\ndegre = 2\n")
@@ -215,5 +247,7 @@ threads_agree()
 killed_build_resumes()
 a_killed_run_takes_its_child_along()
 plan()
+resolved()
+schema()
 wrong_jobs()
 harness.end()
