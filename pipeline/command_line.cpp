@@ -131,6 +131,14 @@ void refuse_extras(const std::vector<std::string>& extras, const FieldList& fiel
                     misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
 }
 
+/// Outputs are files or folders that appear whole, which a pipe cannot.
+void refuse_standard_output(const FieldList& fields) {
+    for (const Field& field : fields.fields())
+        if (field.role == FieldRole::output && !field.empty() && field.items()[0] == "-")
+            throw ConfigError("-o -: nothing is written to standard output; expected the name of a "
+                              "file or folder (./- is one called so)");
+}
+
 void apply_given(const FieldList& fields, const std::vector<Given>& given) {
     for (std::size_t i = 0; i < given.size(); ++i) {
         const Field& field = fields.fields()[i];
@@ -184,12 +192,14 @@ Every verb:
   --config FILE          read these options from a TOML file (keys as printed by --print-config)
   --set KEY=VALUE        change one of them
   --print-config         print all options as TOML and stop
-  --threads N            threads to use, 1 or more (default: SLIM_THREADS, or all of this process's cores)
+  --threads N            threads to use, 1 or more (default: SLIM_THREADS, else SLURM_CPUS_PER_TASK, else
+                         all of this process's cores)
   --force                do the work even if the output is up to date
   --json                 one JSON object on stdout instead of the summary
   -q, --quiet            no progress and no log; warnings only
   -v, --verbose          the log with times, and the configuration
   -h, --help, --version
+Of an option that is given again the last counts; lists (a,b) are joined.
 )";
 
 }  // namespace
@@ -219,6 +229,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     for (std::size_t i = 0; i < given.size(); ++i)
         if (given[i].option->count() > 0) keys.insert(fields.fields()[i].key);
     keys.erase("");
+    refuse_standard_output(fields);
     common.given.assign(keys.begin(), keys.end());
     return common;
 }
