@@ -54,7 +54,9 @@ public:
                 "{}: its {} views cannot all be {}: expected a folder to write them into",
                 file_.string(), n_views, drawing.picture.string()));
         job_.folder = drawing.folder, job_.stages = drawing.stages;
-        read_job_views({file_, root_, output_.aovs, drawing.model, drawing.picture}, job_);
+        read_job_views({file_, root_, output_.aovs, drawing.model, drawing.picture,
+                        !drawing.options.empty()},
+                       job_);
         return std::move(job_);
     }
 

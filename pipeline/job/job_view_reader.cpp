@@ -34,6 +34,7 @@ public:
           usual_aovs_(pictures.usual_aovs),
           model_(pictures.model),
           picture_(pictures.picture),
+          overridden_(pictures.overridden),
           job_(job) {}
 
     void read_views() {
@@ -92,7 +93,7 @@ private:
         check_tables(table, {}, file_);
         ViewTable view;
         view.shares = all_views_.shares;
-        const std::vector<std::string> own =
+        std::vector<std::string> own =
             read_options<RenderConfig>(table, file_, view, kOwnedOfView);
         RenderConfig render = render_;
         const std::set<std::string> replaced = replaced_by_view(table);
@@ -105,6 +106,7 @@ private:
         own_keys.insert(replaced.begin(), replaced.end());
         std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
         note_taken(options, own_keys);
+        if (overridden_) own = options_for(view.aovs, own, {}, render);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         try {
@@ -172,13 +174,22 @@ private:
                 if (is_option(option, use.key)) taken_.insert(use.key);
     }
 
+    /// Whether the command line says it, over the file.
+    bool is_override(const std::string& key) const {
+        const TomlTable* table = find_table(root_, "render", file_);
+        return table && std::any_of(table->values.begin(), table->values.end(),
+                                    [&](const TomlValue& value) {
+                                        return value.key == key && value.line == kOnCommandLine;
+                                    });
+    }
+
     /// An option for all views, not as by default, that none takes.
     void refuse_idle() {
         RenderConfig usual;
         const FieldList given = fields_of(render_), defaults = fields_of(usual);
         for (const OptionUse& use : option_uses())
             if (given.find(use.key)->items() != defaults.find(use.key)->items() &&
-                !taken_.contains(use.key))
+                !taken_.contains(use.key) && (!overridden_ || is_override(use.key)))
                 throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
                                               unused_text(use)));
     }
@@ -239,6 +250,7 @@ private:
     const std::vector<std::string>& usual_aovs_;
     const fs::path& model_;
     const fs::path& picture_;
+    bool overridden_;
     Job& job_;
     std::set<std::string> taken_;  // keys for all views that some view takes
     AllViewsTable all_views_;

@@ -199,7 +199,7 @@ def resolved():
     (harness.folder / "asked.toml").write_text("schema_version = 1\n" + written)
     printed = run("slim", "run", "asked.toml", "--print-config", "--set", "fit.degree=3")
     check(printed.code == 0, f"--print-config: {printed.err}")
-    for line in ("schema_version = 1", "[input.scan]", 'shape = "bumpy"', "[fit]", 'degree = "3"', "t_mdl = 0.02",
+    for line in ("schema_version = 1", "[input.scan]", 'shape = "bumpy"', "[fit]", 'degree = 3', "t_mdl = 0.02",
                  "normals = ", "[measure]", "tolerance = ", 'size = "240x180"', "supersample = 1", 'name = "front"',
                  'size = "200x150"', 'aovs = ["shaded"]', 'title = "asked"'):
         check(line in printed.out, f"--print-config lacks {line}")

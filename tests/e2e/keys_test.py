@@ -36,7 +36,7 @@ RUNS = [
     ("slim-measure", "c.ply", "s.ply", "--two-way"),
     ("slim-info", "c.ply"),
     ("slim-info", "e.slim"),
-    ("slim-info", "x.png"),
+    ("slim-info", "x.mean.png"),
     ("slim-info", "c.truth"),
     ("slim-render", "m.slim", "--job", "views.toml", "-o", "views"),
 ]

@@ -83,6 +83,20 @@ TEST(JobDrawing, OptionsWinOverAllThatTheJobSaysOfThem) {
     }
 }
 
+TEST(JobDrawing, LeavesOutWhatOtherPicturesThanTheJobsHaveNoUseFor) {
+    const std::string text =
+        "[render]\ntruth_shape = 'bumpy'\n[[view]]\naovs = ['hillshade', 'truth_distance']\n"
+        "contours = '2'\n";
+    EXPECT_TRUE(has(drawing_of(text).steps[0], "--contours=2"));
+    const Job job = drawing_of(text, {{"aov", Field::Kind::text, true, {"depth"}, 0}});
+    EXPECT_FALSE(has(job.steps[0], "--contours=2"));
+    EXPECT_FALSE(has(job.steps[0], "--truth-shape=bumpy"));
+    EXPECT_NE(drawing_refusal(text, {{"sun", Field::Kind::real, true, {"3", "4"}, 0},
+                                     {"aov", Field::Kind::text, true, {"depth"}, 0}})
+                  .find("command line: no view takes it"),
+              std::string::npos);
+}
+
 TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
     const fs::path file = job_folder() / "job.toml";
     EXPECT_EQ(drawing_refusal("[render]\nsize = '9x9'\n"),
