@@ -14,6 +14,8 @@ namespace slim {
 /// attributes of the header. Numbers are written as text with all their digits: viewers agree on
 /// strings only, and OpenImageIO drops doubles without a word (CONVENTIONS 4.2).
 using ImageMetadata = std::map<std::string, std::string>;
+/// A whole number, above 0: how large a picture is when printed; of PNG the chunk pHYs.
+inline constexpr const char* kPixelsPerMetre = "PixelsPerMetre";
 
 /// Matrices by name.
 using ImageMatrices = std::map<std::string, std::array<float, 16>>;

@@ -92,6 +92,8 @@ void PngReader::State::read_texts() {
         header.metadata[name_from_png(texts[i].key)] = texts[i].text ? texts[i].text : "";
     int intent = 0;
     if (png_get_sRGB(png, info, &intent)) header.is_srgb = true;
+    if (const png_uint_32 per_metre = png_get_pixels_per_meter(png, info); per_metre > 0)
+        header.metadata[kPixelsPerMetre] = std::to_string(per_metre);
     png_timep time = nullptr;
     if (!png_get_tIME(png, info, &time)) return;
     std::array<char, 40> words{};

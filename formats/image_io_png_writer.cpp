@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <png.h>
@@ -97,9 +98,12 @@ void PngWriter::State::begin(int height, const ImageMetadata& metadata) {
     std::vector<std::pair<std::string, std::string>> words;
     png_time time{};
     bool has_time = false;
+    png_uint_32 per_metre = 0;
     for (const auto& [name, value] : metadata) {
         if (name == "DateTime" && time_of(value, time))
             has_time = true;
+        else if (name == kPixelsPerMetre)
+            per_metre = static_cast<png_uint_32>(std::strtoul(value.c_str(), nullptr, 10));
         else
             words.emplace_back(name_in_png(name), value);
     }
@@ -110,6 +114,8 @@ void PngWriter::State::begin(int height, const ImageMetadata& metadata) {
                      PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
         if (has_time) png_set_tIME(png, info, &time);
+        if (per_metre > 0)
+            png_set_pHYs(png, info, per_metre, per_metre, PNG_RESOLUTION_METER);
         if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
         png_set_compression_level(png, kCompression);
         png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);

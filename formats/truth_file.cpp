@@ -5,6 +5,7 @@
 #include "slim/base/error.h"
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -39,6 +40,21 @@ void TruthReader::read(std::size_t n, const std::string& cloud, std::vector<Poin
                   static_cast<std::streamsize>(n * sizeof(PointTruth))))
         throw IoError(message(path_, ": cannot be read: ", std::strerror(errno)));
     n_read_ += n;
+}
+
+void check_truth(std::span<const PointTruth> truth, std::uint64_t first, const std::string& path) {
+    // Normals that were floats are off by 1e-7; an apex has none.
+    constexpr double kUnitWithin = 1e-3;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const PointTruth& t = truth[i];
+        const double sq = dot(t.normal, t.normal);
+        const bool has_normal = sq == 0 || std::abs(sq - 1) < 2 * kUnitWithin;
+        if (has_normal && std::isfinite(t.k1) && std::isfinite(t.k2)) continue;
+        throw FormatError(message(
+            path, ": row ", first + i, ": expected a normal of unit length and finite k1, k2 ",
+            "(five little-endian doubles a point, nx ny nz k1 k2), found ", t.normal.x, " ",
+            t.normal.y, " ", t.normal.z, " ", t.k1, " ", t.k2));
+    }
 }
 
 std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_points) {

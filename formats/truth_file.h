@@ -51,6 +51,11 @@ private:
     std::uint64_t n_points_ = 0, n_read_ = 0;
 };
 
+/// throws FormatError naming file, row (from 0) and what was found, for a normal that is neither of
+/// unit length nor zero (an apex has none), or a curvature that is not finite. first: the number of
+/// truth[0] in the file
+void check_truth(std::span<const PointTruth> truth, std::uint64_t first, const std::string& path);
+
 /// throws FormatError if the file does not hold exactly n_points (40 bytes each); IoError
 std::vector<PointTruth> read_truth(const std::string& path, std::uint64_t n_points);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <set>
 #include <system_error>
 
 namespace slim {
@@ -74,14 +75,15 @@ std::vector<std::string> items_of(const Field& field, const std::vector<std::str
     return items;
 }
 
-void apply_set(const std::string& text, const FieldList& fields) {
+/// Sets the key and returns it; nothing of a file that the verb reads.
+std::string apply_set(const std::string& text, const FieldList& fields) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos)
         throw ConfigError(fmt::format("--set {}: expected key=value", text));
     const std::string key = text.substr(0, equals);
     if (fields.settings() && key.find('.') != std::string::npos) {
         fields.settings()->push_back(text);
-        return;
+        return "";
     }
     const Field* field = fields.find(key);
     if (!field)
@@ -90,6 +92,7 @@ void apply_set(const std::string& text, const FieldList& fields) {
                                           ? "; " + fields.settings_help()
                                           : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
+    return key;
 }
 
 std::vector<std::string> all_options(const FieldList& fields) {
@@ -126,6 +129,14 @@ void refuse_extras(const std::vector<std::string>& extras, const FieldList& fiel
     throw ConfigError(
         fmt::format("unexpected argument '{0}'{1}", extras[0],
                     misses_output(fields, given) ? "; to write it: -o " + extras[0] : ""));
+}
+
+/// Outputs are files or folders that appear whole, which a pipe cannot.
+void refuse_standard_output(const FieldList& fields) {
+    for (const Field& field : fields.fields())
+        if (field.role == FieldRole::output && !field.empty() && field.items()[0] == "-")
+            throw ConfigError("-o -: nothing is written to standard output; expected the name of a "
+                              "file or folder (./- is one called so)");
 }
 
 void apply_given(const FieldList& fields, const std::vector<Given>& given) {
@@ -181,12 +192,14 @@ Every verb:
   --config FILE          read these options from a TOML file (keys as printed by --print-config)
   --set KEY=VALUE        change one of them
   --print-config         print all options as TOML and stop
-  --threads N            threads to use, 1 or more (default: SLIM_THREADS, or all of this process's cores)
+  --threads N            threads to use, 1 or more (default: SLIM_THREADS, else SLURM_CPUS_PER_TASK, else
+                         all of this process's cores)
   --force                do the work even if the output is up to date
   --json                 one JSON object on stdout instead of the summary
   -q, --quiet            no progress and no log; warnings only
   -v, --verbose          the log with times, and the configuration
   -h, --help, --version
+Of an option that is given again the last counts; lists (a,b) are joined.
 )";
 
 }  // namespace
@@ -208,9 +221,16 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     if (common.quiet && common.verbose)
         throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
-    if (!common.config.empty()) apply_config_file(common.config, fields);
-    for (const std::string& text : common.set) apply_set(text, fields);
+    std::set<std::string> keys;
+    if (!common.config.empty())
+        for (const std::string& key : apply_config_file(common.config, fields)) keys.insert(key);
+    for (const std::string& text : common.set) keys.insert(apply_set(text, fields));
     apply_given(fields, given);
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (given[i].option->count() > 0) keys.insert(fields.fields()[i].key);
+    keys.erase("");
+    refuse_standard_output(fields);
+    common.given.assign(keys.begin(), keys.end());
     return common;
 }
 

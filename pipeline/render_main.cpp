@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
           "slim render terrain.slim -o evening.png --mode raytrace --up z --camera top --light "
           "'sun azimuth=315 elevation=12'",
           "slim render bunny3.slim -o drawing.png --aov lines --lines contour,suggestive,crest",
+          "slim render bunny.slim -o pictures/ --job job.toml --size 3200x2400",
           "slim render part.slim -o part.png --aov lines --lines contour,crease --lines-obj "
           "edges.obj"}},
         argc, argv, slim::run_render);

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
          "with 5, naming them, if figures leave their bands. What is done is not run again.",
          {"slim report configs/report/quick.toml -o out/quick",
           "slim report configs/report/scale.toml -o out/scale --set values.largest=1e8",
+          "slim report coarse.toml fine.toml -o out/jobs",
           "slim report configs/report/*.toml -o out/report --programs build-peers"},
          true},
         argc, argv, slim::run_report);

@@ -8,5 +8,5 @@ int main(int argc, char** argv) {
          {"slim run plate scan.ply", "slim run configs/demo.toml",
           "slim plan configs/demo.toml --explain"},
          true},
-        argc, argv, slim::run_job);
+        argc, argv, slim::run_job, slim::resolved_run);
 }

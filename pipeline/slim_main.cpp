@@ -2,12 +2,16 @@
 
 #include "pipeline/child_process.h"
 #include "pipeline/config.h"
+#include "pipeline/json_text.h"
 #include "pipeline/version.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -39,10 +43,7 @@ constexpr Verb kVerbs[] = {
     {"tree", "stage 4: surfels into model.slim"},
 };
 
-void print_help() {
-    fmt::print("slim: raw 3D scans to surfel models and pictures\n\nUsage: slim VERB ...\n\n");
-    for (const Verb& verb : kVerbs) fmt::print("  {:<8} {}\n", verb.name, verb.summary);
-    fmt::print(R"(
+constexpr const char* kQuickStart = R"(
 Quick start:
   slim build scan.ply -o scan.slim                      # a model of your own scan
   slim render scan.slim -o front.png                    # a shaded picture
@@ -51,23 +52,48 @@ Quick start:
   slim smooth scan.slim scan.ply -o smooth.ply          # its points without their noise
   slim scan sculpture -o cloud.ply --noise 0.0005       # no scan at hand: make one
 
-'slim VERB --help' says more. Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad input,
+'slim VERB --help' (or 'slim help VERB') says more. Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad input,
 4 out of memory, disk or time, 5 numerical failure, 6 incomplete inputs, 75 busy,
 130/143 interrupted.
-)");
+)";
+
+std::string help_text() {
+    std::string text =
+        "slim: raw 3D scans to surfel models and pictures\n\nUsage: slim VERB ...\n\n";
+    for (const Verb& verb : kVerbs) text += fmt::format("  {:<8} {}\n", verb.name, verb.summary);
+    return text + kQuickStart;
 }
 
-int fail(int code, const std::string& message) {
+/// Says what went wrong; with --json on stdout too, as every verb does.
+int fail(slim::ExitCode code, const std::string& message, bool as_json) {
     fmt::print(stderr, "slim: error: {}\n", message);
-    return code;
+    if (as_json) {
+        const nlohmann::json error = {
+            {"error", {{"code", static_cast<int>(code)}, {"message", message}}}};
+        fmt::print("{}\n", slim::text_of(error));
+        std::fflush(stdout);
+    }
+    return static_cast<int>(code);
 }
 
-int refuse(const std::string& verb) {
+/// Prints an answer; a full disk or the like is an error.
+int answer(const std::string& text, bool as_json) {
+    errno = 0;
+    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+    if (written && std::fflush(stdout) == 0) return 0;
+    if (errno == EPIPE) return 128 + SIGPIPE;
+    return fail(slim::ExitCode::resource,
+                fmt::format("standard output: cannot write: {}", std::strerror(errno)), as_json);
+}
+
+int refuse(const std::string& verb, bool as_json) {
     std::vector<std::string> names;
     for (const Verb& known : kVerbs) names.push_back(known.name);
-    return fail(static_cast<int>(slim::ExitCode::usage),
-                fmt::format("unknown verb '{}'{}; 'slim --help' lists them", verb,
-                            slim::suggestion(verb, names)));
+    return fail(slim::ExitCode::usage,
+                fmt::format("unknown {} '{}'{}; 'slim --help' lists the verbs",
+                            verb.starts_with('-') ? "option" : "verb", verb,
+                            slim::suggestion(verb, names)),
+                as_json);
 }
 
 bool is_verb(std::string_view word) {
@@ -79,19 +105,29 @@ bool is_verb(std::string_view word) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::string verb = argc > 1 ? argv[1] : "--help";
-    if (verb == "--help" || verb == "-h" || verb == "help") {
-        print_help();
-        return std::fflush(stdout) == 0 && argc > 1 ? 0 : static_cast<int>(slim::ExitCode::usage);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    const bool as_json = std::find(words.begin(), words.end(), "--json") != words.end();
+    if (words.empty()) {
+        std::fputs(help_text().c_str(), stderr);
+        return static_cast<int>(slim::ExitCode::usage);
     }
-    if (verb == "--version") {
-        fmt::print("slim {}\n", slim::program_version());
-        return 0;
+    std::string verb = words[0];
+    if (verb == "help" && words.size() > 1 && !words[1].starts_with('-')) {
+        verb = words[1];
+        words = {verb, "--help"};
     }
-    if (!is_verb(verb)) return refuse(verb);
-    const std::string program = (slim::program_folder() / ("slim-" + verb)).string();
-    argv[1] = const_cast<char*>(program.c_str());
-    execv(program.c_str(), argv + 1);
-    return fail(static_cast<int>(slim::ExitCode::internal),
-                fmt::format("{}: cannot run: {}", program, std::strerror(errno)));
+    if (verb == "--help" || verb == "-h" || verb == "help") return answer(help_text(), as_json);
+    if (verb == "--version")
+        return answer(fmt::format("slim {}\n", slim::program_version()), as_json);
+    if (verb == "--json")
+        return fail(slim::ExitCode::usage, "no verb before --json; 'slim --help' lists the verbs",
+                    true);
+    if (!is_verb(verb)) return refuse(verb, as_json);
+    words[0] = (slim::program_folder() / ("slim-" + verb)).string();
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(arguments[0], arguments.data());
+    return fail(slim::ExitCode::internal,
+                fmt::format("{}: cannot run: {}", words[0], std::strerror(errno)), as_json);
 }

@@ -140,6 +140,11 @@ json with_run_figures(json result, const std::string& stage, double seconds, std
     return result;
 }
 
+std::string resolved_config(const ErasedStage& stage) {
+    const std::string text = stage.resolved ? stage.resolved() : "";
+    return text.empty() ? print_config(stage.fields) : text;
+}
+
 /// What the options ask for instead of work: true if that was all.
 bool answered(const ErasedStage& stage, const CommonOptions& common) {
     if (common.help)
@@ -147,7 +152,7 @@ bool answered(const ErasedStage& stage, const CommonOptions& common) {
     else if (common.version)
         write_stdout(fmt::format("slim-{} {}\n", stage.description.name, program_version()));
     else if (common.print_config)
-        write_stdout(print_config(stage.fields));
+        write_stdout(resolved_config(stage));
     return common.help || common.version || common.print_config;
 }
 
@@ -172,6 +177,7 @@ void work(const ErasedStage& stage, int argc, char** argv) {
                          canonical_config(stage.fields), print_config(stage.fields), "",
                          passed_on(common, threads)};
     context.threads_given = common.threads;
+    context.given = common.given;
     if (common.verbose) console.info("configuration:\n" + context.config_toml);
     json result = stage.run(context);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

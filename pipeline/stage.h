@@ -67,6 +67,7 @@ struct StageContext {
     int threads_given = 0;           ///< by --threads; 0: `threads` are this
                                      ///< machine's or the environment's
     std::vector<Headline> headlines = {};  ///< if set: of this result, instead of the verb's
+    std::vector<std::string> given = {};   ///< keys that the command line or its --config says
 
     bool writes_handed_points() const { return !handed || !handed->instead_of_files(); }
 
@@ -89,6 +90,8 @@ struct ErasedStage {
     StageDescription description;
     FieldList fields;
     std::function<nlohmann::json(StageContext&)> run;
+    /// What --print-config prints instead of the fields; null or empty text: the fields.
+    std::function<std::string()> resolved = {};
 };
 
 /// Set in the environment of a step that `slim run` starts: its parent says what went wrong.
@@ -110,6 +113,17 @@ int run_stage(StageDescription description, int argc, char** argv, Run run) {
     Config config;
     ErasedStage stage{std::move(description), fields_of(config),
                       [&](StageContext& context) { return run(config, context); }};
+    return run_erased_stage(stage, argc, argv);
+}
+
+/// The same of a verb whose configuration is a file that it reads: --print-config prints what
+/// resolved(config) makes of it, the fields where that is empty.
+template <class Config, class Run, class Resolved>
+int run_stage(StageDescription description, int argc, char** argv, Run run, Resolved resolved) {
+    Config config;
+    ErasedStage stage{std::move(description), fields_of(config),
+                      [&](StageContext& context) { return run(config, context); },
+                      [&] { return resolved(config); }};
     return run_erased_stage(stage, argc, argv);
 }
 

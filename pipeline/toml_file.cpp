@@ -18,10 +18,6 @@ namespace fs = std::filesystem;
 
 int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
-std::string place(const fs::path& file, int line) {
-    return line > 0 ? fmt::format("{}:{}", file.string(), line) : file.string() + ", --set";
-}
-
 /// One scalar's kind and text; false for what our files do not use (dates, tables, arrays).
 bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
     if (const auto* boolean = node.as_boolean()) {
@@ -45,7 +41,7 @@ bool scalar(const toml::node& node, Field::Kind& kind, std::string& text) {
 [[noreturn]] void unreadable(const fs::path& file, const TomlValue& value) {
     throw ConfigError(fmt::format("{}: {}: expected a string, a number, true, false or a plain "
                                   "array of one kind of them",
-                                  place(file, value.line), value.key));
+                                  toml_place(file, value.line), value.key));
 }
 
 /// Whole numbers among real ones make a real array; anything else must be of one kind.
@@ -132,6 +128,11 @@ std::vector<std::string> resolved(std::vector<std::string> paths, const fs::path
 
 }  // namespace
 
+std::string toml_place(const fs::path& file, int line) {
+    if (line > 0) return fmt::format("{}:{}", file.string(), line);
+    return file.string() + (line == kBySet ? ", --set" : ", command line");
+}
+
 TomlTable read_toml(const fs::path& file) {
     errno = 0;
     std::ifstream in(file, std::ios::binary);
@@ -182,24 +183,27 @@ void set_value(TomlTable& root, const std::string& key_equals_value) {
 
 void apply_table(const TomlTable& table, const FieldList& fields, const fs::path& file) {
     for (const TomlValue& value : table.values) {
-        const std::string where = fmt::format("{}: {}", place(file, value.line), value.key);
+        const std::string where = fmt::format("{}: {}", toml_place(file, value.line), value.key);
         const Field* field = fields.find(value.key);
         if (!field)
-            throw ConfigError(fmt::format("{}: unknown key '{}'{}", place(file, value.line),
+            throw ConfigError(fmt::format("{}: unknown key '{}'{}", toml_place(file, value.line),
                                           value.key, suggestion(value.key, keys_of(fields))));
         check_type(value, *field, where);
         field->set(field->is_path() ? resolved(value.items, file) : value.items, where);
     }
 }
 
-void apply_config_file(const fs::path& file, const FieldList& fields) {
+std::vector<std::string> apply_config_file(const fs::path& file, const FieldList& fields) {
     const TomlTable table = read_toml(file);
     if (!table.tables.empty())
         throw ConfigError(
             fmt::format("{}: unknown table [{}]: a stage's config holds plain keys only"
                         " (a job file is for 'slim run')",
-                        place(file, table.tables[0].line), table.tables[0].name));
+                        toml_place(file, table.tables[0].line), table.tables[0].name));
     apply_table(table, fields, file);
+    std::vector<std::string> keys;
+    for (const TomlValue& value : table.values) keys.push_back(value.key);
+    return keys;
 }
 
 }  // namespace slim

@@ -9,6 +9,12 @@
 
 namespace slim {
 
+/// The lines of values that no line of a file says, for messages.
+inline constexpr int kBySet = 0, kOnCommandLine = -1;
+
+/// A place in a file: "job.toml:12", "job.toml, --set", "job.toml, command line".
+std::string toml_place(const std::filesystem::path& file, int line);
+
 /// A TOML value of the kinds our files use, numbers as exact text.
 struct TomlValue {
     std::string key;
@@ -40,7 +46,7 @@ void set_value(TomlTable& root, const std::string& key_equals_value);
 void apply_table(const TomlTable& table, const FieldList& fields,
                  const std::filesystem::path& file);
 
-/// apply_table of a file that holds nothing but a stage's keys.
-void apply_config_file(const std::filesystem::path& file, const FieldList& fields);
+/// apply_table of a file that holds nothing but a stage's keys; returns those that it says.
+std::vector<std::string> apply_config_file(const std::filesystem::path& file, const FieldList& fields);
 
 }  // namespace slim

@@ -6,6 +6,7 @@
 #include "pipeline/info/info_cloud.h"
 #include "pipeline/info/info_json.h"
 #include "pipeline/info/info_model.h"
+#include "pipeline/info/info_other.h"
 #include "pipeline/json_text.h"
 #include "slim/base/error.h"
 #include "slim/model/surfel_tree.h"
@@ -70,6 +71,7 @@ std::string summary_of(json info) {
     drop_repeated(info);
     return summary_text(info, {{"file", ""},
                                {"kind", ""},
+                               {"about", ""},
                                {"format", ""},
                                {"points", ""},
                                {"faces", ""},
@@ -123,6 +125,8 @@ json run_info(const InfoConfig& config, StageContext& context) {
         out = fit_info(config.file);
     else if (config.file.ends_with(".json"))
         out = json_info(config.file);
+    else if (auto other = other_info(config.file))
+        out = std::move(*other);
     else
         out = cloud_info(config.file, context);
     out["file"] = config.file;

@@ -14,12 +14,15 @@ struct InfoConfig {
 
     template <class V>
     void visit(V&& field) {
-        field.input("file", file, "model.slim, a slice, a fit, one of our JSON files, or a cloud");
+        field.input("file", file, 
+                    "model.slim, a slice, a fit, a cloud, or another file of ours: JSON, a picture, "
+                    "a truth, a drawing, a job, a page");
     }
 };
 
-/// What is in the file: "kind" (model, slice, fit, json, cloud), counts, bounds (world), origin,
-/// attributes, provenance and health. Reads all of it, so that checksums and points are checked.
+/// What is in the file: "kind" (model, slice, fit, json, cloud, or one of other_info's), counts,
+/// bounds (world), origin, attributes, provenance and health. Reads all of a
+/// model, a slice, a fit, a truth and a cloud, so that checksums and points are checked.
 nlohmann::json run_info(const InfoConfig& config, StageContext& context);
 
 }  // namespace slim

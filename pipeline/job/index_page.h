@@ -1,23 +1,11 @@
 #pragma once
 
-#include "pipeline/job/job.h"
-
-#include <nlohmann/json.hpp>
+#include "pipeline/job/job_steps.h"
 
 #include <string>
 #include <vector>
 
 namespace slim {
-
-/// What a step of a job came to: its --json object and what it cost (the recorded cost if the
-/// output was up to date).
-struct StepOutcome {
-    JobStep step;
-    nlohmann::json result;
-    bool up_to_date = false;
-    double seconds = 0;
-    double peak_memory_bytes = 0;
-};
 
 /// A self-contained HTML page: the model's figures, its errors, what each step cost, and the
 /// pictures (referenced relative to the job's folder).

@@ -4,6 +4,7 @@
 #include "pipeline/build/fit_stage.h"
 #include "pipeline/build/normals_stage.h"
 #include "pipeline/build/slice_stage.h"
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/job/job_tables.h"
 #include "pipeline/job/job_view_reader.h"
 #include "pipeline/manifest.h"
@@ -21,28 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct InputTable {
-    std::vector<std::string> files;
-    template <class V>
-    void visit(V&& field) {
-        field.path("files", files, "point clouds");
-    }
-};
-
-struct OutputTable {
-    std::string dir;
-    std::string title;
-    std::vector<std::string> aovs = {"shaded"};
-    bool html = true;
-    template <class V>
-    void visit(V&& field) {
-        field.path("dir", dir, "folder for everything that is written");
-        field("title", title, "heading of the page");
-        field("aovs", aovs, "pictures of every view that names none");
-        field("html", html, "write DIR/index.html");
-    }
-};
-
 /// The tables of a job file, found by name and strictly known.
 class JobReader {
 public:
@@ -53,14 +32,7 @@ public:
     }
 
     Job read() {
-        check_tables(root_, {"input", "fit", "render", "light", "view", "output", "measure"});
-        if (!root_.values.empty())
-            throw ConfigError(
-                fmt::format("{}:{}: unknown key '{}': keys stand in the tables input, fit, render, "
-                            "light, view, output and measure",
-                            file_.string(), root_.values[0].line, root_.values[0].key));
-        job_.file = file_;
-        read_output();
+        read_frame();
         read_input();
         read_fit();
         read_measure();
@@ -69,7 +41,34 @@ public:
         return std::move(job_);
     }
 
+    /// The views of a model that is there.
+    Job read_drawing(const JobDrawing& drawing) {
+        const auto n_views = std::count_if(root_.tables.begin(), root_.tables.end(),
+                                           [](const TomlTable& t) { return t.name == "view"; });
+        override_views(root_, drawing.options);
+        read_frame();
+        if (n_views == 0)
+            throw ConfigError(file_.string() + ": no [[view]]: there is nothing to draw");
+        if (n_views > 1 && !drawing.picture.empty())
+            throw ConfigError(fmt::format(
+                "{}: its {} views cannot all be {}: expected a folder to write them into",
+                file_.string(), n_views, drawing.picture.string()));
+        job_.folder = drawing.folder, job_.stages = drawing.stages;
+        read_job_views({file_, root_, output_.aovs, drawing.model, drawing.picture,
+                        !drawing.options.empty()},
+                       job_);
+        return std::move(job_);
+    }
+
 private:
+    /// What every reading of a job begins with: its tables are known, and where it writes.
+    void read_frame() {
+        check_tables(root_, kJobTables);
+        check_top_keys(root_, file_);
+        job_.file = file_;
+        read_output();
+    }
+
     const TomlTable* find(const TomlTable& in, const std::string& name) const {
         return find_table(in, name, file_);
     }
@@ -117,7 +116,7 @@ private:
 
     void read_scan(const TomlTable& table) {
         NoKeys none;
-        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, {"output"}),
+        JobStep step{"scan", "scan", read_options<ScanConfig>(table, file_, none, kOwnedOfScan),
                      {},     {},     {},
                      {}};
         // The shape is a word of slim-scan, not an option.
@@ -138,7 +137,7 @@ private:
         JobStep step{"build", "build", {}, clouds_, model_, {}, {}};
         for (const fs::path& cloud : clouds_) step.arguments.push_back(cloud.string());
         NoKeys none;
-        append_arguments(step, read_options<BuildConfig>(table, file_, none, {"inputs", "output"}));
+        append_arguments(step, read_options<BuildConfig>(table, file_, none, kOwnedOfFit));
         add_step_output(step, job_);
         job_.steps.push_back(std::move(step));
         read_build_stages(table);
@@ -183,8 +182,7 @@ private:
         }
         check_tables(*table, {});
         NoKeys none;
-        std::set<std::string> owned = {"model", "cloud", "output"};
-        if (clouds_.size() > 1) owned.insert("per_point");  // one file for one cloud
+        const std::set<std::string> owned = owned_of_measure(clouds_.size());
         const std::vector<std::string> options =
             read_options<MeasureConfig>(*table, file_, none, owned);
         std::set<std::string> names;
@@ -233,6 +231,19 @@ fs::path page_target(const Job& job) { return manifest_path(job.folder, "run"); 
 
 Job read_job(const fs::path& file, const std::vector<std::string>& settings) {
     return JobReader(file, settings).read();
+}
+
+Job read_drawing(const fs::path& file, const JobDrawing& drawing) {
+    return JobReader(file, {}).read_drawing(drawing);
+}
+
+std::string model_remedy(const BuildStages& stages, const std::string& key,
+                         const std::string& value) {
+    const bool is_flag = value == "true";
+    if (stages.given)
+        return fmt::format("a model built with --{}{}", key, is_flag ? "" : " " + value);
+    const bool is_word = !is_flag && value.find_first_not_of("0123456789") != std::string::npos;
+    return fmt::format("{} = {} in [fit]", key, is_word ? "\"" + value + "\"" : value);
 }
 
 }  // namespace slim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "pipeline/toml_file.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,6 +28,7 @@ struct JobStep {
     /// tasks among which plans divide it, before one with --join puts it together; none: it is one
     std::vector<JobShare> shares = {};
     std::string division = {};  ///< why it is divided, or a large one not, for people
+    int line = 0;               ///< of a view's table in the job file
 };
 
 /// The stages of the step "build", as make runs them: slice by slice. Arguments without --slice.
@@ -38,7 +41,14 @@ struct BuildStages {
     std::string degree;             ///< of surfels: "1", "2", "3", "auto"
     bool color = false;             ///< the model keeps the clouds' colours
     std::string sharp;              ///< whether it has sharp surfels: "auto", "on", "off"
+    /// The model is there already: degree, color and sharp are what it has, the rest is empty.
+    bool given = false;
 };
+
+/// What a model must be for a view to show something, as who reads the message can have it:
+/// "degree = 3 in [fit]", or of a given model "a model built with --degree 3".
+std::string model_remedy(const BuildStages& stages, const std::string& key,
+                         const std::string& value);
 
 /// A job file's meaning: what to do, in order, and what not and why.
 struct Job {
@@ -61,6 +71,21 @@ struct Job {
 /// name), a wrong type, a value out of range, no input, or two views of one name; IoError if the
 /// file cannot be read.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
+
+/// What is drawn of a model that is there already, in place of what a job's [input] and [fit] make.
+struct JobDrawing {
+    std::filesystem::path model;
+    BuildStages stages;              ///< what the model has; given
+    std::filesystem::path folder;    ///< for the pictures, in place of [output] dir
+    std::filesystem::path picture;   ///< of a job's one view, in place of a folder; empty: none
+    /// Options of every view, which win over [render], [[light]] and the views' own; aov: over
+    /// aovs. Their line is kOnCommandLine, their paths are absolute.
+    std::vector<TomlValue> options;
+};
+
+/// The views of a job, and nothing else: its [input], [fit] and [measure] are not looked at.
+/// ConfigError as read_job, for a job without a view, and for a picture of several views.
+Job read_drawing(const std::filesystem::path& file, const JobDrawing& drawing);
 
 /// Where the page's step leaves its manifest.
 std::filesystem::path page_target(const Job& job);

@@ -39,12 +39,13 @@ ViewWork work_of(const AskedView& view, const BuildStages& stages) {
     return work;
 }
 
-std::string fit_remedy(LineKind kind, const std::string& sharp) {
-    if (!is_crease(kind)) return fmt::format("they need degree = {} in [fit]", line_degree(kind));
-    if (sharp == "auto")
+std::string fit_remedy(LineKind kind, const BuildStages& stages) {
+    if (!is_crease(kind))
+        return "they need " + model_remedy(stages, "degree", std::to_string(line_degree(kind)));
+    if (stages.sharp == "auto")
         return "drawn if the points lie at edges enough for sharp surfels: sharp = \"on\" in [fit] "
                "has these always";
-    return "they need sharp surfels: sharp = \"on\" in [fit]";
+    return "they need sharp surfels: " + model_remedy(stages, "sharp", "on");
 }
 
 /// What the points will decide; empty if [fit] does.
@@ -86,6 +87,8 @@ std::vector<std::string> left_out_of_views(std::span<const AskedView> views,
     if (!colors)
         out.push_back(stages.color
                           ? "colours: no view shows them (their section of the model is not read)"
+                      : stages.given
+                          ? "colours: the model has none"
                           : "colours: color = false in [fit] (the model has no section of them)");
     if (!rays) out.push_back("rays: no view has mode = \"raytrace\"");
     else if (!shadows) out.push_back("shadows: no shaded view asks for them");
@@ -111,10 +114,10 @@ MissingInViews missing_in_views(std::span<const AskedView> views, const BuildSta
             if (said.insert(line_word(kind)).second)
                 (is_crease(kind) && stages.sharp == "auto" ? out.uncertain : out.certain)
                     .push_back(fmt::format("view {}: {} lines: {}", view.name, line_word(kind),
-                                          fit_remedy(kind, stages.sharp)));
+                                          fit_remedy(kind, stages)));
         for (const LeftOut& aov :
              left_out_of_all(view.aovs, degree, stages.color && view.render.add.empty(),
-                             SaidBy::keys))
+                             stages.given ? SaidBy::options : SaidBy::keys))
             out.certain.push_back(
                 fmt::format("view {}: {} of aov all: {}", view.name, aov.aovs, aov.reason));
     }

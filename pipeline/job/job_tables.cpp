@@ -1,5 +1,6 @@
 #include "pipeline/job/job_tables.h"
 
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/manifest.h"
 #include "slim/base/error.h"
 
@@ -12,8 +13,7 @@ namespace slim {
 namespace fs = std::filesystem;
 
 std::string table_place(const fs::path& file, const TomlTable& table) {
-    return table.line > 0 ? fmt::format("{}:{}", file.string(), table.line)
-                          : file.string() + ", --set";
+    return toml_place(file, table.line);
 }
 
 const TomlTable* find_table(const TomlTable& in, const std::string& name, const fs::path& file) {
@@ -35,6 +35,22 @@ void check_tables(const TomlTable& in, const std::vector<std::string>& known,
                                           table.name, suggestion(table.name, known)));
 }
 
+void check_top_keys(const TomlTable& root, const fs::path& file) {
+    for (const TomlValue& value : root.values) {
+        const std::string place = toml_place(file, value.line);
+        if (value.key != "schema_version")
+            throw ConfigError(fmt::format(
+                "{}: unknown key '{}'{}: keys stand in the tables {}, above them schema_version",
+                place, value.key, suggestion(value.key, {"schema_version"}),
+                fmt::join(kJobTables, ", ")));
+        if (value.kind != Field::Kind::integer || value.is_list ||
+            value.items != std::vector<std::string>{std::to_string(kJobSchema)})
+            throw ConfigError(fmt::format(
+                "{}: schema_version: this program reads jobs of version {}, found {}", place,
+                kJobSchema, fmt::join(value.items, ", ")));
+    }
+}
+
 TomlTable without_replaced(TomlTable table) {
     const auto find = [&](const char* key) {
         return std::find_if(table.values.begin(), table.values.end(),
@@ -42,7 +58,7 @@ TomlTable without_replaced(TomlTable table) {
     };
     const auto is_said_later = [&](const char* key, const char* none) {
         const auto value = find(key);
-        return value != table.values.end() && value->line == 0 &&
+        return value != table.values.end() && value->line <= 0 &&
                value->items != std::vector<std::string>{none};
     };
     const auto leave_out = [&](const char* key) {
@@ -66,6 +82,41 @@ std::set<std::string> replaced_by_view(const TomlTable& view) {
     if (antialias == supersample)
         return {};  // of both the renderer says that they do not go together
     return {antialias ? "supersample" : "antialias"};
+}
+
+namespace {
+
+void put_value(TomlTable& table, TomlValue value) {
+    std::erase_if(table.values, [&](const TomlValue& v) { return v.key == value.key; });
+    table.values.push_back(std::move(value));
+}
+
+/// What an option for all views leaves without effect in a view's own table.
+void erase_overridden(TomlTable& view, const TomlValue& option) {
+    const auto erase = [&](const std::string& key) {
+        std::erase_if(view.values, [&](const TomlValue& v) { return v.key == key; });
+    };
+    erase(option.key);
+    for (const std::string& other : replaced_by_view({"", 0, {option}, {}})) erase(other);
+}
+
+}  // namespace
+
+void override_views(TomlTable& root, const std::vector<TomlValue>& options) {
+    const auto is = [](const char* name) {
+        return [name](const TomlTable& table) { return table.name == name; };
+    };
+    if (!options.empty() && std::none_of(root.tables.begin(), root.tables.end(), is("render")))
+        root.tables.push_back({"render", kOnCommandLine, {}, {}});
+    for (TomlValue option : options) {
+        const bool of_each = option.key == "aov" || option.key == "name";
+        if (option.key == "aov") option.key = "aovs";  // as views call it
+        if (option.key == "light") std::erase_if(root.tables, is("light"));
+        for (TomlTable& table : root.tables) {
+            if (table.name == "view") erase_overridden(table, option);
+            if (table.name == (of_each ? "view" : "render")) put_value(table, option);
+        }
+    }
 }
 
 void append_option(const Field& field, std::vector<std::string>& out) {

@@ -12,7 +12,7 @@ namespace slim {
 
 // What all readers of a job's tables share: names that must be known, and options made of keys.
 
-/// "job.toml:12", or "job.toml, --set" of what no line says.
+/// "job.toml:12", or "job.toml, --set" or "job.toml, command line" of what no line says.
 std::string table_place(const std::filesystem::path& file, const TomlTable& table);
 
 /// The table of that name, null without one. ConfigError for a second.
@@ -30,6 +30,14 @@ TomlTable without_replaced(TomlTable table);
 /// The ways to smooth edges that a view's own table leaves without effect: if it says supersample,
 /// the antialias of all views, and the other way round.
 std::set<std::string> replaced_by_view(const TomlTable& view);
+
+/// Checks what stands above a job's tables: nothing but schema_version, and that it is 1.
+/// ConfigError with the line.
+void check_top_keys(const TomlTable& root, const std::filesystem::path& file);
+
+/// Puts options of slim-render over a job's: into [render] (aov and name into each [[view]]), and
+/// what [[view]] and [[light]] tables say of the same goes.
+void override_views(TomlTable& root, const std::vector<TomlValue>& options);
 
 /// A field's value as one option, or one per path.
 void append_option(const Field& field, std::vector<std::string>& out);

@@ -1,6 +1,7 @@
 #include "pipeline/job/job_view_reader.h"
 
 #include "pipeline/job/job_left_out.h"
+#include "pipeline/job/job_own_keys.h"
 #include "pipeline/job/job_tables.h"
 #include "pipeline/job/job_views.h"
 #include "pipeline/job/view_shares.h"
@@ -24,28 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The keys of a view that are the job's own; the others are options of slim-render.
-struct ViewTable {
-    std::string name;
-    std::vector<std::string> aovs;
-    int shares = 0;
-    template <class V>
-    void visit(V&& field) {
-        field("name", name, "begins the names of the view's pictures");
-        field("aovs", aovs, "pictures of this view");
-        field("shares", shares, "tasks that plans divide it among (0: by its pixels)", 0, 9999);
-    }
-};
-
-/// The keys of [render] that are the job's own.
-struct AllViewsTable {
-    int shares = 0;
-    template <class V>
-    void visit(V&& field) {
-        field("shares", shares, "of every view that does not say it itself", 0, 9999);
-    }
-};
-
 /// The tables that say what is drawn.
 class ViewReader {
 public:
@@ -54,15 +33,15 @@ public:
           root_(pictures.root),
           usual_aovs_(pictures.usual_aovs),
           model_(pictures.model),
+          picture_(pictures.picture),
+          overridden_(pictures.overridden),
           job_(job) {}
 
     void read_views() {
         std::vector<std::string> defaults;
         if (const TomlTable* found = find_table(root_, "render", file_)) {
             const TomlTable table = without_replaced(*found);
-            std::set<std::string> owned = kOwnedByView;
-            owned.insert("name");  // one for each view
-            defaults = read_options<RenderConfig>(table, file_, all_views_, owned);
+            defaults = read_options<RenderConfig>(table, file_, all_views_, kOwnedOfRender);
             check_view(table, render_);
             job_.unit = render_.unit;
         }
@@ -114,8 +93,8 @@ private:
         check_tables(table, {}, file_);
         ViewTable view;
         view.shares = all_views_.shares;
-        const std::vector<std::string> own =
-            read_options<RenderConfig>(table, file_, view, kOwnedByView);
+        std::vector<std::string> own =
+            read_options<RenderConfig>(table, file_, view, kOwnedOfView);
         RenderConfig render = render_;
         const std::set<std::string> replaced = replaced_by_view(table);
         if (replaced.contains("supersample")) render.supersample = RenderConfig{}.supersample;
@@ -127,12 +106,12 @@ private:
         own_keys.insert(replaced.begin(), replaced.end());
         std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
         note_taken(options, own_keys);
+        if (overridden_) own = options_for(view.aovs, own, {}, render);
         options.insert(options.end(), own.begin(), own.end());
         if (view.name.empty()) view.name = name_of(options);
         try {
             check_view_name(view.name);
-            check_view_of_fit(view.aovs, render, job_.stages.degree, job_.stages.color,
-                              job_.stages.sharp);
+            check_view_of_fit(view.aovs, render, job_.stages);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
@@ -142,12 +121,13 @@ private:
         check_rays(render, view.aovs, table);
         asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
+        step.line = table.line;
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append_arguments(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
         // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
         const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
-        step.output = job_.folder / (view.name + aov + ".png");
+        step.output = picture_.empty() ? job_.folder / (view.name + aov + ".png") : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
@@ -194,13 +174,22 @@ private:
                 if (is_option(option, use.key)) taken_.insert(use.key);
     }
 
+    /// Whether the command line says it, over the file.
+    bool is_override(const std::string& key) const {
+        const TomlTable* table = find_table(root_, "render", file_);
+        return table && std::any_of(table->values.begin(), table->values.end(),
+                                    [&](const TomlValue& value) {
+                                        return value.key == key && value.line == kOnCommandLine;
+                                    });
+    }
+
     /// An option for all views, not as by default, that none takes.
     void refuse_idle() {
         RenderConfig usual;
         const FieldList given = fields_of(render_), defaults = fields_of(usual);
         for (const OptionUse& use : option_uses())
             if (given.find(use.key)->items() != defaults.find(use.key)->items() &&
-                !taken_.contains(use.key))
+                !taken_.contains(use.key) && (!overridden_ || is_override(use.key)))
                 throw ConfigError(fmt::format("{}: no view takes it: {}", place_of_default(use.key),
                                               unused_text(use)));
     }
@@ -256,13 +245,12 @@ private:
         return camera.find(',') == std::string::npos ? camera : "view";
     }
 
-    inline static const std::set<std::string> kOwnedByView = {"model", "output", "aov", "share",
-                                                              "join"};
-
     const fs::path& file_;
     const TomlTable& root_;
     const std::vector<std::string>& usual_aovs_;
     const fs::path& model_;
+    const fs::path& picture_;
+    bool overridden_;
     Job& job_;
     std::set<std::string> taken_;  // keys for all views that some view takes
     AllViewsTable all_views_;

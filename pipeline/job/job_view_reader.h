@@ -15,6 +15,9 @@ struct JobPictures {
     const TomlTable& root;
     const std::vector<std::string>& usual_aovs;  ///< of a view that names none
     const std::filesystem::path& model;
+    const std::filesystem::path picture = {};  ///< of the one view; empty: named in the job's folder
+    /// The command line changed what is drawn: what the file says in vain then is left out.
+    bool overridden = false;
 };
 
 /// Reads [render], [[light]] and [[view]]: adds a step for each view, and what no view asks for to

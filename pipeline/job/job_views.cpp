@@ -78,29 +78,28 @@ void check_view_keys(
 }
 
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
-                       const std::string& degree, bool color, const std::string& sharp) {
+                       const BuildStages& stages) {
+    const std::string& degree = stages.degree;
     if (degree == "1" || degree == "2") {
+        const std::string reason = fmt::format(
+            "third derivatives, which a model of degree {} does not have: expected {}", degree,
+            model_remedy(stages, "degree", "3"));
         for (const char* aov : {"e1", "e2", "dk1_dt2", "dk2_dt1"})
             if (contains(aovs, aov))
-                throw ConfigError(fmt::format(
-                    "aov {} needs third derivatives, which a model of degree {} does not "
-                    "have: expected degree = 3 in [fit]",
-                    aov, degree));
+                throw ConfigError(fmt::format("aov {} needs {}", aov, reason));
         if (view.lines ==
             std::vector<std::string>{"crest"})  // beside others it is left out with a warning
-            throw ConfigError(fmt::format(
-                "lines crest need third derivatives, which a model of degree {} does not "
-                "have: expected degree = 3 in [fit]",
-                degree));
+            throw ConfigError("lines crest need " + reason);
     }
-    if (sharp == "off" && view.lines == std::vector<std::string>{"crease"})
-        throw ConfigError(
-            "lines crease need the sheets of sharp surfels: expected sharp = \"on\" in [fit]");
-    if (contains(aovs, "color") && !color)
-        throw ConfigError("aov color needs a model with colours: expected color = true in [fit]");
-    if (tints_shaded(view, aovs) && !color)
-        throw ConfigError(
-            "material color=scan needs a model with colours: expected color = true in [fit]");
+    if (stages.sharp == "off" && view.lines == std::vector<std::string>{"crease"})
+        throw ConfigError("lines crease need the sheets of sharp surfels: expected " +
+                          model_remedy(stages, "sharp", "on"));
+    const std::string colors = "a model with colours: expected ";
+    if (contains(aovs, "color") && !stages.color)
+        throw ConfigError("aov color needs " + colors + model_remedy(stages, "color", "true"));
+    if (tints_shaded(view, aovs) && !stages.color)
+        throw ConfigError("material color=scan needs " + colors +
+                          model_remedy(stages, "color", "true"));
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/job/job.h"
 #include "pipeline/render/render_config.h"
 
 #include <filesystem>
@@ -37,8 +38,8 @@ void check_view_keys(
     const RenderConfig& config,
     const std::function<void(const char* key, const std::function<void()>& check)>& checked);
 
-/// Throws ConfigError on a view that no model of this [fit] can give.
+/// Throws ConfigError on a view that no model of this [fit], or not the given one, can give.
 void check_view_of_fit(const std::vector<std::string>& aovs, const RenderConfig& view,
-                       const std::string& degree, bool color, const std::string& sharp);
+                       const BuildStages& stages);
 
 }  // namespace slim

@@ -1,20 +1,18 @@
 #include "pipeline/job/run_stage.h"
 
 #include "formats/atomic_file.h"
-#include "pipeline/child_process.h"
 #include "pipeline/input_kind.h"
 #include "pipeline/job/index_page.h"
 #include "pipeline/job/job.h"
+#include "pipeline/job/job_config.h"
+#include "pipeline/job/job_steps.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
-#include "pipeline/memory_size.h"
-#include "slim/base/check.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <set>
 
@@ -23,84 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-[[noreturn]] void fail(const JobStep& step, const ChildResult& child) {
-    const json answer = json_or_discarded(child.output);
-    std::string reason = fmt::format("exit code {}", child.exit_code);
-    if (answer.is_object() && answer.contains("error"))
-        reason = answer.at("error").value("message", reason);
-    if (child.exit_code == 137)
-        throw ResourceError(step.name + ": ended by the system, which had no memory left");
-    const bool known = child.exit_code <= 6 || child.exit_code == 75 || child.exit_code == 130 ||
-                       child.exit_code == 143;
-    const auto code = known ? static_cast<ExitCode>(child.exit_code) : ExitCode::internal;
-    throw Error(code, fmt::format("{}: {}", step.name, reason));
-}
-
-StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
-    json result = json_or_discarded(child.output);
-    if (!result.is_object())
-        throw InternalError(fmt::format("{}: expected one JSON object, found '{}'", step.name,
-                                        child.output.substr(0, 200)));
-    StepOutcome outcome{step, std::move(result), false, child.seconds,
-                        static_cast<double>(child.peak_memory_bytes)};
-    outcome.up_to_date = outcome.result.value("up_to_date", false);
-    if (outcome.up_to_date && outcome.result.contains("recorded")) {
-        outcome.seconds = outcome.result.at("recorded").value("seconds", 0.0);
-        outcome.peak_memory_bytes = outcome.result.at("recorded").value("peak_memory_bytes", 0.0);
-    }
-    return outcome;
-}
-
-StepOutcome run_step(const JobStep& step, const StageContext& context) {
-    context.reporter.info(step.name);
-    std::vector<std::string> command = {(program_folder() / ("slim-" + step.verb)).string(),
-                                        "--json"};
-    command.insert(command.end(), context.passed_on.begin(), context.passed_on.end());
-    command.insert(command.end(), step.arguments.begin(), step.arguments.end());
-    setenv(kErrorsByParent, "1", 1);  // said once, with the step's name
-    const ChildResult child = run_child(command);
-    unsetenv(kErrorsByParent);
-    context.check_stop();
-    if (child.exit_code != 0) fail(step, child);
-    return outcome_of(step, child);
-}
-
-json steps_json(const std::vector<StepOutcome>& outcomes) {
-    json steps = json::array();
-    for (const StepOutcome& outcome : outcomes)
-        steps.push_back({{"name", outcome.step.name},
-                         {"verb", outcome.step.verb},
-                         {"up_to_date", outcome.up_to_date},
-                         {"seconds", outcome.seconds},
-                         {"peak_memory_bytes", outcome.peak_memory_bytes},
-                         {"result", outcome.result}});
-    return steps;
-}
-
-std::string summary_of(const std::vector<StepOutcome>& outcomes, const fs::path& written) {
-    std::string text;
-    for (const StepOutcome& outcome : outcomes)
-        text += fmt::format("{:<16} {:>8.2f} s  {:>9}{}\n", outcome.step.name, outcome.seconds,
-                            memory_size_text(static_cast<std::uint64_t>(outcome.peak_memory_bytes)),
-                            outcome.up_to_date ? "  up to date (as recorded)" : "");
-    for (const StepOutcome& outcome : outcomes)
-        for (const json& command : outcome.result.value("film_commands", json::array()))
-            text += "as a film: " + command.get<std::string>() + "\n";
-    return text + written.string() + "\n";
-}
-
-/// Files that no step makes, before a folder is made for what comes of them.
-void require_inputs(const Job& job) {
-    std::set<fs::path> made;
-    for (const JobStep& step : job.steps) made.insert(step.output);
-    for (const JobStep& step : job.steps)
-        for (const fs::path& file : step.inputs) {
-            std::error_code error;
-            if (made.contains(file) || fs::exists(file, error)) continue;
-            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
-        }
-}
 
 /// Pictures beside the job's that no view of it makes any more: those of manifests that no step
 /// writes.
@@ -125,6 +45,10 @@ void warn_of_old_pictures(const Job& job, Reporter& reporter) {
 
 }  // namespace
 
+std::string resolved_run(const RunConfig& config) {
+    return config.job.empty() ? "" : resolved_job(job_file(config), job_settings(config));
+}
+
 json run_job(const RunConfig& config, StageContext& context) {
     const std::vector<std::string> settings = job_settings(config);
     const Job job = read_job(job_file(config), settings);
@@ -145,7 +69,7 @@ json run_job(const RunConfig& config, StageContext& context) {
         result["index"] = index.string();
         stamp.outputs({index});
     }
-    context.text = summary_of(outcomes, job.html ? index : job.folder);
+    context.text = steps_summary(outcomes) + (job.html ? index : job.folder).string() + "\n";
     return stamp.commit(std::move(result));
 }
 

@@ -181,7 +181,11 @@ json measure_cloud(const MeasuredSurface& surface, const CloudFiles& files, doub
     std::vector<PointTruth> truth;  // of the chunk
     std::vector<PointFigures> figures;
     while (source->read(chunk, kChunk)) {
-        if (truth_file) truth_file->read(chunk.size(), files.cloud, truth);
+        if (truth_file) {
+            truth_file->read(chunk.size(), files.cloud, truth);
+            check_truth(truth, truth_file->n_points() - truth_file->n_left() - truth.size(),
+                        files.truth);
+        }
         std::vector<Sums> partial((chunk.size() + kGrain - 1) / kGrain);
         figures.assign(chunk.size(), {});
         parallel_blocks(chunk.size(), kGrain, [&](std::size_t begin, std::size_t end) {

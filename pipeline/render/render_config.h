@@ -7,7 +7,7 @@ namespace slim {
 
 /// Options of `slim render`.
 struct RenderConfig {
-    std::string model, output;
+    std::string model, output, job;
     std::string size = "1600x1200";
     std::string camera = "front";
     std::string name;
@@ -78,6 +78,10 @@ private:
         field.output(
             "output", output,
             "x.png, x.exr (with x.png as its preview), or a folder (<view>.<aov>.png in it)");
+        field.path("job", job,
+                   "draws the views of a job file (or ready style) of this model, with its "
+                   "[render], lights and materials, into the folder, or the file if there is one "
+                   "view; other options win over the job's, for every view");
         field("size", size, "picture in pixels, WIDTHxHEIGHT");
         field("camera", camera,
               "front, back, left, right, top, bottom, iso, or nine numbers "

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -134,6 +135,19 @@ std::string source_date() {
     return date;
 }
 
+/// Of the model; 0: the unit or the scale is not known, or it is no number of a print.
+std::uint32_t pixels_per_metre(const RenderConfig& config, const Camera& camera,
+                               const PictureSize& size) {
+    static const std::map<std::string, double> kMetres = {
+        {"mm", 1e-3}, {"cm", 1e-2}, {"dm", 0.1},    {"m", 1},
+        {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}};
+    const auto unit = kMetres.find(config.unit);
+    if (!camera.orthographic || unit == kMetres.end()) return 0;
+    const double n = size.width / (camera.width * unit->second);
+    constexpr double kLeast = 100, kMost = 1e6;
+    return n >= kLeast && n <= kMost ? static_cast<std::uint32_t>(std::lround(n)) : 0;
+}
+
 std::array<float, 16> rows(const double (&m)[4][4]) {
     std::array<float, 16> out;
     for (std::size_t i = 0; i < 16; ++i) out[i] = static_cast<float>(m[i / 4][i % 4]);
@@ -232,7 +246,7 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
 
 ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
                             const std::string& model_hash, const ModelHeader& model,
-                            const Camera& camera) {
+                            const Camera& camera, const PictureSize& size) {
     const Vec3d& o = model.origin;
     ImageMetadata metadata{
         {"Software", "slim " + program_version()},
@@ -247,6 +261,8 @@ ImageMetadata make_metadata(const RenderConfig& config, const std::string& canon
         {"slim:directions",
          "unit, sign arbitrary; t2 = N x t1; extremality goes with these signs, 1/length^2"},
     };
+    if (const std::uint32_t n = pixels_per_metre(config, camera, size); n > 0)
+        metadata[kPixelsPerMetre] = std::to_string(n);
     // No renderTimeSeconds (CONVENTIONS 1.2): a clock would make every run's bytes its own. The
     // time is in the manifest.
     if (const std::string date = source_date(); !date.empty()) metadata["DateTime"] = date;

@@ -73,10 +73,12 @@ std::vector<ExrChannel> exr_channels(const std::vector<std::string>& aovs,
                                      std::vector<std::vector<float>>& planes);
 
 /// Text attributes of every picture: program, configuration, camera, origin, unit. Times and paths
-/// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it.
+/// stay out; DateTime is there only if SOURCE_DATE_EPOCH gives it. Orthographic pictures of a unit
+/// that is known (mm, cm, dm, m, km, in, ft) say how many pixels a metre of the model has, so that
+/// they print at 1 : 1, if that is 100 or more: a whole number is then within half a percent of it.
 ImageMetadata make_metadata(const RenderConfig& config, const std::string& canonical_config,
                             const std::string& model_hash, const ModelHeader& model,
-                            const Camera& camera);
+                            const Camera& camera, const PictureSize& size);
 
 /// worldToCamera (right-handed, looking along -Z), worldToNDC ([0, 1]^2, origin top left, depth
 /// unscaled) and worldToScreen (the same in [-1, 1]^2, y upwards) in row-vector form, for the local

@@ -135,7 +135,8 @@ void add_found_lines(const RenderJob& job, PictureFiles& files, RenderOutcome& o
 PictureFiles draw_picture(RenderJob& job, const std::string& model_identity, StageContext& context,
                           RenderOutcome& outcome) {
     const ImageMetadata metadata =
-        make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera);
+        make_metadata(job.config, context.config, model_identity, job.tree.header(), job.camera,
+                      job.size);
     find_lines_before(job, context, outcome);
     const auto parts = parts_of(job);
     PictureFiles files(job.plan, job.size, job.window, parts.size() == 1,

@@ -17,6 +17,7 @@
 #include "pipeline/render/render_reference.h"
 #include "pipeline/render/render_summary.h"
 #include "pipeline/render/render_trace.h"
+#include "pipeline/render/render_views.h"
 #include "raytrace/font.h"
 #include "slim/base/error.h"
 
@@ -258,6 +259,7 @@ Json drawn_or_joined(const RenderConfig& config, StageContext& context) {
 }  // namespace
 
 Json run_render(const RenderConfig& config, StageContext& context) {
+    if (!config.job.empty()) return draw_views(config, context);
     Json result = drawn_or_joined(config, context);
     context.text = render_summary(config, result);
     return result;

@@ -5,8 +5,10 @@
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <string_view>
 
 namespace slim {
 namespace {
@@ -49,7 +51,49 @@ void check_step_names(const ReportStep& step, const NameCheck& row) {
     for (const auto& [target, formula] : step.point) point.formula(formula, step.where);
 }
 
+/// The first key of "stages.fit.leeves" that a result lacks, as a message: empty if it has all.
+std::string lacking_key(const nlohmann::json& figures, std::string_view path) {
+    const nlohmann::json* at = &figures;
+    while (!path.empty()) {
+        const std::size_t dot = path.find('.');
+        const std::string key(path.substr(0, dot));
+        if (!at->is_object()) return "";  // items of a list, or what is null in this row
+        if (!at->contains(key)) {
+            std::vector<std::string> known;
+            for (const auto& [name, value] : at->items()) known.push_back(name);
+            return fmt::format("no '{}'{}", key, suggestion(key, known));
+        }
+        at = &at->at(key);
+        path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+    }
+    return "";
+}
+
+/// The same of a name "step.key" in all rows; empty if one of them has it, or no step ended well.
+std::string lacking_result(const std::string& name, const std::vector<ReportRow>& rows) {
+    const std::size_t dot = name.find('.');
+    if (dot == std::string::npos) return "";
+    std::string lacking;
+    for (const ReportRow& row : rows) {
+        const StepRecord* step = row.step(name.substr(0, dot));
+        if (!step || !step->done || step->figures.value("exit", 0) != 0) continue;
+        lacking = lacking_key(step->figures, std::string_view(name).substr(dot + 1));
+        if (lacking.empty()) return "";
+    }
+    return lacking;
+}
+
 }  // namespace
+
+void check_columns(const Experiment& e, const std::vector<ReportRow>& rows) {
+    for (const auto& [heading, formula] : e.columns)
+        for (const std::string& name : formula.names())
+            if (const std::string lacking = lacking_result(name, rows); !lacking.empty())
+                throw ConfigError(fmt::format("{}: column '{}': {}: the results of step '{}' "
+                                              "have {}",
+                                              e.where, heading, name,
+                                              name.substr(0, name.find('.')), lacking));
+}
 
 void check_formulas(const Experiment& e,
                     const std::vector<std::pair<std::string, FigureValue>>& values) {

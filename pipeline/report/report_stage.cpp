@@ -5,6 +5,8 @@
 #include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "pipeline/manifest.h"
+#include "pipeline/report/report_jobs.h"
+#include "pipeline/report/report_names.h"
 #include "pipeline/report/report_page.h"
 #include "pipeline/report/report_steps.h"
 #include "pipeline/version.h"
@@ -46,6 +48,7 @@ ExperimentResult run_experiment(const Experiment& e, const ReportFile& file,
     if (!result.left_out.empty())
         result.rows.clear();
     for (ReportRow& row : result.rows) runner.run(e, row);
+    check_columns(e, result.rows);
     judge(result);
     return result;
 }
@@ -90,6 +93,23 @@ void fail_if_left(const Report& report, const std::string& page) {
                     n > kMostNamed ? fmt::format("; and {} more", n - kMostNamed) : "", page));
 }
 
+/// What is given, by kind: jobs are run as they are, report files say what to run.
+struct GivenFiles {
+    std::vector<std::string> reports, jobs;
+    std::vector<std::string> values, changes;  ///< --set values.KEY, and TABLE.KEY of jobs
+};
+
+GivenFiles sorted(const ReportConfig& config) {
+    GivenFiles out;
+    for (const std::string& file : config.files)
+        (is_ordinary_job(file) ? out.jobs : out.reports).push_back(file);
+    for (const std::string& setting : config.settings) {
+        const bool is_of_jobs = !out.jobs.empty() && !setting.starts_with("values.");
+        (is_of_jobs ? out.changes : out.values).push_back(setting);
+    }
+    return out;
+}
+
 void check_files(const std::vector<ReportFile>& files) {
     for (std::size_t i = 0; i < files.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
@@ -101,10 +121,13 @@ void check_files(const std::vector<ReportFile>& files) {
 }  // namespace
 
 json run_report(const ReportConfig& config, StageContext& context) {
-    Report report;
-    report.files = read_report_files(config.files, config.settings);
-    check_files(report.files);
     const fs::path folder = fs::absolute(config.output).lexically_normal();
+    const GivenFiles given = sorted(config);
+    Report report;
+    report.files = read_report_files(given.reports, given.values);
+    const std::vector<Job> jobs = read_report_jobs(given.jobs, folder / "jobs", given.changes);
+    if (!jobs.empty()) report.files.push_back(experiment_of_jobs(jobs));
+    check_files(report.files);
     const FolderLock lock(folder.string());
     make_folders((folder / "steps").string());
     Stamp stamp(context, manifest_path(folder, "report"));
@@ -112,16 +135,20 @@ json run_report(const ReportConfig& config, StageContext& context) {
     for (const std::string& setting : config.settings) stamp.depends("--set " + setting);
 
     StepRunner runner({folder / "steps", config.seed, config.programs}, context);
-    for (const ReportFile& file : report.files) {
+    StepCounts of_jobs;
+    for (std::size_t i = 0; i < report.files.size(); ++i) {
+        const bool is_of_jobs = !jobs.empty() && i + 1 == report.files.size();
         report.results.emplace_back();
-        for (const Experiment& e : file.experiments)
-            report.results.back().push_back(run_experiment(e, file, config, runner));
+        for (const Experiment& e : report.files[i].experiments)
+            report.results.back().push_back(
+                is_of_jobs ? run_jobs(e, jobs, context, of_jobs)
+                           : run_experiment(e, report.files[i], config, runner));
     }
     report.provenance = provenance_of(config, report.files, context.threads);
     const std::vector<fs::path> written = write_report(report, folder);
     json result = {{"index", written[0].string()},
-                   {"steps_run", runner.n_run()},
-                   {"steps_reused", runner.n_reused()},
+                   {"steps_run", runner.n_run() + of_jobs.run},
+                   {"steps_reused", runner.n_reused() + of_jobs.reused},
                    {"passed", report.count(Verdict::passed)},
                    {"failed", report.count(Verdict::failed)},
                    {"known_failures", report.count(Verdict::known_failure)},

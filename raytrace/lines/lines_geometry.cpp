@@ -29,7 +29,7 @@ std::string ply_header(std::size_t n_points, std::size_t n_edges, const Vec3d& o
                std::string(line_name(kind)) + "\n";
     out += "element vertex " + std::to_string(n_points) +
            "\nproperty float x\nproperty float y\nproperty float z\n"
-           "property float scalar_strength\nproperty uchar type\n";
+           "property float scalar_strength\nproperty float quality\nproperty uchar type\n";
     return out + "element edge " + std::to_string(n_edges) +
            "\nproperty int vertex1\nproperty int vertex2\nend_header\n";
 }
@@ -44,6 +44,7 @@ std::string lines_ply(std::span<const FeatureLine> lines, const Vec3d& origin) {
     for (const FeatureLine& line : lines)
         for (const LinePoint& p : line.points) {
             for (std::size_t axis = 0; axis < 3; ++axis) put(out, p.point[axis]);
+            put(out, line.strength);  // as CloudCompare reads it, and as MeshLab does
             put(out, line.strength);
             put(out, static_cast<std::uint8_t>(line.kind));
         }

@@ -44,7 +44,18 @@ def every_verb():
 def front_door():
     wrong = run("slim", "biuld")
     check(wrong.code == 2 and "'build'" in wrong.err, f"slim biuld: {wrong.err}")
-    check(run("slim").code == 2, "slim alone is a usage error")
+    for words, expected in ((("biuld", "--json"), "'build'"), (("--json",), "no verb"), (("--jsno", "--json"), "'--jsno'")):
+        wrong = run("slim", *words)
+        check(wrong.code == 2 and wrong.json()["error"]["code"] == 2 and
+              expected in wrong.json()["error"]["message"], f"slim {words}: {wrong.out}")
+    alone = run("slim")
+    check(alone.code == 2 and not alone.out and "Usage: slim VERB" in alone.err, f"slim alone: {alone.err[:99]}")
+    check(run("slim", "help", "build").out == run("slim", "build", "--help").out, "slim help build")
+    check("'build'" in run("slim", "help", "biuld").err, "slim help biuld")
+    for words in (["--help"], ["--version"], ["build", "--version"], ["help", "build"]):
+        with open("/dev/full", "w") as full:
+            result = run("slim", *words, stdout=full)
+        check(result.code == 4 and "cannot write" in result.err, f"slim {words} >/dev/full: {result.code}")
     check(run("slim", "--version").code == 0, "slim --version")
 
 

@@ -69,6 +69,44 @@ def whole_job():
     check(str(harness.folder) not in page, "the page holds an absolute path")
 
 
+def same_pictures_of_a_model():
+    """`slim render MODEL --job` draws the bytes that `slim run` drew, with its input gone."""
+    text = JOB.replace("SIZE", "240x180").replace('shape = "bumpy"\npoints', 'shape = "torus"\npoints', 1)
+    (harness.folder / "view.toml").write_text(text)
+    result = run("slim", "render", "out/model.slim", "-o", "drawn", "--job", "view.toml", "--json")
+    check(result.code == 0, f"render --job: exit {result.code}: {result.err}")
+    answer = result.json()
+    check([step["name"] for step in answer["steps"]] == ["view front", "view corner"], f"steps {answer['steps']}")
+    names = sorted(pathlib.Path(file).name for file in answer["files"])
+    check("corner.shaded.png" in names and "front.mean.png" in names, f"files {names}")
+    for name in names:
+        check((harness.folder / "drawn" / name).read_bytes() == (harness.folder / "out" / name).read_bytes(),
+              f"{name} is not what slim run drew")
+    again = run("slim", "render", "out/model.slim", "-o", "drawn", "--job", "view.toml", "--json").json()
+    check(all(step["up_to_date"] for step in again["steps"]), "nothing changed, yet a view is drawn again")
+    sized = run("slim", "render", "out/model.slim", "-o", "sized", "--job", "view.toml", "--size", "64x48",
+                "--aov", "depth", "--json").json()
+    sizes = {(step["result"]["width"], step["result"]["height"]) for step in sized["steps"]}
+    check(sizes == {(64, 48)} and sorted(pathlib.Path(f).name for f in sized["files"]) ==
+          ["corner.depth.legend.svg", "corner.depth.png", "front.depth.legend.svg", "front.depth.png"],
+          f"options do not win over the job: {sized['files']}, {sizes}")
+    (harness.folder / "one.toml").write_text('[[view]]\ncamera = "top"\nsize = "64x48"\n')
+    one = run("slim", "render", "out/model.slim", "-o", "one.png", "--job", "one.toml", "--json").json()
+    check(one["files"] == ["one.png"], f"a file of one view: {one['files']}")
+    refused = {
+        ("-o", "x.png", "--job", "view.toml"): "view.toml: its 2 views cannot all be x.png",
+        ("-o", "x", "--job", "view.toml", "--share", "1/2"): "--share divides one picture",
+        ("-o", "x", "--job", "view.toml", "--aov", "e1"): "view.toml:11: aov e1 needs third derivatives",
+        ("-o", "x", "--job", "view.toml", "--sun", "3,4"): "view.toml, command line: no view takes it",
+        ("-o", "x", "--job", "none.toml"): "none.toml: cannot read",
+        ("-o", "x", "--job", "out/model.slim"): "out/model.slim: a model, not a job",
+    }
+    for words, expected in refused.items():
+        result = run("slim", "render", "out/model.slim", *words, "--json")
+        check(result.code == 2 and expected in result.json()["error"]["message"], f"{words}: {result.out}")
+    check(run("slim", "render", "none.slim", "-o", "x", "--job", "view.toml").code == 3, "a missing model")
+
+
 def only_what_changed():
     again = steps(run_job())
     redone = [name for name, step in again.items() if not step["up_to_date"]]
@@ -155,6 +193,38 @@ def plan():
     check("Left out" in explained.out and "depth" in explained.out, explained.out)
 
 
+def resolved():
+    """--print-config prints all that could be written, and what it prints is the same job."""
+    written = JOB.replace("SIZE", "240x180")
+    (harness.folder / "asked.toml").write_text("schema_version = 1\n" + written)
+    printed = run("slim", "run", "asked.toml", "--print-config", "--set", "fit.degree=3")
+    check(printed.code == 0, f"--print-config: {printed.err}")
+    for line in ("schema_version = 1", "[input.scan]", 'shape = "bumpy"', "[fit]", 'degree = 3', "t_mdl = 0.02",
+                 "normals = ", "[measure]", "tolerance = ", 'size = "240x180"', "supersample = 1", 'name = "front"',
+                 'size = "200x150"', 'aovs = ["shaded"]', 'title = "asked"'):
+        check(line in printed.out, f"--print-config lacks {line}")
+    (harness.folder / "again.toml").write_text(printed.out)
+    again = run("slim", "run", "again.toml", "--print-config")
+    check(again.out == printed.out, f"what --print-config prints is another job: {again.err}")
+    commands = [run("slim", "plan", name, "--explain", *more).out.replace("again", "asked") for name, more in
+                (("asked.toml", ["--set", "fit.degree=3"]), ("again.toml", []))]
+    steps_of = [[line for line in text.splitlines() if "third derivatives" in line or line.startswith("view")]
+                for text in commands]
+    check(steps_of[0] == steps_of[1], f"the printed job does otherwise: {steps_of}")
+    check(run("slim", "run", "--print-config").out.count("\n[") == 0, "without a job: the options of run")
+
+
+def schema():
+    job = harness.folder / "schema.toml"
+    for said, expected in (("2", "version 1, found 2"), ("'1'", "version 1, found 1"), ("[1]", "version 1")):
+        job.write_text(f"schema_version = {said}\n[input]\nfiles = ['nowhere.ply']\n")
+        result = run("slim", "run", "schema.toml", "--json")
+        check(result.code == 2 and "schema.toml:1: schema_version" in result.err and expected in result.err, result.err)
+    job.write_text("shcema_version = 1\n[input]\nfiles = ['nowhere.ply']\n")
+    result = run("slim", "run", "schema.toml", "--json")
+    check(result.code == 2 and "'schema_version'" in result.err, result.err)
+
+
 def wrong_jobs():
     job = harness.folder / "wrong.toml"
     job.write_text("[input]\nfiles = ['nowhere.ply']\n[fit]\ndegre = 2\n")
@@ -170,10 +240,13 @@ def wrong_jobs():
 
 
 whole_job()
+same_pictures_of_a_model()
 only_what_changed()
 threads_agree()
 killed_build_resumes()
 a_killed_run_takes_its_child_along()
 plan()
+resolved()
+schema()
 wrong_jobs()
 harness.end()

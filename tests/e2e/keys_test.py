@@ -36,11 +36,15 @@ RUNS = [
     ("slim-measure", "c.ply", "s.ply", "--two-way"),
     ("slim-info", "c.ply"),
     ("slim-info", "e.slim"),
+    ("slim-info", "x.mean.png"),
+    ("slim-info", "c.truth"),
+    ("slim-render", "m.slim", "--job", "views.toml", "-o", "views"),
 ]
 
 if __name__ == "__main__":
     test = harness.Harness(*sorted({run[0] for run in RUNS}))
     known = documented()
+    (test.folder / "views.toml").write_text('[[view]]\nsize = "64x48"\n')
     ours = {"truth_distance", "shaded", "hillshade", "mean"}  # names of pictures
     for program, *arguments in RUNS:
         result = test.run(program, *arguments, "--json")

@@ -245,6 +245,67 @@ program = "no_such_program_here"
     h.check(done.code == 2 and "did you mean 'points'?" in done.err, f"a value that no file has: {done.err[-300:]}")
 
 
+def test_wrong_column():
+    text = SMALL.replace("MOST", "0.1").replace('"leaves" = "m.leaves"', '"leaves" = "m.leeves"')
+    wrong = report("column", text, "column")
+    message = wrong.json().get("error", {}).get("message", "")
+    h.check(wrong.code == 2 and "column.toml:" in message and "'leeves'" in message and "'leaves'" in message,
+            f"a column that names no result ends with {wrong.code}: {message}")
+
+
+JOB = """
+[input.scan]
+shape = "bumpy"
+points = 3000
+[fit]
+degree = DEGREE
+t_mdl = 0.05
+[render]
+size = "60x50"
+legend = false
+[[view]]
+camera = "front"
+[output]
+dir = "elsewhere"
+"""
+
+
+def test_jobs():
+    """Ordinary jobs are rows: what `slim run` makes of them, in the report's folder, measured."""
+    for name, degree in (("plain", 1), ("curved", 2)):
+        (h.folder / f"{name}.toml").write_text(JOB.replace("DEGREE", str(degree)))
+    command = ("slim-report", "plain.toml", "curved.toml", "-o", "jobs", "--json", "--threads", "1")
+    done = h.run(*command)
+    if not h.check(done.code == 0, f"a report of jobs ends with {done.code}: {done.err[-500:]}"):
+        return
+    h.check(done.json()["steps_run"] == 8 and done.json()["failed"] == 0, f"two jobs of four steps: {done.json()}")
+    rows = [line.split(",") for line in (h.folder / "jobs/jobs.rows.csv").read_text().replace('"normals, deg"', "angle")
+            .replace('"slice, s"', "slice").replace('"normals, s"', "normals").replace('"fit, s"', "fit")
+            .replace('"tree, s"', "tree").replace('"build, s"', "build").replace('"front, ms a frame"', "frame").splitlines()]
+    table = [dict(zip(rows[0], row)) for row in rows[1:]]
+    h.check([row["job"] for row in table] == ["plain", "curved"], f"a row for each job: {rows}")
+    for row in table:
+        h.check(float(row["points"]) > 2000 and float(row["leaves"]) > 10 and float(row["bytes"]) > 1000, f"a model: {row}")
+        h.check(0 < float(row["L2 / L"]) < float(row["max / L"]) and 0 < float(row["completeness"]) <= 1, f"errors: {row}")
+        h.check(all(float(row[key]) > 0 for key in ("fit", "build", "points / s", "frame")), f"times: {row}")
+    h.check(float(table[1]["leaves"]) < float(table[0]["leaves"]), "quadrics need fewer leaves than planes")
+    measured = json.loads((h.folder / "jobs/jobs/plain/measure.json").read_text())
+    h.check(float(table[0]["L2 / L"]) == measured["l2"], f"L2 is what slim measure says: {table[0]['L2 / L']}")
+    page = check_nothing_outside((h.folder / "jobs/index.html").read_text(), "report of jobs")
+    h.check(page.tags.get("svg") == 2 and page.tags.get("img") == 2, f"two plots, two pictures: {page.tags}")
+    h.check(not (h.folder / "elsewhere").exists(), "a report writes into its own folder")
+    again = h.run(*command).json()
+    h.check(again["steps_run"] == 0 and again["steps_reused"] == 8, f"nothing changed, yet {again['steps_run']} steps run")
+    changed = h.run(*command, "--set", "fit.t_mdl=0.1").json()
+    h.check(changed["steps_run"] == 6, f"another T_MDL: build, measure and view of both: {changed}")
+    wrong = h.run(*command, "--set", "fit.tmdl=0.1")
+    h.check(wrong.code == 2 and "'t_mdl'" in wrong.err, f"an unknown key of jobs: {wrong.err}")
+    (h.folder / "broken.toml").write_text(JOB.replace("DEGREE", "2").replace("points = 3000", "points = 1"))
+    broken = h.run("slim-report", "broken.toml", "plain.toml", "-o", "jobs", "--json", "--threads", "1")
+    h.check(broken.code == 5 and "broken" in broken.json()["error"]["message"], f"a job that fails: {broken.out}")
+    h.check("plain" in (h.folder / "jobs/jobs.rows.csv").read_text(), "the other job goes on")
+
+
 def test_cap():
     text = SMALL.replace("MOST", "1").replace("t = [0.1, 0.01]", "t = [0.01]\npoints = [1000, 2000, 50000000]")
     done = report("cap", text, "cap", "--cap", "2000")
@@ -312,6 +373,8 @@ test_resume()
 test_stale()
 test_bands()
 test_failures()
+test_wrong_column()
+test_jobs()
 test_cap()
 test_earlier_times()
 test_quick()

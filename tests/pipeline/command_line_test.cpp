@@ -53,6 +53,28 @@ std::string refusal(const std::vector<std::string>& words) {
     }
 }
 
+TEST(CommandLine, SaysWhichKeysWereGivenThoughTheyAreAsByDefault) {
+    LineConfig config;
+    const CommonOptions common = parse(
+        config, {"x.ply", "-o", "m.slim", "--degree", "2", "--set", "angle=0", "--no-legend"});
+    EXPECT_EQ(common.given,
+              (std::vector<std::string>{"angle", "degree", "inputs", "legend", "output"}));
+}
+
+TEST(CommandLine, StandardOutputIsNoPlaceToWriteTo) {
+    EXPECT_NE(refusal({"x.ply", "-o", "-"}).find("-o -: nothing is written to standard output"),
+              std::string::npos);
+    EXPECT_EQ(refusal({"x.ply", "-o", "./-"}), "");
+}
+
+TEST(CommandLine, OfAValueThatIsGivenAgainTheLastCounts) {
+    LineConfig config;
+    parse(config, {"x.ply", "-o", "m.slim", "--degree", "1", "--degree", "3", "--aov", "mean",
+                   "--aov", "k1"});
+    EXPECT_EQ(config.degree, 3);
+    EXPECT_EQ(config.aov, (std::vector<std::string>{"mean", "k1"}));
+}
+
 TEST(CommandLine, ListsOfFilesAreWrittenWithCommasOrAgain) {
     LineConfig config;
     parse(config,

@@ -34,6 +34,83 @@ TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
     for (const JobStep& step : keys.steps) EXPECT_FALSE(has(step, "--legend-room")) << step.name;
 }
 
+/// Views of a model of degree 2, without colours and sharp surfels, beside options of a command line.
+Job drawing_of(const std::string& text, std::vector<TomlValue> options = {},
+               const fs::path& picture = {}) {
+    JobDrawing drawing{"m.slim", {}, "pictures", picture, {}};
+    drawing.stages.degree = "2", drawing.stages.sharp = "off", drawing.stages.given = true;
+    for (TomlValue& option : options) option.line = kOnCommandLine;
+    drawing.options = std::move(options);
+    return read_drawing(write_job(text), drawing);
+}
+
+std::string drawing_refusal(const std::string& text, std::vector<TomlValue> options = {}) {
+    try {
+        drawing_of(text, std::move(options));
+        return "";
+    } catch (const ConfigError& error) {
+        return error.what();
+    }
+}
+
+constexpr const char* kTwoViews =
+    "[fit]\nnonsense = 3\n[render]\nsupersample = 2\n[[light]]\nkind = 'key'\n[[view]]\n"
+    "name = 'a'\nsize = '64x48'\n[[view]]\nname = 'b'\naovs = ['mean']\n";
+
+TEST(JobDrawing, IsTheViewsOfAModelWithoutInputAndFit) {
+    const Job job = drawing_of(kTwoViews);
+    ASSERT_EQ(job.steps.size(), 2u);
+    EXPECT_EQ(job.steps[0].arguments[0], "m.slim");
+    EXPECT_EQ(job.steps[0].output, fs::path("pictures/a.shaded.png"));
+    EXPECT_EQ(job.steps[0].line, 7);
+    EXPECT_TRUE(has(job.steps[0], "--supersample=2"));
+    EXPECT_TRUE(has(job.steps[0], "--light=key"));
+}
+
+TEST(JobDrawing, OptionsWinOverAllThatTheJobSaysOfThem) {
+    using Kind = Field::Kind;
+    const Job job = drawing_of(kTwoViews, {{"size", Kind::text, false, {"320x240"}, 0},
+                                           {"aov", Kind::text, true, {"shaded", "k1"}, 0},
+                                           {"light", Kind::text, false, {"fill"}, 0},
+                                           {"antialias", Kind::boolean, false, {"true"}, 0}});
+    for (const JobStep& step : job.steps) {
+        EXPECT_TRUE(has(step, "--size=320x240"));
+        EXPECT_FALSE(has(step, "--size=64x48"));
+        EXPECT_TRUE(has(step, "--aov=shaded,k1"));
+        EXPECT_TRUE(has(step, "--light=fill"));
+        EXPECT_TRUE(has(step, "--antialias"));
+        EXPECT_FALSE(has(step, "--supersample=2"));
+    }
+}
+
+TEST(JobDrawing, LeavesOutWhatOtherPicturesThanTheJobsHaveNoUseFor) {
+    const std::string text =
+        "[render]\ntruth_shape = 'bumpy'\n[[view]]\naovs = ['hillshade', 'truth_distance']\n"
+        "contours = '2'\n";
+    EXPECT_TRUE(has(drawing_of(text).steps[0], "--contours=2"));
+    const Job job = drawing_of(text, {{"aov", Field::Kind::text, true, {"depth"}, 0}});
+    EXPECT_FALSE(has(job.steps[0], "--contours=2"));
+    EXPECT_FALSE(has(job.steps[0], "--truth-shape=bumpy"));
+    EXPECT_NE(drawing_refusal(text, {{"sun", Field::Kind::real, true, {"3", "4"}, 0},
+                                     {"aov", Field::Kind::text, true, {"depth"}, 0}})
+                  .find("command line: no view takes it"),
+              std::string::npos);
+}
+
+TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
+    const fs::path file = job_folder() / "job.toml";
+    EXPECT_EQ(drawing_refusal("[render]\nsize = '9x9'\n"),
+              file.string() + ": no [[view]]: there is nothing to draw");
+    EXPECT_EQ(drawing_refusal("[[view]]\naovs = ['e1']\n"),
+              file.string() + ":1: aov e1 needs third derivatives, which a model of degree 2 does "
+                              "not have: expected a model built with --degree 3");
+    EXPECT_EQ(drawing_refusal("[[view]]\n", {{"size", Field::Kind::text, false, {"9"}, 0}}),
+              file.string() + ", command line: size: expected WIDTHxHEIGHT, each 1 to 32768, "
+                              "found \"9\"");
+    EXPECT_THROW(drawing_of(kTwoViews, {}, "x.png"), ConfigError);
+    EXPECT_EQ(drawing_of("[[view]]\n", {}, "x.png").steps[0].output, fs::path("x.png"));
+}
+
 TEST(Job, NamesTheTruthOnlyToViewsThatShowIt) {
     const Job job =
         read_job(write_job("[input]\nfiles = ['a.ply']\n[render]\ntruth_shape = 'torus'\n"

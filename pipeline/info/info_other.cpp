@@ -1,0 +1,137 @@
+#include "pipeline/info/info_other.h"
+
+#include "formats/extension.h"
+#include "formats/image_io.h"
+#include "formats/truth_file.h"
+#include "pipeline/toml_file.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json kind_info(const std::string& path, const char* kind, const std::string& about) {
+    return {{"kind", kind}, {"bytes", fs::file_size(path)}, {"about", about}};
+}
+
+json picture_info(const std::string& path, const char* kind, int width, int height,
+                  const json& channels, const ImageMetadata& metadata) {
+    const bool is_ours = metadata.contains("slim:tree");
+    json out = kind_info(path, kind,
+                         is_ours ? "a picture of `slim render`; metadata says of what and how"
+                                 : "a picture, not of `slim render`");
+    out["width"] = width, out["height"] = height;
+    out["channels"] = channels;
+    out["metadata"] = json::object();
+    for (const auto& [name, value] : metadata) out["metadata"][name] = value;
+    return out;
+}
+
+json png_info(const std::string& path) {
+    const PngReader reader(path);
+    const PngImage& h = reader.header();
+    json channels = h.n_file_channels >= 3 ? json{"R", "G", "B"} : json{"Y"};
+    if (h.n_file_channels % 2 == 0) channels.push_back("A");
+    return picture_info(path, "png", h.width, h.height, channels, h.metadata);
+}
+
+json exr_info(const std::string& path) {
+    const ExrReader reader(path);
+    json channels = json::array();
+    for (const auto& [name, channel] : reader.header().channels) channels.push_back(name);
+    return picture_info(path, "exr", reader.header().width, reader.header().height, channels,
+                        reader.header().metadata);
+}
+
+json truth_info(const std::string& path) {
+    TruthReader reader(path);
+    json out = kind_info(path, "truth",
+                         "exact normals and curvatures of a cloud's points: five little-endian "
+                         "doubles a point, nx ny nz k1 k2, in the order of its file");
+    out["points"] = reader.n_points();
+    for (const char* ending : {".ply", ".ply.gz", ".xyz"}) {
+        const std::string cloud = fs::path(path).replace_extension(ending).string();
+        if (fs::exists(cloud)) out["cloud"] = cloud;
+    }
+    std::vector<PointTruth> part;
+    for (std::uint64_t first = 0; reader.n_left() > 0; first += part.size()) {
+        reader.read(std::min<std::uint64_t>(reader.n_left(), 1 << 16), path, part);
+        check_truth(part, first, path);
+    }
+    return out;
+}
+
+json svg_info(const std::string& path) {
+    static const std::pair<const char*, const char*> kDrawings[] = {
+        {".lines.svg", "feature lines of a picture of `slim render`, a drawing in millimetres"},
+        {".contours.svg", "contour lines of a relief of `slim render`, a drawing in millimetres"},
+        {".legend.svg", "the legend of a map of `slim render`"}};
+    for (const auto& [ending, about] : kDrawings)
+        if (path.ends_with(ending)) return kind_info(path, "svg", about);
+    return kind_info(path, "svg", "a drawing (SVG)");
+}
+
+json toml_info(const std::string& path) {
+    const TomlTable root = read_toml(path);
+    json tables = json::array();
+    for (const TomlTable& table : root.tables)
+        if (std::find(tables.begin(), tables.end(), table.name) == tables.end())
+            tables.push_back(table.name);
+    const auto has = [&](const char* name) {
+        return std::find(tables.begin(), tables.end(), name) != tables.end();
+    };
+    const bool is_report = has("experiment");
+    const bool is_job = has("input") || has("view") || has("fit");
+    json out = kind_info(path, is_report ? "report" : is_job ? "job" : "toml",
+                         is_report ? "a report file: 'slim report' runs its experiments"
+                         : is_job ? "a job file: 'slim run' does it, 'slim plan --explain' says it"
+                                  : "a TOML file: options of a verb, for its --config");
+    out["tables"] = tables;
+    return out;
+}
+
+json html_info(const std::string& path) {
+    return kind_info(path, "html", "a page for a browser, as 'slim run' and 'slim report' write");
+}
+
+json obj_info(const std::string& path) {
+    std::ifstream in(path);
+    std::string line;
+    std::uint64_t vertices = 0, lines = 0, faces = 0;
+    bool is_ours = false;
+    while (std::getline(in, line)) {
+        is_ours = is_ours || line.starts_with("# slim origin");
+        vertices += line.starts_with("v "), lines += line.starts_with("l "),
+            faces += line.starts_with("f ");
+    }
+    json out = kind_info(path, "obj",
+                         is_ours ? "lines in space, as 'slim render --lines-obj' writes"
+                         : faces > 0
+                             ? "a mesh (OBJ), which is not read: write it as PLY"
+                             : "points or lines (OBJ), which are not read: write them as PLY");
+    out["vertices"] = vertices, out["lines"] = lines, out["faces"] = faces;
+    return out;
+}
+
+}  // namespace
+
+std::optional<json> other_info(const std::string& path) {
+    static const std::map<std::string, std::function<json(const std::string&)>> kReaders = {
+        {".png", png_info},   {".exr", exr_info},   {".truth", truth_info}, {".svg", svg_info},
+        {".toml", toml_info}, {".html", html_info}, {".obj", obj_info}};
+    const auto reader = kReaders.find(lower_extension(path));
+    if (reader == kReaders.end() || !fs::exists(path)) return std::nullopt;
+    return reader->second(path);
+}
+
+}  // namespace slim

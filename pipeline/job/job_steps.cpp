@@ -1,0 +1,101 @@
+#include "pipeline/job/job_steps.h"
+
+#include "pipeline/child_process.h"
+#include "pipeline/json_text.h"
+#include "pipeline/memory_size.h"
+#include "slim/base/check.h"
+#include "slim/base/error.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+namespace slim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+[[noreturn]] void fail(const JobStep& step, const ChildResult& child) {
+    const json answer = json_or_discarded(child.output);
+    std::string reason = fmt::format("exit code {}", child.exit_code);
+    if (answer.is_object() && answer.contains("error"))
+        reason = answer.at("error").value("message", reason);
+    if (child.exit_code == 137)
+        throw ResourceError(step.name + ": ended by the system, which had no memory left");
+    const bool known = child.exit_code <= 6 || child.exit_code == 75 || child.exit_code == 130 ||
+                       child.exit_code == 143;
+    const auto code = known ? static_cast<ExitCode>(child.exit_code) : ExitCode::internal;
+    throw Error(code, fmt::format("{}: {}", step.name, reason));
+}
+
+StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
+    json result = json_or_discarded(child.output);
+    if (!result.is_object())
+        throw InternalError(fmt::format("{}: expected one JSON object, found '{}'", step.name,
+                                        child.output.substr(0, 200)));
+    StepOutcome outcome{step, std::move(result), false, child.seconds,
+                        static_cast<double>(child.peak_memory_bytes)};
+    outcome.up_to_date = outcome.result.value("up_to_date", false);
+    if (outcome.up_to_date && outcome.result.contains("recorded")) {
+        outcome.seconds = outcome.result.at("recorded").value("seconds", 0.0);
+        outcome.peak_memory_bytes = outcome.result.at("recorded").value("peak_memory_bytes", 0.0);
+    }
+    return outcome;
+}
+
+}  // namespace
+
+StepOutcome run_step(const JobStep& step, const StageContext& context) {
+    context.reporter.info(step.name);
+    std::vector<std::string> command = {(program_folder() / ("slim-" + step.verb)).string(),
+                                        "--json"};
+    command.insert(command.end(), context.passed_on.begin(), context.passed_on.end());
+    command.insert(command.end(), step.arguments.begin(), step.arguments.end());
+    setenv(kErrorsByParent, "1", 1);  // said once, with the step's name
+    const ChildResult child = run_child(command);
+    unsetenv(kErrorsByParent);
+    context.check_stop();
+    if (child.exit_code != 0) fail(step, child);
+    return outcome_of(step, child);
+}
+
+void require_inputs(const Job& job) {
+    std::set<fs::path> made;
+    for (const JobStep& step : job.steps) made.insert(step.output);
+    for (const JobStep& step : job.steps)
+        for (const fs::path& file : step.inputs) {
+            std::error_code error;
+            if (made.contains(file) || fs::exists(file, error)) continue;
+            throw IoError(fmt::format("{}: {}: no such file", step.name, file.string()));
+        }
+}
+
+json steps_json(const std::vector<StepOutcome>& outcomes) {
+    json steps = json::array();
+    for (const StepOutcome& outcome : outcomes)
+        steps.push_back({{"name", outcome.step.name},
+                         {"verb", outcome.step.verb},
+                         {"up_to_date", outcome.up_to_date},
+                         {"seconds", outcome.seconds},
+                         {"peak_memory_bytes", outcome.peak_memory_bytes},
+                         {"result", outcome.result}});
+    return steps;
+}
+
+std::string steps_summary(const std::vector<StepOutcome>& outcomes) {
+    std::string text;
+    for (const StepOutcome& outcome : outcomes)
+        text += fmt::format("{:<16} {:>8.2f} s  {:>9}{}\n", outcome.step.name, outcome.seconds,
+                            memory_size_text(static_cast<std::uint64_t>(outcome.peak_memory_bytes)),
+                            outcome.up_to_date ? "  up to date (as recorded)" : "");
+    for (const StepOutcome& outcome : outcomes)
+        for (const json& command : outcome.result.value("film_commands", json::array()))
+            text += "as a film: " + command.get<std::string>() + "\n";
+    return text;
+}
+
+}  // namespace slim

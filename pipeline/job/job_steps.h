@@ -1,0 +1,36 @@
+#pragma once
+
+#include "pipeline/job/job.h"
+#include "pipeline/stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace slim {
+
+/// What a step of a job came to: its --json object and what it cost (the recorded cost if the
+/// output was up to date).
+struct StepOutcome {
+    JobStep step;
+    nlohmann::json result;
+    bool up_to_date = false;
+    double seconds = 0;
+    double peak_memory_bytes = 0;
+};
+
+/// Runs a step as a child process beside this one, which skips what is up to date. Throws Error
+/// with its exit code and message, the step's name first.
+StepOutcome run_step(const JobStep& step, const StageContext& context);
+
+/// Throws IoError for a file that a step reads, that no step makes and that is not there.
+void require_inputs(const Job& job);
+
+/// name, verb, up_to_date, seconds, peak_memory_bytes and result of each.
+nlohmann::json steps_json(const std::vector<StepOutcome>& outcomes);
+
+/// A line for each step, and the commands that make films of the pictures.
+std::string steps_summary(const std::vector<StepOutcome>& outcomes);
+
+}  // namespace slim

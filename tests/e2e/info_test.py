@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""slim info knows our files by kind; pictures say how large they print; a truth that is none is refused."""
+import random
+import struct
+
+from harness import Harness
+
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-info")
+run, check, folder = harness.run, harness.check, harness.folder
+
+
+def info(name, **expected):
+    result = run("slim", "info", name, "--json")
+    if not check(result.code == 0, f"info {name}: exit {result.code}: {result.err}"):
+        return {}
+    answer = result.json()
+    for key, value in expected.items():
+        check(answer.get(key) == value, f"info {name}: {key} is {answer.get(key)}, not {value}")
+    check(answer.get("about", "-"), f"info {name}: nothing is said of it")
+    check("about" in run("slim", "info", name).out, f"info {name}: no sentence for people")
+    return answer
+
+
+def chunk(name, tag):
+    data = (folder / name).read_bytes()
+    at = 8
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == tag:
+            return data[at + 8:at + 8 + length]
+        at += 12 + length
+    return None
+
+
+def kinds():
+    picture = info("x.png", kind="png", width=64, height=48, channels=["R", "G", "B"])
+    check(picture.get("metadata", {}).get("slim:units") == "mm", f"metadata of x.png: {picture.get('metadata')}")
+    data = info("y.exr", kind="exr", width=64, height=48)
+    check("curvature.mean" in data.get("channels", []), f"channels of y.exr: {data.get('channels')}")
+    info("c.truth", kind="truth", points=6000, cloud="c.ply")
+    check("feature lines" in info("x.lines.svg", kind="svg").get("about", ""), "x.lines.svg")
+    info("job.toml", kind="job", tables=["input", "view"])
+    info("page.html", kind="html")
+    lines = info("x.obj", kind="obj", faces=0)
+    check(lines.get("lines", 0) > 0 and "--lines-obj" in lines.get("about", ""), f"x.obj: {lines}")
+    (folder / "broken.png").write_bytes((folder / "x.png").read_bytes()[:20])
+    check(run("slim", "info", "broken.png").code == 3, "a picture that is cut off")
+    check(run("slim", "info", "none.png").code == 3, "a picture that is not there")
+
+
+def printed_size():
+    """One metre of the model: pixels over the width in mm, within the rounding of a whole number."""
+    result = run("slim", "render", "m.slim", "--ortho", "--scale-bar", "--unit", "mm", "--size", "640x480", "-o", "o.png",
+                 "--json").json()
+    per_metre, again, unit = struct.unpack(">IIB", chunk("o.png", b"pHYs") or bytes(9))
+    check(unit == 1 and per_metre == again == round(1000 / result["pixel_size"]), f"pHYs {per_metre}: {result['pixel_size']}")
+    for name, options in (("p.png", []), ("q.png", ["--ortho"]), ("r.png", ["--ortho", "--unit", "ell"])):
+        run("slim", "render", "m.slim", "--size", "64x48", "-o", name, *options)
+        check(chunk(name, b"pHYs") is None, f"{name} of an unknown scale has a printed size")
+    for i in (1, 2):
+        run("slim", "render", "m.slim", "--ortho", "--unit", "mm", "--size", "640x480", "-o", "s.png", "--share", f"{i}/2")
+    run("slim", "render", "m.slim", "--ortho", "--unit", "mm", "--size", "640x480", "-o", "s.png", "--join", "2")
+    run("slim", "render", "m.slim", "--ortho", "--unit", "mm", "--size", "640x480", "-o", "t.png")
+    check((folder / "s.png").read_bytes() == (folder / "t.png").read_bytes(), "shares do not join to the picture")
+
+
+def false_truths():
+    """What is no truth is refused by its row; the cloud's own stays."""
+    truth = folder / "c.truth"
+    whole = truth.read_bytes()
+    check(run("slim", "measure", "m.slim", "c.ply").code == 0, "the scan's own truth")
+    random.seed(3)
+    cases = {"noise": random.randbytes(len(whole)),
+             "curvature": whole[:40 * 7 + 24] + struct.pack("<d", float("nan")) + whole[40 * 7 + 32:],
+             "normal": whole[:40 * 7] + struct.pack("<d", 3.0) + whole[40 * 7 + 8:]}
+    for name, data in cases.items():
+        truth.write_bytes(data)
+        result = run("slim", "measure", "m.slim", "c.ply", "--json")
+        row = "row 0" if name == "noise" else "row 7"
+        message = result.json().get("error", {}).get("message", "")
+        check(result.code == 3 and "c.truth" in message and row in message and "found" in message, f"{name}: {result.out}")
+        check(run("slim", "info", "c.truth").code == 3, f"{name}: info takes it")
+    truth.write_bytes(whole)
+
+
+def not_a_pipe():
+    for words in (("render", "m.slim", "-o", "-"), ("build", "c.ply", "-o", "-")):
+        result = run("slim", *words)
+        check(result.code == 2 and "standard output" in result.err and not (folder / "-").exists(), f"{words}: {result.err}")
+
+
+run("slim", "scan", "bumpy", "--points", 6000, "-o", "c.ply")
+run("slim", "build", "c.ply", "-o", "m.slim", "--t-mdl", 0.05)
+run("slim", "render", "m.slim", "--size", "64x48", "--unit", "mm", "--lines", "contour", "--lines-obj", "x.obj",
+    "--lines-ply", "x.ply", "-o", "x.png")
+run("slim", "render", "m.slim", "--size", "64x48", "--aov", "mean", "-o", "y.exr")
+(folder / "job.toml").write_text("[input]\nfiles = ['c.ply']\n[[view]]\n")
+(folder / "page.html").write_text("<html></html>")
+head = (folder / "x.ply").read_bytes()[:1000]
+check(b"property float scalar_strength\nproperty float quality\n" in head, "lines in space have no quality")
+kinds()
+printed_size()
+false_truths()
+not_a_pipe()
+harness.end()
