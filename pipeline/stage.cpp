@@ -24,6 +24,7 @@
 #include <filesystem>
 #include <new>
 #include <string_view>
+#include <system_error>
 
 namespace slim {
 namespace {
@@ -250,6 +251,12 @@ int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
     } catch (const std::filesystem::filesystem_error& error) {
         const bool full = error.code() == std::errc::no_space_on_device;
         return fail(full ? ExitCode::resource : ExitCode::bad_data, error.what());
+    } catch (const std::system_error& error) {  // threads have no room for their stacks
+        const bool exhausted = error.code() == std::errc::resource_unavailable_try_again;
+        if (!exhausted)
+            return fail(ExitCode::internal, std::string("internal error: ") + error.what());
+        return fail(ExitCode::resource, out_of_memory(stage.fields) +
+                                            " (for a thread: --threads 1 takes less)");
     } catch (const std::exception& error) {
         return fail(ExitCode::internal, std::string("internal error: ") + error.what());
     }
