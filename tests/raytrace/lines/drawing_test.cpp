@@ -123,7 +123,7 @@ TEST(LinesPly, HasVerticesAndEdges) {
     EXPECT_NE(ply.find("element vertex 5\n"), std::string::npos);
     EXPECT_NE(ply.find("element edge 4\n"), std::string::npos);  // 1 and, closed, 3
     const std::size_t body = ply.find("end_header\n") + 11;
-    ASSERT_EQ(ply.size(), body + 5 * 17 + 4 * 8);
+    ASSERT_EQ(ply.size(), body + 5 * 21 + 4 * 8);
     std::int32_t last[2];
     std::memcpy(last, ply.data() + ply.size() - 8, 8);
     EXPECT_EQ(last[0], 4);
