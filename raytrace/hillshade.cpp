@@ -40,8 +40,8 @@ struct Slopes {
 
 /// Slopes of the heights themselves: the differences to the pixels beside it. (A blended normal is
 /// not the slope of the blended heights where surfels change.) What rises to either side counts, so
-/// that of two pixels with a height between theirs the one's way to it and the other's are one pixel
-/// together at most: no line has gaps.
+/// that of two pixels with a height between theirs the one's way to it and the other's are together
+/// one pixel at most: no line has gaps.
 class HeightSlopes {
 public:
     HeightSlopes(const GBuffer& b, const PixelView& v, const ShadeView& shade, const Vec3f& up)

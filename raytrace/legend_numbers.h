@@ -23,7 +23,9 @@ struct NumberChoice {
 inline NumberChoice numbers_apart(std::span<const double> ticks, std::span<const NumberSpan> spans,
                                   float gap) {
     const auto at_zero = std::find(ticks.begin(), ticks.end(), 0.0);
-    const auto zero = static_cast<std::size_t>(at_zero == ticks.end() ? 0 : at_zero - ticks.begin());
+    const auto zero = at_zero == ticks.end()
+                          ? std::size_t{0}
+                          : static_cast<std::size_t>(at_zero - ticks.begin());
     std::size_t stride = 1;
     const auto touches = [&] {
         for (std::size_t i = zero % stride; i + stride < spans.size(); i += stride)

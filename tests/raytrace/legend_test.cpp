@@ -118,7 +118,8 @@ struct InkedRows {
 TEST(Legend, LowPicturesHaveAShorterBarBesideWhichThereIsRoom) {
     Legend legend = mean_legend();
     legend.clipped_high = legend.clipped_low = true;
-    for (const auto& [width, height] : {std::pair{1000, 300}, {1000, 360}, {500, 300}, {640, 200}}) {
+    for (const auto& [width, height] :
+         {std::pair{1000, 300}, {1000, 360}, {500, 300}, {640, 200}}) {
         SCOPED_TRACE(height);
         Picture p = white(width, height);
         ASSERT_TRUE(burn_legend(legend, p));
