@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace slim {
@@ -31,33 +32,101 @@ Vec3f relief_color(float cosine) {
     return kShadow * (1 - t) + kLit * t;
 }
 
-/// Change of height from a pixel to its right and lower neighbour on the tangent plane, model
-/// units, as one length.
-class HeightChange {
+/// How far the surface rises and falls about a pixel to either side, and on both on average; model
+/// units a pixel, >= 0.
+struct Slopes {
+    float rise, fall, mean;
+};
+
+/// Slopes of the heights themselves: the differences to the pixels beside it. (A blended normal is
+/// not the slope of the blended heights where surfels change.) What rises to either side counts, so
+/// that of two pixels with a height between theirs the one's way to it and the other's are together
+/// one pixel at most: no line has gaps.
+class HeightSlopes {
 public:
-    HeightChange(const PixelView& v, const Vec3f& up) : view_(v), up_(up) {
+    HeightSlopes(const GBuffer& b, const PixelView& v, const ShadeView& shade, const Vec3f& up)
+        : b_(b), view_(v), shade_(shade), up_(up) {
         const double per_px = v.orthographic ? 1 / v.px_per_unit : 1 / v.focal_px;
         step_x_ = to_float(v.right * per_px), step_y_ = to_float(v.down * per_px);
         forward_ = to_float(v.forward), eye_ = to_float(v.eye);
     }
 
-    /// n: unit normal, either side; p: the surface point.
-    float at(const Vec3f& n, const Vec3f& p) const {
-        const Vec3f from_eye = p - eye_;
-        const float z = view_.orthographic ? 1 : dot(from_eye, forward_);
-        const Vec3f ray = view_.orthographic ? forward_ : from_eye / z;  // one unit deep
-        const float facing = dot(n, ray);
-        if (std::abs(facing) < 1e-6f) return 1e30f;
-        const auto change = [&](const Vec3f& step) {
-            const Vec3f s = step * z;
-            return dot(up_, s - ray * (dot(n, s) / facing));
-        };
-        const float dx = change(step_x_), dy = change(step_y_);
-        return std::sqrt(dx * dx + dy * dy);
+    /// At a hit.
+    Slopes at(int x, int y) const {
+        const Spot here = spot(x, y);
+        const Slopes across = axis(here, x, shade_.first_x, b_.width, step_x_,
+                                   [&](int other) { return b_.index(other, y); });
+        const Slopes down = axis(here, y, shade_.first_y, b_.height, step_y_,
+                                 [&](int other) { return b_.index(x, other); });
+        return {std::hypot(across.rise, down.rise), std::hypot(across.fall, down.fall),
+                std::hypot(across.mean, down.mean)};
     }
 
 private:
+    /// A pixel's surface; `ray` is one unit deep.
+    struct Spot {
+        Vec3f p, n, ray;
+        float depth, facing;
+    };
+
+    Spot spot(int x, int y) const { return spot(b_.index(x, y)); }
+    Spot spot(std::size_t i) const {
+        Spot s;
+        s.p = {b_.position[0][i], b_.position[1][i], b_.position[2][i]};
+        s.n = {b_.normal[0][i], b_.normal[1][i], b_.normal[2][i]};
+        const Vec3f from_eye = s.p - eye_;
+        s.depth = view_.orthographic ? 1 : dot(from_eye, forward_);
+        s.ray = view_.orthographic ? forward_ : from_eye / s.depth;
+        s.facing = dot(s.n, s.ray);
+        return s;
+    }
+
+    /// Change of height to the next pixel of the tangent plane.
+    float on_tangent(const Spot& s, const Vec3f& step_at_1) const {
+        if (std::abs(s.facing) < 1e-6f) return 1e30f;
+        const Vec3f step = step_at_1 * s.depth;
+        return dot(up_, step - s.ray * (dot(s.n, step) / s.facing));
+    }
+
+    /// Whether two pixels beside each other show one surface: it leaves the view's plane by no more
+    /// than the steeper of their tangent planes and as much as 45 degrees.
+    bool is_one_surface(const Spot& a, const Spot& b) const {
+        const float length_of_ray = length(a.ray);
+        const Vec3f way = b.p - a.p, toward = a.ray / length_of_ray;
+        const float deep = dot(way, toward), aside = length(way - toward * deep);
+        const float facing = std::min(std::abs(a.facing), std::abs(b.facing)) / length_of_ray;
+        return std::abs(deep) * facing <= aside * (1 + facing);
+    }
+
+    /// Change of height to a pixel; none if that shows another surface or nothing. Of a picture's
+    /// samples only those of one pixel are sure to be there.
+    template <class IndexOf>
+    std::optional<float> change_to(const Spot& here, int at, int other, int first, int size,
+                                   IndexOf&& index_of) const {
+        const bool is_in = other >= 0 && other < size;
+        if (!is_in || (shade_.around && (at + first) / 2 != (other + first) / 2)) return {};
+        const std::size_t i = index_of(other);
+        if (!b_.hit[i]) return {};
+        const Spot there = spot(i);
+        if (!is_one_surface(here, there)) return {};
+        return dot(up_, there.p - here.p);
+    }
+
+    template <class IndexOf>
+    Slopes axis(const Spot& here, int at, int first, int size, const Vec3f& step,
+                IndexOf&& index_of) const {
+        std::optional<float> before = change_to(here, at, at - 1, first, size, index_of);
+        std::optional<float> after = change_to(here, at, at + 1, first, size, index_of);
+        if (!before && !after) after = on_tangent(here, step);
+        if (!before) before = -*after;
+        if (!after) after = -*before;
+        return {std::max({*before, *after, 0.0f}), std::max({-*before, -*after, 0.0f}),
+                std::abs(*after - *before) / 2};
+    }
+
+    const GBuffer& b_;
     const PixelView& view_;
+    const ShadeView& shade_;
     Vec3f up_, step_x_, step_y_, forward_, eye_;
 };
 
@@ -74,16 +143,19 @@ float line_cover(float distance, float width, float gap) {
 
 /// Cover of the contour lines next to a height. Index lines fade by their own distance: they stay
 /// where the lines between run into a tone.
-float contour_cover(const Relief& r, double height, float change, float width) {
+float contour_cover(const Relief& r, double height, const Slopes& slopes, float width) {
     constexpr double kMostSteps = 1e15;  // beyond, a double no longer tells a line from the next
     constexpr float kThin = 0.7f;
     if (!(std::abs(height / r.spacing) < kMostSteps)) return kThin * line_cover(0, width, 0);
     const auto cover_of = [&](double spacing, float line_width) {
-        const double in_steps = height / spacing;
-        const float gap =
-            std::min(static_cast<float>(std::min(spacing, 1e30)) / std::max(change, 1e-30f), 1e30f);
-        return line_cover(static_cast<float>(std::abs(in_steps - std::round(in_steps))) * gap,
-                          line_width, gap);
+        const double in_steps = height / spacing, line = std::round(in_steps);
+        const auto in_pixels = [&](float slope) {
+            return std::min(
+                static_cast<float>(std::min(spacing, 1e30)) / std::max(slope, 1e-30f), 1e30f);
+        };
+        const float toward = line > in_steps ? slopes.rise : slopes.fall;
+        return line_cover(static_cast<float>(std::abs(in_steps - line)) * in_pixels(toward),
+                          line_width, in_pixels(slopes.mean));
     };
     return std::max(kThin * cover_of(r.spacing, width),
                     cover_of(r.spacing * r.index_every, 2 * width));
@@ -161,7 +233,7 @@ Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& s
                      std::span<const HeightLabel> labels, int factor) {
     Picture out(b.width, rows.end - rows.begin);
     const Vec3f sun = toward_sun(relief);
-    const HeightChange change(view, relief.axes[1]);
+    const HeightSlopes slopes(b, view, shade, relief.axes[1]);
     const Vec3f right = to_float(shade.right), up = to_float(shade.up), back = to_float(shade.back);
     for_eye_rows(
         b.width, b.height, rows, shade, {b.normal[0], b.normal[1], b.normal[2]}, b.hit,
@@ -177,7 +249,7 @@ Picture paint_relief(const GBuffer& b, const PixelView& view, const ShadeView& s
                     const std::size_t i = b.index(x, row.y);
                     const Vec3f p{b.position[0][i], b.position[1][i], b.position[2][i]};
                     const double height = relief.base + static_cast<double>(dot(relief.axes[1], p));
-                    float cover = contour_cover(relief, height, change.at(n, p), line_width);
+                    float cover = contour_cover(relief, height, slopes.at(x, row.y), line_width);
                     if (cover > 0) cover *= gaps.at(x);
                     color = color * (1 - cover) + kContourInk * cover;
                 }

@@ -39,9 +39,9 @@ ContourLevels contour_levels(const Relief& relief, double low, double high);
 /// of rows of a frame that holds normals, and positions for contour lines.
 ///
 /// Lines are one pixel of a picture 1000 high wide, heavier ones two, whatever the slope: a pixel's
-/// distance to the next line is its height over its change per pixel on the tangent plane. Lines
-/// closer than they are wide become a tone. No pixel looks at another, so that parts of a picture
-/// agree.
+/// distance to the next line is its height over the change to the pixels beside it on the same
+/// surface, on the tangent plane where there is none. Lines closer than they are wide become a
+/// tone. No pixel looks farther than at those beside it; parts of a picture that hold these agree.
 /// view        of the whole picture, of which the frame may be a part (as `shade` says)
 /// line_width  pixels of the frame
 /// labels      heights that will be written, for which lines leave gaps; in pixels of a picture

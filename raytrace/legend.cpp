@@ -2,6 +2,7 @@
 
 #include "raytrace/font.h"
 #include "raytrace/legend_below.h"
+#include "raytrace/legend_numbers.h"
 #include "raytrace/panel.h"
 #include "slim/base/check.h"
 
@@ -79,25 +80,45 @@ float panel_top(LegendPlace place, float margin, float panel_height, int height)
     return std::round(rest / 2);
 }
 
+/// Whether a panel takes so little of the width that it may take all of the height.
+bool is_slim(const Layout& l, int width) {
+    return l.width + l.margin <= 0.3f * static_cast<float>(width);
+}
+
+/// The most that a panel may take of the height, its margin left out.
+float most_height(const Layout& l, int width, int height) {
+    const auto h = static_cast<float>(height);
+    return std::floor(is_slim(l, width) ? h - 2 * l.margin : 0.75f * h - l.margin);
+}
+
+/// A third of the picture's smaller side; shorter in low pictures, beside which there is room.
+float bar_height(const Layout& l, float beside_bar, int width, int height) {
+    const float usual = std::round(330 * l.unit), least = std::round(100 * l.unit);
+    if (!is_slim(l, width)) return usual;
+    return std::clamp(std::floor(most_height(l, width, height) - beside_bar), least, usual);
+}
+
 Layout layout_of(const Legend& legend, const Labels& labels, LegendPlace place, int width,
                  int height) {
     Layout l{};
     const float u = l.unit = text_unit(width, height);
     // Whole pixels for bar and panel keep their edges crisp.
     l.margin = std::round(24 * u), l.padding = std::round(18 * u);
-    l.bar_width = std::round(30 * u), l.bar_height = std::round(330 * u);
-    l.tick = std::round(7 * u), l.gap = 8 * u, l.tip = std::round(16 * u);
+    l.bar_width = std::round(30 * u), l.tick = std::round(7 * u), l.gap = 8 * u;
+    l.tip = std::round(16 * u);
     l.title = {15 * u, kInk, 0.15f};
     l.label = {14 * u, kInk, 0.12f};
-    const float heading = line_height(legend.title, l.title) + line_height(legend.unit, l.label);
-    const float body = l.bar_height + note_height(legend.high_note, l.label) +
-                       note_height(legend.low_note, l.label) +
-                       l.tip * static_cast<float>(legend.clipped_high + legend.clipped_low);
-    l.height = std::round(2 * l.padding + heading + 12 * u + body);
     const float ticks = l.bar_width + l.tick + l.gap + widest(labels.texts, l.label);
     const float words = std::max(text_width(legend.title, l.title),
                                  widest({legend.unit, legend.high_note, legend.low_note}, l.label));
     l.width = std::round(2 * l.padding + std::max(ticks, words));
+    const float heading = line_height(legend.title, l.title) + line_height(legend.unit, l.label);
+    const float beside_bar = 2 * l.padding + heading + 12 * u +
+                             note_height(legend.high_note, l.label) +
+                             note_height(legend.low_note, l.label) +
+                             l.tip * static_cast<float>(legend.clipped_high + legend.clipped_low);
+    l.bar_height = bar_height(l, beside_bar, width, height);
+    l.height = std::round(beside_bar + l.bar_height);
     l.x = is_left(place) ? l.margin : static_cast<float>(width) - l.margin - l.width;
     l.y = panel_top(place, l.margin, l.height, height);
     l.bar_x = l.x + l.padding;
@@ -109,7 +130,7 @@ Layout layout_of(const Legend& legend, const Labels& labels, LegendPlace place, 
 
 bool has_room(const Layout& l, int width, int height) {
     return l.width + l.margin <= 0.6f * static_cast<float>(width) &&
-           l.height + l.margin <= 0.75f * static_cast<float>(height);
+           l.height <= most_height(l, width, height);
 }
 
 void draw_words(const Canvas& canvas, const Legend& legend, const Layout& l) {
@@ -125,12 +146,19 @@ void draw_words(const Canvas& canvas, const Legend& legend, const Layout& l) {
 
 void draw_ticks(const Canvas& canvas, const Legend& legend, const Labels& labels, const Layout& l) {
     const float edge = l.bar_x + l.bar_width, half = std::max(0.5f, 0.75f * l.unit);
+    const float half_cap = l.label.cap_height / 2;
+    const auto y_of = [&](double value) {
+        const double t = (value - legend.range.lo) / (legend.range.hi - legend.range.lo);
+        return l.bar_y + l.bar_height * static_cast<float>(1 - t);
+    };
+    std::vector<NumberSpan> spans;
+    for (const double t : labels.ticks) spans.push_back({-y_of(t) - half_cap, -y_of(t) + half_cap});
+    const NumberChoice chosen = numbers_apart(labels.ticks, spans, half_cap);
     for (std::size_t i = 0; i < labels.ticks.size(); ++i) {
-        const double t = (labels.ticks[i] - legend.range.lo) / (legend.range.hi - legend.range.lo);
-        const float y = l.bar_y + l.bar_height * static_cast<float>(1 - t);
+        const float y = y_of(labels.ticks[i]);
         fill_box(canvas, {edge, y - half, edge + l.tick, y + half}, kInk);
-        draw_text(canvas, labels.texts[i], edge + l.tick + l.gap, y + l.label.cap_height / 2,
-                  l.label);
+        if (chosen.has(i))
+            draw_text(canvas, labels.texts[i], edge + l.tick + l.gap, y + half_cap, l.label);
     }
 }
 

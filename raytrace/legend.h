@@ -39,8 +39,9 @@ LegendPlace best_legend_place(const Legend& legend, const Picture& object,
 PixelBox legend_box(const Legend& legend, LegendPlace place, int width, int height);
 
 /// Burns the legend into a picture on a translucent panel, scaled with the smaller side (1000
-/// pixels: digits 14 high). Returns false and leaves the picture alone if it would take more than
-/// 60 % of the width or 75 % of the height.
+/// pixels: digits 14 high). Where it takes less than 30 % of the width, the bar of an upright one
+/// is as short as the height needs. Returns false and leaves the picture alone if it would take
+/// more than 60 % of the width or, of more than 30 %, 75 % of the height.
 bool burn_legend(const Legend& legend, const Canvas& canvas,
                  LegendPlace place = LegendPlace::right);
 

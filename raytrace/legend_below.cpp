@@ -1,6 +1,7 @@
 #include "raytrace/legend_below.h"
 
 #include "raytrace/font.h"
+#include "raytrace/legend_numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,34 +75,19 @@ void fill_tip(const Canvas& canvas, const Layout& l, float base, float width, co
     });
 }
 
-/// Which numbers stand: each so many, 0 among them, that none touches the next.
-std::size_t stride_of(const Legend& legend, const Layout& l, std::size_t zero) {
-    for (std::size_t stride = 1; stride < l.ticks.size(); ++stride) {
-        float end = -1e9f;
-        bool free = true;
-        for (std::size_t i = zero % stride; i < l.ticks.size(); i += stride) {
-            const float half = text_width(l.texts[i], l.label) / 2;
-            const float x = l.x_of(legend, l.ticks[i]);
-            free = free && x - half > end;
-            end = x + half + l.gap;
-        }
-        if (free) return stride;
-    }
-    return std::max<std::size_t>(1, l.ticks.size());
-}
-
 void draw_ticks(const Canvas& canvas, const Legend& legend, const Layout& l) {
     const float edge = l.bar_y + l.bar_height, half = std::max(0.5f, 0.75f * l.unit);
-    const auto at_zero = std::find(l.ticks.begin(), l.ticks.end(), 0.0);
-    const auto zero = at_zero == l.ticks.end()
-                          ? std::size_t{0}
-                          : static_cast<std::size_t>(at_zero - l.ticks.begin());
-    const std::size_t stride = stride_of(legend, l, zero);
+    std::vector<NumberSpan> spans;
+    for (std::size_t i = 0; i < l.ticks.size(); ++i) {
+        const float x = l.x_of(legend, l.ticks[i]), half_text = text_width(l.texts[i], l.label) / 2;
+        spans.push_back({x - half_text, x + half_text});
+    }
+    const NumberChoice chosen = numbers_apart(l.ticks, spans, l.gap);
     for (std::size_t i = 0; i < l.ticks.size(); ++i) {
         const float x = l.x_of(legend, l.ticks[i]);
         fill_box(canvas, {x - half, edge, x + half, edge + l.tick}, kInk);
-        if (i % stride == zero % stride)
-            draw_text(canvas, l.texts[i], x - text_width(l.texts[i], l.label) / 2,
+        if (chosen.has(i))
+            draw_text(canvas, l.texts[i], spans[i].from,
                       edge + l.tick + l.gap + l.label.cap_height, l.label);
     }
 }

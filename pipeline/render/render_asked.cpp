@@ -29,7 +29,7 @@ const std::map<std::string, Channels>& channel_table() {
         {"dk1_dt2", kThirdOrderChannel | kK1Channel | kK2Channel},
         {"dk2_dt1", kThirdOrderChannel | kK1Channel | kK2Channel},
         {"mean", kMeanChannel},
-        {"gauss", kGaussChannel},
+        {"gauss", kGaussChannel | kMeanChannel},  // its range
         {"k1", kK1Channel},
         {"k2", kK2Channel},
         {"normal", kNormalChannel},

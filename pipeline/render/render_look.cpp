@@ -123,7 +123,7 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
     if (aov == "level") look = look_of_levels(b);
     if (map_spec(aov)) {
         const MapValues values = map_values(aov, reference);
-        ValueRange range = map_range(config, aov, values.span(), b.hit, diagonal);
+        ValueRange range = map_range(config, aov, values.span(), b, diagonal);
         if (wider)
             range.lo = std::min(range.lo, wider->lo), range.hi = std::max(range.hi, wider->hi);
         look.legend = make_legend(config, aov, range, values.span(), b.hit);
@@ -140,7 +140,7 @@ AovLook look_of(const RenderConfig& config, const std::string& aov, const Render
 ValueRange range_of(const RenderConfig& config, const std::string& aov,
                     const RenderedFrame& reference, double diagonal) {
     const MapValues values = map_values(aov, reference);
-    return map_range(config, aov, values.span(), reference.buffer.hit, diagonal);
+    return map_range(config, aov, values.span(), reference.buffer, diagonal);
 }
 
 bool needs_reference(const RenderConfig& config, const std::string& aov) {

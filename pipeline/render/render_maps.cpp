@@ -1,5 +1,6 @@
 #include "pipeline/render/render_maps.h"
 
+#include "pipeline/render/render_asked.h"
 #include "raytrace/camera.h"
 #include "slim/base/error.h"
 
@@ -9,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string_view>
 
@@ -45,16 +47,40 @@ std::string unit_text(const std::string& unit, int power) {
     return "1/" + u + (power == -2 ? "\u00b2" : "");
 }
 
-/// Below it a range shows rounding: curvature radii of 100 diagonals, the last digits of floats.
-double least_range(int length_power, double diagonal) {
+double curvature_of_radius(double diagonals, int length_power, double diagonal) {
+    return std::pow(1 / (diagonals * diagonal), -length_power);
+}
+
+/// Below it a range shows rounding: the last digits of floats, derivatives of curvatures whose
+/// radii are 100 diagonals; or, of curvatures, what the fit makes of flat faces, which would look
+/// like a storm: radii of 2 diagonals.
+double least_range(const std::string& aov, int length_power, double diagonal) {
     const double l = diagonal > 0 ? diagonal : 1;
-    return length_power < 0 ? std::pow(0.01 / l, -length_power) : 1e-7 * l;
+    if (length_power > 0) return 1e-7 * l;
+    if (length_power == 0) return 1e-7;
+    return curvature_of_radius(is_curvature(aov) && diagonal > 0 ? 2 : 100, length_power, l);
 }
 
 /// Curvatures and their derivatives up to it are those of flat faces: radii of 10 diagonals and
 /// more. (Of scans a few in 100 pixels, of parts most: symmetric_range.)
 double flat_until(int length_power, double diagonal) {
-    return length_power < 0 && diagonal > 0 ? std::pow(0.1 / diagonal, -length_power) : 0;
+    return length_power < 0 && diagonal > 0 ? curvature_of_radius(10, length_power, diagonal) : 0;
+}
+
+/// The Gauss curvature of a ball as bent as the surface is in the middle, by the mean curvature:
+/// half of its integral lies below, so that flat faces hardly count. A range below it shows what
+/// the fit makes of cylinders and cones, on which it is 0. (Of a ball itself it is no less.)
+double bent_as_a_ball(std::span<const float> mean, std::span<const std::uint8_t> hit) {
+    std::vector<double> bent;
+    for (std::size_t i = 0; i < mean.size(); ++i)
+        if (hit[i] && std::isfinite(mean[i]))
+            bent.push_back(std::abs(static_cast<double>(mean[i])));
+    std::sort(bent.begin(), bent.end());
+    const double half = std::accumulate(bent.begin(), bent.end(), 0.0) / 2;
+    double below = 0;
+    for (const double h : bent)
+        if ((below += h) >= half) return h * h;
+    return 0;
 }
 
 std::optional<double> parse_number(std::string_view text) {
@@ -121,14 +147,14 @@ void check_ranges(const RenderConfig& config) {
 }
 
 ValueRange map_range(const RenderConfig& config, const std::string& aov,
-                     std::span<const float> values, std::span<const std::uint8_t> hit,
-                     double diagonal) {
+                     std::span<const float> values, const GBuffer& b, double diagonal) {
     const MapSpec& spec = *map_spec(aov);
     if (const auto fixed = fixed_range(config, aov)) return {fixed->lo, fixed->hi, spec.is_signed};
-    if (aov == "depth") return full_range(values, hit);
-    const ValueRange range =
-        symmetric_range(values, hit, config.percentile, least_range(spec.length_power, diagonal),
-                        flat_until(spec.length_power, diagonal));
+    if (aov == "depth") return full_range(values, b.hit);
+    double least = least_range(aov, spec.length_power, diagonal);
+    if (aov == "gauss") least = std::max(least, bent_as_a_ball(b.mean, b.hit));
+    const ValueRange range = symmetric_range(values, b.hit, config.percentile, least,
+                                             flat_until(spec.length_power, diagonal));
     return {spec.is_signed ? range.lo : 0, range.hi, spec.is_signed};
 }
 

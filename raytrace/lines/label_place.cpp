@@ -17,6 +17,7 @@ constexpr float kCap = 12, kLeastCap = 7;     ///< a digit's height: thousandths
 constexpr float kLeastLength = 3, kEach = 15;  ///< of a line, in labels
 constexpr float kApart = 5;                   ///< of equal heights, in labels
 constexpr float kStraight = 0.33f;            ///< of a digit's height
+constexpr float kSeenBeyond = 2;              ///< of an open line past a label, digits' heights
 constexpr double kClear = 0.7;                ///< of the step between index contours
 constexpr std::int64_t kMostLevels = 1000;    ///< a picture has no room for more
 
@@ -28,7 +29,7 @@ float length_of(const PicturePoint& p) { return std::hypot(p.x, p.y); }
 /// A line in pixels of the picture with the way along it.
 class MeasuredLine {
 public:
-    MeasuredLine(const HeightLine& line, float scale) : level(line.level) {
+    MeasuredLine(const HeightLine& line, float scale) : level(line.level), closed(line.closed) {
         for (const PicturePoint& p : line.points) points.push_back({p.x * scale, p.y * scale});
         if (line.closed) points.push_back(points.front());
         along.push_back(0);
@@ -57,6 +58,7 @@ public:
     }
 
     std::int64_t level;
+    bool closed;
     std::vector<PicturePoint> points;
 
 private:
@@ -141,10 +143,11 @@ private:
     std::optional<HeightLabel> best_place(const MeasuredLine& line, HeightLabel label, float from,
                                           float stretch) const {
         constexpr float kUpsideDown = 10, kFromMiddle = 0.5f;
-        const float half = label.half_length(), end = from + stretch - half;
+        const float half = label.half_length(), seen = line.closed ? 0 : kSeenBeyond * cap_;
+        const float end = std::min(from + stretch, line.length() - seen) - half;
         std::optional<HeightLabel> best;
         float least = std::numeric_limits<float>::infinity();
-        for (float way = from + half; way <= end; way += std::max(1.0f, cap_ / 4)) {
+        for (float way = std::max(from, seen) + half; way <= end; way += std::max(1.0f, cap_ / 4)) {
             const float bend = line.deviation(way - half, way + half) / cap_;
             if (bend > kStraight) continue;
             const float middle = std::abs(way - from - stretch / 2) / stretch;

@@ -14,7 +14,19 @@ namespace {
 constexpr std::int32_t kNobody = -1;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/// What it costs to link two crossings of a cell: their squared distance; never across sheets.
+/// Whether beyond a crossing there is nothing: it lies on the border of what is covered.
+bool faces_nothing(const LineScene& scene, const Crossing& c) {
+    const auto width = static_cast<std::uint32_t>(scene.buffer.width);
+    const std::uint32_t row = static_cast<std::uint32_t>(c.y - 0.5f) -
+                              static_cast<std::uint32_t>(scene.rows.top);
+    const bool down = c.edge & 1;
+    const std::uint32_t a = row * width + c.edge / 2, b = a + (down ? width : 1);
+    return !scene.hit(c.pixel == a ? b : a);
+}
+
+/// What it costs to link two crossings of a cell: their squared distance; never across sheets. The
+/// border of what is covered comes first, so that no flap that a surfel makes beside it takes a
+/// part of it for a loop of its own.
 /// Along a limb, where neighbours lie far off each other's tangent planes on one sheet too, only a
 /// gap that no limb has counts as another sheet: the last pixel of one that bends by a radius of r
 /// footprints lies up to sqrt(2 r) before the limb, and has about its normal.
@@ -22,11 +34,14 @@ float link_cost(const LineScene& scene, LineKind kind, const Crossing& a, const 
     constexpr float kLimbGap = 16, kWideLimbGap = 64;  // footprints
     constexpr float kLimbTurn = 0.9f;
     const float sq = (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
-    if (a.pixel == b.pixel || !breaks_off(scene, a.pixel, b.pixel)) return sq;
+    const bool is_border =
+        kind == LineKind::contour && faces_nothing(scene, a) && faces_nothing(scene, b);
+    const float rank = is_border ? -4.0f : 0.0f;  // before any other pair
+    if (a.pixel == b.pixel || !breaks_off(scene, a.pixel, b.pixel)) return sq + rank;
     const bool alike = dot(scene.normal(a.pixel), scene.normal(b.pixel)) > kLimbTurn;
     const float most = (alike ? kWideLimbGap : kLimbGap) * scene.footprint(a.pixel);
     if (kind != LineKind::contour || sq_length(a.point - b.point) > most * most) return kNever;
-    return sq + 4;  // after any pair that is surely on one sheet
+    return is_border ? sq + rank : sq + 4;  // after any pair that is surely on one sheet
 }
 
 /// The crossings of one cell: top, left, right, bottom;

@@ -101,7 +101,13 @@ LineRules line_rules(LineKind kind, int picture_width, int picture_height) {
         case LineKind::contour:
             return {0, 0, 0, 0, px(10), 0, true};
         case LineKind::suggestive:
-            return {0.1f, 0.5f, 1.2f, 0.5f, px(16)};
+            return {.least_evidence = 0.1f,
+                    .strong_evidence = 0.5f,
+                    .strength = 1.2f,
+                    .weak_strength = 0.5f,
+                    .least_px = px(16),
+                    .loop_px = px(64),  // about 20 across
+                    .loop_strength = 6};
         case LineKind::ridge:
         case LineKind::valley:
             return {.strong_evidence = 0.3f,

@@ -20,6 +20,8 @@ struct LineRules {
     /// Strength times mean evidence that a drawn line must reach: of crest lines the integral of
     /// -k''/k^2, up to which the fit of a noisy cloud makes some of its own.
     float sharpness = 0;
+    /// A loop shorter than that, in the picture, is drawn if it is at least so strong.
+    float loop_px = 0, loop_strength = 0;
 };
 
 /// The rules as found on scans (raytrace/lines/notes/0001). Lengths are those of a picture 1000

@@ -93,6 +93,15 @@ bool is_sliver(const FeatureLine& line, const LineRules& rules, float px) {
     return std::fabs(twice_area) < kWidth * px * line.length_px;
 }
 
+/// Whether a loop is too small to tell of more than a dent of the fit.
+bool is_dent(const FeatureLine& line, const LineRules& rules) {
+    return line.length_px < rules.loop_px && line.strength < rules.loop_strength;
+}
+
+bool stays_as_loop(const FeatureLine& line, const LineRules& rules, float px) {
+    return !is_dent(line, rules) && (!rules.meets_anywhere || !is_sliver(line, rules, px));
+}
+
 }  // namespace
 
 std::vector<FeatureLine> link_short_lines(std::vector<FeatureLine> lines, const LineRules& rules,
@@ -102,7 +111,7 @@ std::vector<FeatureLine> link_short_lines(std::vector<FeatureLine> lines, const 
     const LongLines others(lines, rules.least_px);
     std::vector<std::uint8_t> stays;
     for (const FeatureLine& line : lines)
-        stays.push_back(line.closed ? !rules.meets_anywhere || !is_sliver(line, rules, px)
+        stays.push_back(line.closed ? stays_as_loop(line, rules, px)
                                     : line.length_px >= rules.least_px ||
                                           (rules.meets_anywhere && is_bridge(line, others)));
     std::vector<FeatureLine> out;

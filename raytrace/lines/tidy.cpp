@@ -15,8 +15,8 @@ namespace {
 
 constexpr float kClear = 0.5f;     ///< evidence
 constexpr float kUnclear = 12;     ///< pixels: an unclear part as long cuts a line
-constexpr float kBeside = 1.5f;    ///< pixels: lines so near are one
-constexpr float kCrossing = 4;     ///< pixels: lines that cross or meet are that near for so long
+constexpr float kBeside = 1.9f;    ///< pixels: lines so near are one
+constexpr float kCrossing = 5;     ///< pixels: lines that cross or meet are that near for so long
 
 /// Points [begin, end) of a line.
 struct Run {
@@ -107,10 +107,10 @@ std::vector<std::size_t> by_length(std::vector<FeatureLine>& lines) {
 }
 
 /// Leaves to a longer line what runs beside it.
-std::vector<FeatureLine> without_doubles(std::vector<FeatureLine> lines) {
+std::vector<FeatureLine> without_doubles(std::vector<FeatureLine> lines, float px) {
     std::size_t n = 0;
     for (const FeatureLine& line : lines) n += line.points.size();
-    PointGrid placed(kBeside, n);
+    PointGrid placed(kBeside * px, n);
     std::vector<FeatureLine> out;
     for (const std::size_t i : by_length(lines)) {
         FeatureLine& line = lines[i];
@@ -123,7 +123,8 @@ std::vector<FeatureLine> without_doubles(std::vector<FeatureLine> lines) {
         open_at_mark(line, beside);
         const std::vector<Run> runs = runs_of(beside);
         for (const Run& run : runs)
-            if (beside[run.begin] && runs.size() > 1 && length_of(line.points, run) < kCrossing)
+            if (beside[run.begin] && runs.size() > 1 &&
+                length_of(line.points, run) < kCrossing * px)
                 std::fill(beside.begin() + static_cast<std::ptrdiff_t>(run.begin),
                           beside.begin() + static_cast<std::ptrdiff_t>(run.end), std::uint8_t{0});
         for (const LinePoint& p : line.points) placed.add(p.x, p.y, 0);
@@ -135,7 +136,7 @@ std::vector<FeatureLine> without_doubles(std::vector<FeatureLine> lines) {
 }  // namespace
 
 std::vector<FeatureLine> tidy_contours(std::vector<FeatureLine> lines, float px) {
-    return join_ends(without_doubles(clear_parts(std::move(lines), px)), px);
+    return join_ends(without_doubles(clear_parts(std::move(lines), px), px), px);
 }
 
 }  // namespace slim

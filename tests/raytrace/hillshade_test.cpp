@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace slim {
 namespace {
@@ -65,6 +66,91 @@ TEST(Hillshade, ContourLinesLieAtTheirHeightsOnePixelWide) {
     EXPECT_NEAR(static_cast<double>(columns.size()), 2 * n / 8.0, 8);
     // The heavy line of height 0 is darker than the next.
     EXPECT_LT(with.pixel(50, 50)[0], with.pixel(58, 50)[0]);
+}
+
+/// A map from above, one unit a pixel, with a line every 4 units of height.
+struct Map {
+    explicit Map(int size) : n(size) {
+        camera.eye = {0, 0, 100}, camera.target = {0, 0, 0}, camera.up = {0, 1, 0};
+        camera.orthographic = true, camera.width = size;
+        shade.orthographic = true;
+    }
+    Picture paint(const GBuffer& b, bool lines = true) const {
+        const Relief relief{{Vec3f{1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, -1, 0}}, 0, 315, 45,
+                            lines ? 4.0 : 0.0, 1000};
+        return paint_relief(b, pixel_view(camera, n, n), shade, {0, b.height}, relief, 1);
+    }
+    /// How much darker the lines make the pixels of each row, together.
+    std::vector<double> ink(const GBuffer& b) const {
+        const Picture with = paint(b), without = paint(b, false);
+        std::vector<double> sums(static_cast<std::size_t>(b.height));
+        for (int y = 0; y < b.height; ++y)
+            for (int x = 0; x < b.width; ++x)
+                sums[static_cast<std::size_t>(y)] +=
+                    static_cast<double>(without.pixel(x, y)[0] - with.pixel(x, y)[0]);
+        return sums;
+    }
+
+    int n;
+    Camera camera;
+    ShadeView shade;
+};
+
+/// Moves the heights of a slope in x by a slope in y and a constant.
+void shear(GBuffer& b, double in_y, double up) {
+    for (int y = 0; y < b.height; ++y)
+        for (int x = 0; x < b.width; ++x)
+            b.position[2][b.index(x, y)] += static_cast<float>(in_y * y + up);
+}
+
+TEST(Hillshade, ContourLinesAreEvenWhereNormalsAreNotTheSlopeOfTheHeights) {
+    // Where surfels change, the blended normal may be several times as steep as the heights are, or
+    // a part.
+    const int n = 100;
+    const Map map(n);
+    for (const double of_normals : {0.02, 0.1, 0.5}) {
+        SCOPED_TRACE(of_normals);
+        GBuffer b = slope(n, 0.1);
+        const GBuffer other = slope(n, of_normals);
+        b.normal = other.normal;
+        // Lines that cross the rows at all distances from the pixels.
+        shear(b, 0.013, 3.3);
+        const std::vector<double> ink = map.ink(b);
+        const auto [least, most] = std::minmax_element(ink.begin() + 10, ink.end() - 10);
+        EXPECT_GT(*least, 0.5);
+        EXPECT_LT(*most, 1.15 * *least);
+    }
+}
+
+TEST(Hillshade, AStepBetweenTwoSurfacesIsNoContourLine) {
+    const int n = 40;
+    GBuffer b = slope(n, 0);
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) b.position[2][b.index(x, y)] = x < 20 ? 1.0f : 23.0f;
+    EXPECT_NEAR(Map(n).ink(b)[20], 0, 1e-6);
+}
+
+TEST(Hillshade, SamplesOfAPixelLookAtNoOthers) {
+    // What lies beyond is drawn or not by how a picture is shared out.
+    const int n = 40;
+    Map map(n);
+    GBuffer whole = slope(n, 0.3);
+    for (std::size_t i = 0; i < whole.n_pixels(); ++i)  // curved
+        whole.position[2][i] += 0.02f * whole.position[0][i] * whole.position[0][i];
+    GBuffer part = whole;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x)
+            if (x / 2 % 3 == 0 || y / 2 % 5 == 0) part.hit[part.index(x, y)] = 0;
+    const CoarsePlanes around{whole.hit, {whole.normal[0], whole.normal[1], whole.normal[2]},
+                              0,         0,
+                              n,         n};
+    map.shade.around = &around;
+    const Picture a = map.paint(whole), b = map.paint(part);
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x)
+            if (part.hit[part.index(x, y)] != 0) {
+                EXPECT_EQ(a.pixel(x, y)[0], b.pixel(x, y)[0]) << x << " " << y;
+            }
 }
 
 TEST(Hillshade, HeavyLinesStayWhereTheOthersRunIntoATone) {

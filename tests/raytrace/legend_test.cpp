@@ -97,6 +97,59 @@ TEST(Legend, IsLeftOutWhereItWouldHideThePicture) {
     EXPECT_EQ(n_inked(p), 0);
 }
 
+/// Rows of a picture from the first to the last with ink, and the runs of rows among them with some
+/// of the numbers' columns (of an upright legend at the right).
+struct InkedRows {
+    int first = -1, last = -1, n_numbers = 0;
+
+    InkedRows(const Picture& p, int numbers_from) {
+        bool was_number = false;
+        for (int y = 0; y < p.height; ++y) {
+            bool ink = false, number = false;
+            for (int x = 0; x < p.width; ++x)
+                if (p.pixel(x, y)[0] < 0.5f) ink = true, number = number || x >= numbers_from;
+            if (ink) last = y, first = first < 0 ? y : first;
+            n_numbers += number && !was_number;
+            was_number = number;
+        }
+    }
+};
+
+TEST(Legend, LowPicturesHaveAShorterBarBesideWhichThereIsRoom) {
+    Legend legend = mean_legend();
+    legend.clipped_high = legend.clipped_low = true;
+    for (const auto& [width, height] :
+         {std::pair{1000, 300}, {1000, 360}, {500, 300}, {640, 200}}) {
+        SCOPED_TRACE(height);
+        Picture p = white(width, height);
+        ASSERT_TRUE(burn_legend(legend, p));
+        EXPECT_GT(legend_share(legend, width, height), 0);
+        const PixelBox box = legend_box(legend, LegendPlace::right, width, height);
+        EXPECT_GE(box.y0, 12);
+        EXPECT_LE(box.y1, height - 12);
+        const InkedRows rows(p, width);
+        EXPECT_GE(rows.first, static_cast<int>(box.y0));
+        EXPECT_LT(rows.last, static_cast<int>(box.y1));
+    }
+    Picture narrow = white(250, 250);
+    EXPECT_FALSE(burn_legend(legend, narrow));
+}
+
+TEST(Legend, NumbersOfAShortBarStandApart) {
+    const Legend legend = mean_legend();
+    Picture p = white(640, 170);
+    ASSERT_TRUE(burn_legend(legend, p));
+    const PixelBox box = legend_box(legend, LegendPlace::right, 640, 170);
+    const int numbers = static_cast<int>(box.x0) + 9 + 15 + 4 + 3;  // padding, bar, tick, gap
+    const InkedRows few(p, numbers);
+    Picture large = white(1000, 1000);
+    ASSERT_TRUE(burn_legend(legend, large));
+    const PixelBox usual = legend_box(legend, LegendPlace::right, 1000, 1000);
+    const InkedRows all(large, static_cast<int>(usual.x0) + 18 + 30 + 7 + 6);
+    EXPECT_GE(few.n_numbers, 5);  // title, unit, notes and numbers
+    EXPECT_LE(few.n_numbers, all.n_numbers);
+}
+
 /// A full picture but for one rectangle that is clear.
 Picture covered_but(int x0, int y0, int x1, int y1) {
     Picture p = white(1000, 1000);

@@ -1,6 +1,7 @@
 #include "pipeline/render/render_stage.h"
 
 #include "pipeline/render/render_look.h"
+#include "pipeline/render/render_maps.h"
 #include "pipeline/render/render_uses.h"
 #include "slim/base/error.h"
 #include "tests/pipeline/render/render_test_support.h"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -175,6 +177,43 @@ TEST_F(RenderLegends, AnExplicitCameraStaysAndTheLegendGoesWhereItHidesLeast) {
     const PngImage with = draw(c);
     c.legend = false, c.output = file("y.png");
     EXPECT_EQ(n_hidden(with, draw(c)), 0);
+}
+
+/// Pixels of a map whose curvatures are k1 and k2, with noise of `noise` in both.
+GBuffer bent(double k1, double k2, double noise) {
+    GBuffer b;
+    b.reset(40, 25, kCurvatureChannel);
+    for (std::size_t i = 0; i < b.n_pixels(); ++i) {
+        b.hit[i] = 1;
+        const double off = noise * std::sin(static_cast<double>(i));
+        b.k1[i] = static_cast<float>(k1 + off), b.k2[i] = static_cast<float>(k2 - 0.7 * off);
+        b.mean[i] = (b.k1[i] + b.k2[i]) / 2, b.gauss[i] = b.k1[i] * b.k2[i];
+    }
+    return b;
+}
+
+TEST(MapRange, OfFlatFacesAndCylindersIsNotThatOfTheFitsNoise) {
+    const RenderConfig config;
+    constexpr double kDiagonal = 50;
+    const auto range = [&](const std::string& aov, const GBuffer& b) {
+        return map_range(config, aov, aov == "mean" ? b.mean : b.gauss, b, kDiagonal).hi;
+    };
+    // Planes: radii of 5 diagonals where the fit is worst.
+    EXPECT_GE(range("mean", bent(0, 0, 0.004)), 0.5 / kDiagonal);
+    // Cylinders of radius 5: the Gauss curvature is 0, the noise of k2 a tenth of k1.
+    const GBuffer cylinder = bent(0.2, 0, 0.02);
+    EXPECT_GE(range("gauss", cylinder), 0.0099);
+    EXPECT_NEAR(range("mean", cylinder), 0.1, 0.021);
+    // Also where most of the picture is faces with what the fit makes of them.
+    GBuffer part = cylinder;
+    for (std::size_t i = 0; i < part.n_pixels(); ++i)
+        if (i % 5 < 3)
+            part.k1[i] = part.k2[i] = part.mean[i] = 0.005f, part.gauss[i] = 2.5e-5f;
+    EXPECT_GE(range("gauss", part), 0.0075);
+    // Balls, and what is more bent than in the middle: as before.
+    EXPECT_NEAR(range("gauss", bent(0.2, 0.2, 0)), 0.04, 1e-6);
+    GBuffer scan = bent(0.3, -0.2, 0.01);
+    EXPECT_NEAR(range("gauss", scan), 0.06, 0.021);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -55,6 +56,28 @@ TEST(Contours, AStepThatSurfelsDisagreeByIsNone) {
     EXPECT_NEAR(step[0].length_px, 200, 8);  // corners are rounded
     EXPECT_TRUE(Flake(5, 2).lines().empty());
     EXPECT_EQ(Flake(50, 2).lines().size(), 1u);
+}
+
+TEST(Contours, TheBorderOfWhatIsCoveredHasNoGapAtAFlap) {
+    // A wall that ends before nothing at x = 100; a surfel reaches 2 pixels beyond it, for 14, and
+    // stands before it.
+    Flake wall(0, 0.1f);
+    for (int y = 0; y < Flake::kSize; ++y)
+        for (int x = 0; x < Flake::kSize; ++x) {
+            const bool on_flap = x >= 99 && x < 102 && y >= 90 && y < 104;
+            const std::size_t i = wall.buffer.index(x, y);
+            wall.buffer.hit[i] = x < 100 || on_flap;
+            if (on_flap) wall.buffer.position[2][i] += 12;
+        }
+    std::vector<int> rows(Flake::kSize);
+    for (const FeatureLine& line : wall.lines())
+        line.for_each_segment([&](const LinePoint& a, const LinePoint& b) {
+            const auto [from, to] = std::minmax(a.y, b.y);
+            for (int y = static_cast<int>(from); y <= static_cast<int>(to); ++y)
+                rows[static_cast<std::size_t>(y)] = 1;
+        });
+    for (int y = 1; y + 1 < Flake::kSize; ++y)
+        EXPECT_EQ(rows[static_cast<std::size_t>(y)], 1) << y;
 }
 
 /// A sphere of 80 pixels whose surfels overshoot the limb by a pixel or two here and there,

@@ -101,6 +101,33 @@ TEST(LabelPlace, ShortLinesAndCrookedOnesHaveNone) {
     EXPECT_FALSE(labels_of(straight, sheet_of(straight)).empty());
 }
 
+TEST(LabelPlace, NoneDanglesAtALinesEnd) {
+    // Straight from the picture's side on for some pixels, then crooked.
+    const auto lines = [](double straight_until) {
+        return [=](double x, double y) {
+            const double past = std::max(0.0, x - straight_until);
+            return 50 + 0.2 * (y + 6 * std::sin(past / 3));
+        };
+    };
+    const auto n_labels = [&](double straight_until) {
+        ReliefScene s(400, 400, lines(straight_until));
+        s.relief.spacing = 2;
+        return labels_of(s, sheet_of(s)).size();
+    };
+    ReliefScene all(400, 400, lines(400));
+    all.relief.spacing = 2;
+    const auto labels = labels_of(all, sheet_of(all));
+    ASSERT_FALSE(labels.empty());
+    const auto shortest = std::min_element(
+        labels.begin(), labels.end(), [](const HeightLabel& p, const HeightLabel& q) {
+            return p.half_length() < q.half_length();
+        });
+    const double own = 2 * static_cast<double>(shortest->half_length()),
+                 cap = static_cast<double>(shortest->cap_height);
+    EXPECT_EQ(n_labels(own + 1.1 * cap), 0u);
+    EXPECT_GT(n_labels(own + 4 * cap), 0u);
+}
+
 TEST(LabelPlace, SteepSlopesWhoseIndexContoursHaveNoRoomHaveNone) {
     ReliefScene s(400, 400, [](double, double y) { return 0.9 * y; });
     s.relief.spacing = 1;  // 5.6 pixels from one to the next

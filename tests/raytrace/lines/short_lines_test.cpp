@@ -78,5 +78,25 @@ TEST(LinkShortLines, TheOutlineOfASmallPartStays) {
     EXPECT_TRUE(linked({sliver}).empty());
 }
 
+TEST(LinkShortLines, SmallLoopsOfAKindThatRulesThemOutStayIfStrong) {
+    LineRules rules;
+    rules.least_px = 10, rules.loop_px = 64, rules.loop_strength = 70;
+    const auto n_kept = [&](const FeatureLine& line) {
+        return link_short_lines({line}, rules, 1).size();
+    };
+    FeatureLine strong = circle(8);  // 50 pixels
+    for (LinePoint& p : strong.points) p.weight = 2;
+    EXPECT_EQ(n_kept(circle(8)), 0u);
+    EXPECT_EQ(n_kept(strong), 1u);
+    EXPECT_EQ(n_kept(circle(11)), 1u);
+    EXPECT_EQ(n_kept(straight(0, 0, 40, 0)), 1u);
+    // also one that ends which meet close
+    FeatureLine open = circle(8);
+    open.closed = false;
+    EXPECT_EQ(n_kept(open), 0u);
+    rules = line_rules(LineKind::suggestive, 1000, 800);
+    EXPECT_GT(rules.loop_px, rules.least_px);
+}
+
 }  // namespace
 }  // namespace slim

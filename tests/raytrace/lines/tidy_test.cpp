@@ -44,6 +44,8 @@ TEST(TidyContours, WhatRunsBesideALongerLineIsLeftToIt) {
     EXPECT_EQ(one[0].points.size(), 81u);
     // Two pixels away is another line.
     EXPECT_EQ(tidy_contours({level_line(20, 50, 2), level_line(0, 80, 0)}, 1).size(), 2u);
+    // A pixel of a picture 2000 high is half as large.
+    EXPECT_EQ(tidy_contours({level_line(20, 50, 2), level_line(0, 80, 0)}, 2).size(), 1u);
 }
 
 TEST(TidyContours, ABranchKeepsWhatLeavesTheLine) {
