@@ -29,6 +29,16 @@ constexpr std::size_t kFew = 100;  // one in so many, or less, is not worth it
 // times the noise or more (slim/normals/notes/0002).
 constexpr std::size_t kMostNeighbors = 64;
 
+// of squares of lengths that floats hold to the last bit
+constexpr float kLeastSquare = 1e-30f, kMostSquare = 1e30f;
+
+/// Whatever the file's unit of normals: their squares may be beyond floats.
+Vec3f unit_normal(const Vec3f& n) {
+    const float sq = sq_length(n);
+    if (sq > kLeastSquare && sq < kMostSquare) return normalized(n);
+    return is_finite(n) ? to_float(normalized(to_double(n))) : Vec3f{};
+}
+
 /// Makes normals that are not finite zero, the others unit vectors. Returns how many are zero.
 std::size_t normalize_all(std::vector<Vec3f>& normals) {
     std::atomic<std::size_t> n_missing = 0;
@@ -36,7 +46,7 @@ std::size_t normalize_all(std::vector<Vec3f>& normals) {
         std::size_t missing = 0;
         for (std::size_t i = begin; i < end; ++i) {
             Vec3f& n = normals[i];
-            n = is_finite(n) ? normalized(n) : Vec3f{};
+            n = unit_normal(n);
             missing += !(sq_length(n) > 0);
         }
         n_missing += missing;

@@ -4,6 +4,8 @@
 #include "raytrace/intersect/root_kernel.h"
 #include "slim/base/simd.h"
 
+#include <limits>
+
 namespace slim {
 
 /// Roots of k0 + 2 h t + k2 t^2 (NUMERICS 4.2): with q = h + sign(h) sqrt(h^2 - k0 k2) the smaller
@@ -16,7 +18,10 @@ public:
         // Exact products by fma (Kahan): the discriminant near a tangent.
         const V h = 0.5f * k[1], w = k[0] * k[2];
         const V discriminant = lanes_fms(h, h, w) - lanes_fms(k[0], k[2], w);
-        const V inverse = inverse_sqrt_estimate(discriminant), root = discriminant * inverse;
+        // The least normal float, lost in all but 0: a tangent has a root.
+        const V inverse =
+            inverse_sqrt_estimate(discriminant + std::numeric_limits<float>::min());
+        const V root = discriminant * inverse;
         const V exact = root + (0.5f * inverse) * lanes_fnma(root, root, discriminant);
         q_ = h + exact;
         stdx::where(h < 0.0f, q_) = h - exact;

@@ -5,14 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slim {
+
+/// A residual that floats do not tell from none: coordinates over the radius are rounded to 6e-8 of
+/// it, and so is what a file keeps of a surfel. It grows with the ball: small balls would win on an
+/// exact plane (notes/0021).
+inline bool is_rounding(double sq_error, double radius) {
+    const double step = std::numeric_limits<float>::epsilon() / 2 * radius;
+    return sq_error < step * step;
+}
 
 /// The variance of normal noise of which a ball shows only `sq_error`: the weight falls along the
 /// normal, too, as exp(-8 w^2 / rho^2), and 1 / shown = 1 / whole + 16 / rho^2. A ball that is as
 /// thick as wide shows rho^2 / 16 whatever the noise; it counts for at most twenty times that
-/// (slim/fit/notes/0005).
+/// (slim/fit/notes/0005). Rounding counts for nothing.
 inline double whole_variance(double sq_error, double radius) {
+    if (is_rounding(sq_error, radius)) return 0;
     return sq_error / std::max(1 - 16 * sq_error / (radius * radius), 0.05);
 }
 

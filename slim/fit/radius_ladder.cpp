@@ -162,6 +162,8 @@ RadiusLadder::LadderFit RadiusLadder::fit_gathered(const Vec3d& normal, LadderWo
         fit_cheapest(work.ball, out);
     else
         out.fit = fit_ball_ahead(work.ball, 1, out.frame, degree_);
+    if (is_rounding(out.fit.sq_error, work.ball.radius))
+        out.fit.sq_missed = out.fit.sq_missed_error = out.fit.sq_missed_slope = 0;
     return out;
 }
 

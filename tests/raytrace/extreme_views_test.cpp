@@ -166,6 +166,9 @@ TEST(ExtremeViews, Row38FromAMillionDiagonalsFloatsAreAsGoodAsDoubles) {
     EXPECT_LE(other_normals, 3u);
 }
 
+// Grazing rays at the rim of a sphere of 0.3 of the depth: the square root of the rounding.
+constexpr double kSameDepth = 1e-3;
+
 TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
     const auto model = test::sphere_model(1, 600);
     for (const double fov : {0.001, 1.0, 120.0, 175.0, 179.0}) {
@@ -174,6 +177,7 @@ TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
         const Difference d = against_brute(model, request_at({0, 0, distance}, {}, fov, 121, 121));
         EXPECT_GT(d.covered, 0u) << fov;
         EXPECT_LE(d.hits, 2u) << fov;
+        EXPECT_LT(d.depth, kSameDepth) << fov;
     }
     RenderRequest parallel = request_at({0, 0, 3}, {}, 35, 120, 120);
     parallel.camera.orthographic = true;
@@ -181,6 +185,7 @@ TEST(ExtremeViews, Row39AnyAngleOfViewAndOrthographic) {
     const Difference d = against_brute(model, parallel);
     EXPECT_GT(d.covered, 5000u);
     EXPECT_LE(d.hits, 2u);
+    EXPECT_LT(d.depth, kSameDepth);
 }
 
 // Surfels whose middles lie farther off the picture than ints count pixels.

@@ -75,5 +75,17 @@ TEST_F(Extremes, Row28ZeroNormalsAreEstimatedAndCounted) {
     EXPECT_EQ(m["opposed"], 0);
 }
 
+TEST_F(Extremes, Row28NormalsOfAnyLengthAreKept) {
+    Cloud cloud = sampled("sphere", 5000);
+    for (const float size : {1e-25f, 1e25f, 1e-40f, 3e38f}) {
+        SCOPED_TRACE(size);
+        Cloud scaled = cloud;
+        for (Vec3f& n : scaled.normals) n = n * size;
+        const auto result = built(write(scaled, "scaled.ply"));
+        EXPECT_EQ(result["normals_estimated"], 0);
+        EXPECT_EQ(result["stages"]["normals"]["kept"], 5000);
+    }
+}
+
 }  // namespace
 }  // namespace slim::test

@@ -1,5 +1,7 @@
 #include "raytrace/intersect/quadratic_in_ball.h"
 
+#include "slim/blend/roots.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -54,6 +56,23 @@ TEST(QuadraticInBall, FindsTheFirstOfTwoRootsThatLieAlike) {
         ASSERT_TRUE(stdx::all_of(root.hit));
         for (std::size_t k = 0; k < FloatV::size(); ++k) ASSERT_NEAR(root.t[k], -0.5f, 1e-6f);
     }
+}
+
+TEST(QuadraticInBall, AnExactTangentIsAHitAsInRoots) {
+    for (const float sign : {1.0f, -1.0f})
+        for (const float at : {0.0f, 0.5f, -0.25f, 0.75f}) {
+            SCOPED_TRACE(testing::Message() << sign << " at " << at);
+            const auto k = with_roots({at, at}, sign);
+            EXPECT_EQ(quadratic_roots<float>(k[0][0], k[1][0], k[2][0], -1, 1).first(), at);
+            for (const auto& root :
+                 {first_quadratic_in_ball<FloatV>(k, ball_about(0, 1), 10, -10.0f),
+                  nearest_quadratic_in_ball<FloatV>(k, ball_about(0, 1), 10,
+                                                    FloatV::mask_type(true))}) {
+                EXPECT_TRUE(stdx::all_of(root.hit));
+                for (std::size_t lane = 0; lane < FloatV::size(); ++lane)
+                    EXPECT_NEAR(root.t[lane], at, 1e-6f);
+            }
+        }
 }
 
 TEST(QuadraticInBall, HasNoRootWhereTheDiscriminantIsNegative) {

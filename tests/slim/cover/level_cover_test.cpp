@@ -56,6 +56,39 @@ TEST(LevelCover, Row09APlaneIsSaturatedLeavesAtTheRoot) {
     EXPECT_LT(static_cast<double>(c.counts.leaves), 6.3 * side * side / balls);
 }
 
+/// n points of the paraboloid w = (u^2 + v^2) / (2 R) over a square of half-width 1 in a plane
+/// that is none of the axes, in doubles.
+PointBlock tilted(std::size_t n, double radius) {
+    PointBlock block = graph_points(
+        n, 1, 1, [&](double u, double v) { return (u * u + v * v) / (2 * radius); });
+    const Frame<double> frame = frame_from_normal(normalized(Vec3d{0.3, -0.5, 0.7}));
+    for (std::size_t i = 0; i < n; ++i) {
+        Vec3d& p = block.position[i];
+        block.normal[i] = to_float(
+            frame.world_from_local(normalized(Vec3d{-p.x / radius, -p.y / radius, 1})));
+        p = frame.world_from_local(p);
+    }
+    return block;
+}
+
+TEST(LevelCover, Row09ATiltedPlaneIsSaturatedAsWell) {
+    for (const double radius : {HUGE_VAL, 1e6})
+        for (const bool windows : {false, true})
+            for (int degree = radius == 1e6 ? 2 : 1; degree <= 3; ++degree) {
+                SCOPED_TRACE(testing::Message() << "R " << radius << " degree " << degree
+                                                << (windows ? " windows" : " ladder"));
+                const PointBlock block = tilted(20000, radius);
+                CoverRules rules = rules_for(block, 0.01, degree);
+                rules.windows = windows;
+                const Cover c = cover(block, rules);
+                EXPECT_GT(c.counts.leaves, 0u);
+                EXPECT_EQ(c.counts.saturated, c.counts.leaves);
+                EXPECT_LT(c.counts.leaves, 150u);
+                for (const FittedSurfel& s : leaves_of(c))
+                    EXPECT_LT(s.fit_error, 1e-12 * rules.diagonal);
+            }
+}
+
 TEST(LevelCover, IsTheSameForAnyNumberOfThreads) {
     const PointBlock block = block_of(sampled("bumpy", 20000, 1, 1e-3));
     const CoverRules rules = rules_for(block, 0.005);
@@ -273,6 +306,14 @@ TEST(LevelCover, Row34BothExtremesOfTheThresholdEnd) {
     EXPECT_LT(median_radius(leaves_of(finest)), rules.diagonal / 40);
     EXPECT_EQ(finest.counts.saturated, 0u);
     EXPECT_GT(finest.counts.leaves, 5 * coarsest.counts.leaves);
+    // The row asks for forced leaves only. So it is by the windows, which force what they cannot
+    // bracket; the ladder takes its finest rung, of 3 points to a coefficient, as any other
+    // (slim/fit/notes/0021).
+    for (const FittedSurfel& s : leaves_of(finest)) EXPECT_LT(s.n_points, 8 * 18u);
+    EXPECT_EQ(finest.counts.forced, 0u);
+    rules.mdl_threshold = 1e-9, rules.windows = true;
+    const Cover windows = cover(block, rules);
+    EXPECT_EQ(windows.counts.forced, windows.counts.leaves);
 }
 
 }  // namespace

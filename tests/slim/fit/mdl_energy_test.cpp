@@ -48,5 +48,31 @@ TEST(MdlEnergy, IsThePapersAndScalesAsALengthSquared) {
     EXPECT_TRUE(std::isfinite(energy.upper_bound(fit, 0.1)));
 }
 
+TEST(MdlEnergy, RoundingOfFloatsIsNoError) {
+    // An exact plane that is none of the axes, in the floats of the ladder: its energy is the
+    // price alone and falls to the largest ball, whatever the unit.
+    const Frame<double> frame = frame_from_normal(normalized(Vec3d{0.3, -0.5, 0.7}));
+    for (const double unit : {1.0, 1e-9, 1e9}) {
+        const MdlEnergy energy{1e-30 * unit * unit, 0.01 * unit};
+        for (const double rho : {0.3 * unit, 0.01 * unit})
+            for (int degree = 1; degree <= 3; ++degree) {
+                SCOPED_TRACE(testing::Message() << rho << " degree " << degree);
+                std::vector<Vec3d> places;
+                for (std::uint64_t i = 0; i < 300; ++i)
+                    places.push_back((kCenter + frame.u_axis * random_at(1, i) * 0.7 +
+                                      frame.v_axis * random_at(2, i) * 0.7) *
+                                     rho);
+                const PointBlock block =
+                    block_of(places, std::vector<Vec3f>(300, to_float(frame.normal)));
+                BallPoints<float> ball;
+                gather_ball(tree_of(block), kCenter * rho, rho, ball);
+                const LocalFit fit = fit_ball(ball, 1, frame, degree);
+                EXPECT_GT(fit.sq_error, 0);
+                EXPECT_EQ(energy(fit.sq_error, rho), energy.price(rho));
+            }
+    }
+    EXPECT_GT(whole_variance(1e-14, 1), 0);
+}
+
 }  // namespace
 }  // namespace slim::test
