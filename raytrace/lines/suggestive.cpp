@@ -77,12 +77,15 @@ public:
             return kNone;
         const Step right = step(i, 1), down = step(i, width);
         // w = a right + b down in the tangent plane, by least squares.
-        const Vec3f w = radial_at(scene_, i).w;
-        const float xx = sq_length(right.move), xy = dot(right.move, down.move);
-        const float yy = sq_length(down.move), wx = dot(w, right.move), wy = dot(w, down.move);
-        const float det = xx * yy - xy * xy;
-        if (!(det > 1e-6f * xx * yy)) return kNone;
-        return ((wx * yy - wy * xy) * right.change + (wy * xx - wx * xy) * down.change) / det;
+        // In doubles: fourth powers of a length in any unit.
+        const Vec3d w = to_double(radial_at(scene_, i).w), r = to_double(right.move),
+                    d = to_double(down.move);
+        const double xx = sq_length(r), xy = dot(r, d), yy = sq_length(d), wx = dot(w, r),
+                     wy = dot(w, d);
+        const double det = xx * yy - xy * xy;
+        if (!(det > 1e-6 * xx * yy)) return kNone;
+        return static_cast<float>(
+            ((wx * yy - wy * xy) * right.change + (wy * xx - wx * xy) * down.change) / det);
     }
 
 private:

@@ -1,7 +1,11 @@
 #include "formats/model_file.h"
 #include "pipeline/child_process.h"
+#include "raytrace/lines/extract.h"
+#include "raytrace/project/forward_renderer.h"
+#include "slim/base/frame.h"
 #include "tests/pipeline/build/fit_stages_support.h"
 #include "tests/pipeline/extremes_support.h"
+#include "tests/slim/fit/fit_support.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -70,6 +74,50 @@ Cloud detailed() {
     return cloud;
 }
 
+// T is a share of the box's diagonal, which turns with the axes (3.52 and 3.64 here).
+TEST_F(Extremes, Row03ATurnedCloudHasAsManyLeavesByTheCommand) {
+    const Cloud cloud = sampled("bumpy", 30000);
+    const double leaves = built(write(cloud, "upright.ply"), "upright.slim")["leaves"];
+    const double l2 = measure(file("upright.slim"), file("upright.ply"))["l2"];
+    for (std::uint64_t i = 0; i < 2; ++i) {
+        SCOPED_TRACE(i);
+        const Frame<double> turn = frame_from_normal(random_direction(5, i));
+        Cloud turned = cloud;
+        for (std::size_t k = 0; k < cloud.size(); ++k) {
+            turned.positions[k] = turn.local_from_world(cloud.positions[k]);
+            turned.normals[k] = to_float(turn.local_from_world(to_double(cloud.normals[k])));
+            turned.truth[k].normal = turn.local_from_world(cloud.truth[k].normal);
+        }
+        const auto result = built(write(turned, "turned.ply"));
+        EXPECT_NEAR(result["leaves"].get<double>() / leaves, 1, 0.03);
+        const auto m = measure(file("m.slim"), file("turned.ply"));
+        EXPECT_EQ(m["missed"], 0);
+        EXPECT_NEAR(m["l2"].get<double>() / l2, 1, 0.1);
+    }
+}
+
+TEST_F(Extremes, Row13ACyclideModelHasNoCrestLines) {
+    BuildConfig config = build_config(write(sampled("cyclide", 40000), "cyclide.ply"), "m.slim");
+    config.degree = "3";
+    build(config);
+    const ModelFile model = ModelFile::open(file("m.slim"));
+    const std::vector<LineKind> kinds{LineKind::valley, LineKind::ridge};
+    for (const char* camera : {"top", "front", "iso"}) {
+        SCOPED_TRACE(camera);
+        RenderRequest request;
+        request.camera =
+            named_camera(camera, model.tree().header().bounds, 1, {.up = UpAxis::z});
+        request.width = request.height = 300;
+        request.wanted = line_channels(kinds, 3);
+        request.lod_px = 0;
+        GBuffer out;
+        ASSERT_GT(render_forward(model.tree(), request, out).covered_pixels, 5000u);
+        const PixelView view = pixel_view(request.camera, 300, 300);
+        EXPECT_TRUE(
+            extract_lines({out, view, model.tree().header().diagonal, 3}, kinds).empty());
+    }
+}
+
 TEST_F(Extremes, Row04ADistantCloudInDoublesIsTheUnshiftedOne) {
     Cloud cloud = detailed();
     built(write(cloud, "near.ply"), "near.slim");
@@ -133,6 +181,32 @@ TEST_F(Extremes, Row35AnExactPlaneHasAFlooredLambdaAndSaturatedLeaves) {
     EXPECT_EQ(fit["saturated"], fit["leaves"]);
     EXPECT_LT(measure(file("m.slim"), file("plane.ply"))["max"].get<double>(),
               1e-7);  // stored as floats
+}
+
+TEST_F(Extremes, Row35ATiltedPlaneInDoublesToo) {
+    const Frame<double> frame = frame_from_normal(normalized(Vec3d{0.3, -0.5, 0.7}));
+    Cloud plane = sampled("plane", 10000);
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+        Vec3d& p = plane.positions[i];
+        p.z = 0;
+        p = frame.world_from_local(p);
+        plane.normals[i] = to_float(frame.normal);
+        plane.truth[i].normal = frame.normal;
+    }
+    const std::string cloud = write(plane, "tilted.ply");
+    for (const char* rule : {"ladder", "windows"})
+        for (const char* degree : {"1", "2", "3", "auto"}) {
+            if (rule == std::string("windows") && degree == std::string("auto")) continue;
+            SCOPED_TRACE(testing::Message() << rule << ", degree " << degree);
+            BuildConfig config = build_config(cloud, "m.slim");
+            config.radius_rule = rule, config.degree = degree;
+            const auto fit = fit_of(build(config));
+            EXPECT_TRUE(fit["noise_variance_floored"].get<bool>());
+            EXPECT_GT(fit["noise_variance"].get<double>(), 0);
+            EXPECT_EQ(fit["saturated"], fit["leaves"]);
+            EXPECT_LT(fit["leaves"].get<int>(), 150);
+            EXPECT_LT(measure(file("m.slim"), cloud)["max"].get<double>(), 1e-7);  // floats
+        }
 }
 
 }  // namespace

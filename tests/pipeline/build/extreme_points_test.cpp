@@ -132,6 +132,12 @@ TEST_F(Extremes, Row31AFewPointsMakeAModelThatRenders) {
         }
         const auto result = built(cloud);
         EXPECT_EQ(fit_of(result)["degrees"]["2"], 0);
+        EXPECT_EQ(result["leaves"], n == 3 ? 1 : 2);
+        EXPECT_EQ(result["dropped"], 0);
+        const auto measured = measure(file("m.slim"), cloud);
+        EXPECT_EQ(measured["missed"], 0);
+        // Eight of the nine lie in a plane, the middle one 0.035 L off it.
+        EXPECT_LT(measured["max"].get<double>(), n == 3 ? 1e-7 : 0.03);
         RenderConfig render;
         render.model = file("m.slim");
         render.output = file("few.png");

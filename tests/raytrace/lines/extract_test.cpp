@@ -143,6 +143,34 @@ TEST(ExtractLines, ATorusHasNoCrestLines) {
     }
 }
 
+TEST(ExtractLines, SuggestiveContoursAreTheSameInAnyUnit) {
+    // A quadratic torus, whose slopes are differences: fourth powers of lengths in the picture.
+    const auto crossings_at = [](double scale) {
+        const auto model = test::torus_model(scale, 0.35 * scale, 90, 36, 2);
+        RenderRequest request;
+        request.camera.eye = Vec3d{4, 0, 1.2} * scale, request.camera.up = {0, 0, 1};
+        request.width = request.height = 400;
+        request.wanted = line_channels(kAllLineKinds, 2), request.lod_px = 0;
+        GBuffer buffer;
+        render_forward(model.view(), request, buffer);
+        const LineScene scene{buffer, pixel_view(request.camera, 400, 400), 3 * scale, 2};
+        return suggestive_crossings(scene, Sheets(scene)).crossings;
+    };
+    const auto reference = crossings_at(1);
+    ASSERT_GT(reference.size(), 100u);
+    for (const int power : {-36, 36}) {
+        SCOPED_TRACE(power);
+        const auto crossings = crossings_at(std::ldexp(1.0, power));
+        ASSERT_EQ(crossings.size(), reference.size());
+        for (std::size_t i = 0; i < crossings.size(); ++i) {
+            ASSERT_EQ(crossings[i].pixel, reference[i].pixel);
+            ASSERT_EQ(crossings[i].edge, reference[i].edge);
+            ASSERT_EQ(crossings[i].x, reference[i].x);
+            ASSERT_EQ(crossings[i].y, reference[i].y);
+        }
+    }
+}
+
 TEST(ExtractLines, AnEdgeWithinAPixelIsARidgeOrAValley) {
     // Two planes at a right angle that meet at y = 0.123, seen along their bisector; flat as they
     // are.

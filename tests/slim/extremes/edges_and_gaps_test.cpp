@@ -175,7 +175,7 @@ TEST(Extremes, Row19StepOvershootsWithinABound) {
     EXPECT_GT(step.counts().forced, 0u);
 }
 
-TEST(Extremes, Row22NothingIsDrawnFartherFromADiscWithAHoleThanItsCores) {
+TEST(Extremes, Row22LittleIsDrawnBeyondTheBordersOfADiscWithAHole) {
     std::vector<Vec3d> positions;
     for (std::uint64_t i = 0; positions.size() < 20000; ++i) {
         const double x = random_at(1, 2 * i), y = random_at(1, 2 * i + 1), r = std::hypot(x, y);
@@ -185,6 +185,7 @@ TEST(Extremes, Row22NothingIsDrawnFartherFromADiscWithAHoleThanItsCores) {
     const Built model(block_of(std::move(positions), std::vector<Vec3f>(n, Vec3f{0, 0, 1})));
     double rho = 0;
     for (const FittedSurfel& s : model.leaves()) rho = std::max(rho, s.surfel.support_radius);
+    constexpr double kFarthest = 0.13;  // from the points
     std::size_t outside = 0, open = 0;
     for (int i = -75; i <= 75; ++i)
         for (int j = -75; j <= 75; ++j) {
@@ -192,12 +193,13 @@ TEST(Extremes, Row22NothingIsDrawnFartherFromADiscWithAHoleThanItsCores) {
             const bool hit = model.ray_hit({x, y, 1}, {0, 0, -1}).has_value();
             const double off = std::max(r - 1, 0.4 - r);
             ASSERT_TRUE(hit || off > 0) << "a crack at " << x << ", " << y;
-            ASSERT_FALSE(hit && off > kTrim * rho) << "bridged at " << x << ", " << y;
-            if (off > 0 && off <= kTrim * rho) ++open, outside += hit ? 1u : 0u;
+            // The points lie 0.012 apart, cores reach 0.2: today 0.122 at most.
+            ASSERT_FALSE(hit && off > kFarthest) << "bridged at " << x << ", " << y;
+            if (off > 0 && off <= kHitTrim * rho) ++open, outside += hit ? 1u : 0u;
         }
     // Leaves of a border move inwards, so most of the rims that cores could reach stays open: today
-    // 59 %.
-    EXPECT_LT(2 * outside, open);
+    // 80 %.
+    EXPECT_LT(4 * outside, open);
 }
 
 TEST(Extremes, Row23DensityOfHundredToOneLeavesHardlyACrack) {

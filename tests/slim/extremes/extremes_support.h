@@ -113,7 +113,7 @@ public:
         std::optional<double> best;
         Vec3d gradient;
         for (const FittedSurfel& s : leaves_) {
-            const auto t = first_hit(Ray{origin, direction}, s.surfel, 0, kTrim, gradient);
+            const auto t = first_hit(Ray{origin, direction}, s.surfel, 0, kHitTrim, gradient);
             if (t && dot(gradient, direction) < 0 && !(best && *best <= *t)) best = t;
         }
         return best;
