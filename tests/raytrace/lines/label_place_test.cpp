@@ -102,10 +102,10 @@ TEST(LabelPlace, ShortLinesAndCrookedOnesHaveNone) {
 }
 
 TEST(LabelPlace, NoneDanglesAtALinesEnd) {
-    // Straight from the picture's side on for some pixels, then crooked.
+    // Straight from the picture's left side on for some pixels, then crooked.
     const auto lines = [](double straight_until) {
         return [=](double x, double y) {
-            const double past = std::max(0.0, x - straight_until);
+            const double past = std::max(0.0, x + 200 - straight_until);
             return 50 + 0.2 * (y + 6 * std::sin(past / 3));
         };
     };
