@@ -12,7 +12,7 @@ enum class InputKind { missing, folder, model, cloud, other };
 /// Looks at the first bytes; a cloud is what yields a point. Never throws.
 InputKind input_kind(const std::string& path);
 
-/// FormatError that says how to make a model of it if the path is a cloud, and what is wrong with it
+/// FormatError that says how to make a model of it if the path is a cloud, and what is wrong with
 /// if it would be a cloud (by its first bytes or name) but cannot be read; ConfigError that says
 /// what a model is if it is a folder; anything else is left to the reader.
 void require_model(const std::string& path);

@@ -20,7 +20,7 @@ namespace {
 using Leaves = std::vector<const Surfel*>;
 
 constexpr std::size_t kTogether = 4;  // leaves that share a list of those near
-constexpr std::size_t kPiece = 256;   // leaves of a task
+constexpr std::size_t kPiece = 256;   // leaves of a task, at most
 constexpr double kBeyond = 0.03;      // over rho: just outside of what is drawn
 constexpr double kOnSheet = 0.3;      // over rho of the other leaf, along the normal
 constexpr double kFacesAway = -0.2;   // cosine of normals: what is drawn is another side
@@ -31,7 +31,7 @@ constexpr double kOff = 0.6;          // times the points' spacing: off the leaf
 constexpr double kWidest = 0.8 * std::numbers::pi;  // between directions to points on all sides
 constexpr double kAlike = 1e-6;
 
-/// How far a leaf is drawn in direction k of its tangent plane, over rho.
+/// How far a leaf is drawn in direction (u, v) of its tangent plane, over rho.
 double drawn_reach(const Surfel& s, double u, double v) {
     double reach = kHitTrim;
     for (const PackedRim packed : {s.rims.first, s.rims.second}) {
@@ -74,21 +74,26 @@ bool is_drawn_at(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
 
 namespace {
 
+/// Those of the others whose balls meet the box of some leaves' balls.
+Leaves meeting(std::span<const Surfel* const> leaves, const Leaves& others) {
+    Bbox box;
+    for (const Surfel* s : leaves) {
+        const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
+        box.extend(s->center - r), box.extend(s->center + r);
+    }
+    Leaves near;
+    for (const Surfel* s : others)
+        if (box.sq_distance(s->center) < s->support_radius * s->support_radius) near.push_back(s);
+    return near;
+}
+
 class GapSearch {
 public:
     explicit GapSearch(const PointTree& points) : points_(points) {}
 
     void look(std::span<const Surfel* const> leaves, const Leaves& others,
               std::vector<Gap>& out) {
-        Bbox box;
-        for (const Surfel* s : leaves) {
-            const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
-            box.extend(s->center - r), box.extend(s->center + r);
-        }
-        Leaves near;
-        for (const Surfel* s : others)
-            if (box.sq_distance(s->center) < s->support_radius * s->support_radius)
-                near.push_back(s);
+        const Leaves near = meeting(leaves, others);
         if (leaves.size() > kTogether) {
             const std::size_t half = leaves.size() / 2;
             look(leaves.first(half), near, out);
@@ -191,16 +196,40 @@ Leaves along_curve(const Leaves& leaves) {
 
 }  // namespace
 
-std::vector<Gap> find_gaps(const PointTree& points, const Leaves& leaves) {
-    const Leaves ordered = along_curve(leaves);
-    std::vector<std::vector<Gap>> found((ordered.size() + kPiece - 1) / kPiece);
-    parallel_blocks(ordered.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-        GapSearch(points).look(std::span(ordered).subspan(begin, end - begin), ordered,
-                               found[begin / kPiece]);
-    });
+namespace {
+
+/// The gaps about leaves that lie together, halves of many at the same time.
+std::vector<Gap> gaps_about(const PointTree& points, std::span<const Surfel* const> leaves,
+                            const Leaves& others) {
     std::vector<Gap> out;
-    for (const auto& f : found) out.insert(out.end(), f.begin(), f.end());
+    if (leaves.size() <= kPiece) {
+        GapSearch(points).look(leaves, others, out);
+        return out;
+    }
+    const Leaves near = meeting(leaves, others);
+    const std::size_t half = leaves.size() / 2;
+    std::vector<Gap> rest;
+    run_both([&] { out = gaps_about(points, leaves.first(half), near); },
+             [&] { rest = gaps_about(points, leaves.subspan(half), near); });
+    out.insert(out.end(), rest.begin(), rest.end());
     return out;
+}
+
+/// Those whose balls meet the box of the points: of a slice few of the coarse ones do.
+Leaves at_points(const PointTree& points, const Leaves& leaves) {
+    Bbox box;
+    for (std::size_t i = 0; i < points.size(); ++i) box.extend(points.position(i));
+    Leaves out;
+    for (const Surfel* s : leaves)
+        if (box.sq_distance(s->center) < s->support_radius * s->support_radius) out.push_back(s);
+    return out;
+}
+
+}  // namespace
+
+std::vector<Gap> find_gaps(const PointTree& points, const Leaves& leaves) {
+    const Leaves ordered = along_curve(at_points(points, leaves));
+    return gaps_about(points, ordered, ordered);
 }
 
 }  // namespace slim

@@ -238,8 +238,8 @@ void LeafMaker::make(LeafCandidate& c, double lower, LeafWork& work) const {
             continue;
         }
         double share = std::exchange(may_end_at_edges, false)
-                                 ? share_before_edges(c.surfel, work.exact.ball)
-                                 : 1;
+                           ? share_before_edges(c.surfel, work.exact.ball)
+                           : 1;
         if (share == 1 && std::exchange(may_end_at_points, false)) {
             share = share_at_end(c.surfel);
             if (share * c.choice.radius < c.choice.finest) share = 1;

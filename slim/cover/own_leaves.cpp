@@ -18,10 +18,8 @@ namespace {
 
 constexpr int kRounds = 6;
 constexpr int kTries = 2;       // of a point
-constexpr double kApart = 0.5;  // over rho: a leaf of the same round
-                                // may have mended what is so near
-
-constexpr double kThin = 0.1;  // eps / rho: a thicker leaf is no surface to close a gap with
+constexpr double kApart = 0.5;  // over rho: a leaf of the same round may have mended it
+constexpr double kThin = 0.1;   // eps / rho: a thicker leaf is no surface to close a gap with
 
 bool is_thin(const FittedSurfel& f) { return f.fit_error <= kThin * f.surfel.support_radius; }
 
@@ -59,11 +57,13 @@ public:
             const auto closes = [&](const CoveringSurfel& leaf) {
                 return is_drawn_at(leaf.fitted.surfel, gap.place, gap.normal);
             };
+            const std::uint64_t id = block_.id[point];
             const auto serves = [&](const std::optional<CoveringSurfel>& leaf) {
-                return leaf && closes(*leaf) && is_thin(leaf->fitted) && !maker_.rounds_off(*leaf);
+                return leaf && leaf->fitted.point_id == id && closes(*leaf) &&
+                       is_thin(leaf->fitted) && !maker_.rounds_off(*leaf);
             };
             if (std::any_of(own_.begin(), own_.end(), closes)) continue;
-            if (!nobodys.insert(block_.id[point]).second) continue;  // no two leaves of a point
+            if (!nobodys.insert(id).second) continue;  // no two leaves of a point
             auto leaf = maker_.make_own(point, 0, work_);
             if (!serves(leaf)) leaf = maker_.make_usual(point, work_);
             if (serves(leaf)) add(std::move(*leaf));
@@ -83,8 +83,8 @@ public:
     }
 
 private:
-    /// Adds a leaf as the file will hold it, which turns the axes of linear ones,
-    /// and so their rims a little.
+    /// Adds a leaf as the file will hold it, which turns the axes of linear ones, and so their rims
+    /// a little.
     void blend(const Surfel& s) {
         leaves_.push_back(s.degree < 2 ? &copies_.emplace_back(level_linear(s)) : &s);
     }
@@ -151,8 +151,8 @@ private:
         int made = 0, leaves = 0;
     };
     std::unordered_map<std::uint32_t, Tries> tries_;  // of places
-    std::vector<std::uint8_t> mended_in_;             // the last round in which a
-                                                      // leaf came near a place
+    // the last round in which a leaf came near a place
+    std::vector<std::uint8_t> mended_in_;
     std::unordered_set<std::uint64_t> dropped_;
 };
 

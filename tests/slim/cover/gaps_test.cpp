@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -97,6 +98,25 @@ OwnLeavesFound own_at(const PointBlock& block, const CoverRules& rules, const Ve
     const LeafMaker maker(block, rules, pyramid);
     LeafWork work;
     return own_leaves(pyramid.all(), block, rules, maker, source_of(left), {{}, {}, at_gaps}, work);
+}
+
+TEST(Gaps, AreTheSameForAnyNumberOfThreads) {
+    const PointBlock block = block_of(sampled("sculpture", 20000));
+    const CoverRules rules = rules_for(block, 0.01);
+    std::vector<Surfel> leaves;
+    for (const FittedSurfel& f : leaves_of(cover(block, rules))) leaves.push_back(f.surfel);
+    for (std::size_t i = 0; i < leaves.size(); i += 7) leaves[i].support_radius *= 0.5;
+    const PointTree tree = tree_of(block);
+    const auto places = [&](int n_threads) {
+        const ThreadLimit limit(n_threads);
+        std::vector<std::array<double, 3>> out;
+        for (const Gap& gap : find_gaps(tree, pointers_to(leaves)))
+            out.push_back({gap.place.x, gap.place.y, gap.place.z});
+        return out;
+    };
+    const auto one = places(1);
+    EXPECT_GT(one.size(), 10u);
+    EXPECT_EQ(one, places(4));
 }
 
 TEST(Gaps, AreClosedByLeavesOfTheirOwn) {
