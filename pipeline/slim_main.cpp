@@ -36,7 +36,7 @@ constexpr Verb kVerbs[] = {
     {"info", "what is in a file: counts, bounds, attributes, provenance, health"},
     {"run", "all that a job file asks for, and a page with the results"},
     {"plan", "a job as a Makefile, a Slurm script or a Snakefile, or what it leaves out and why"},
-    {"report", "experiments as curves of error against run time, on one page"},
+    {"report", "experiments as curves of error against run time, jobs as rows, on one page"},
     {"slice", "stage 1: one or many clouds into slices with one origin"},
     {"normals", "stage 2: keep, estimate and orient normals"},
     {"fit", "stage 3: surfels of every level"},

@@ -47,6 +47,7 @@ void apply_table(const TomlTable& table, const FieldList& fields,
                  const std::filesystem::path& file);
 
 /// apply_table of a file that holds nothing but a stage's keys; returns those that it says.
-std::vector<std::string> apply_config_file(const std::filesystem::path& file, const FieldList& fields);
+std::vector<std::string> apply_config_file(const std::filesystem::path& file,
+                                           const FieldList& fields);
 
 }  // namespace slim

@@ -14,7 +14,7 @@ struct InfoConfig {
 
     template <class V>
     void visit(V&& field) {
-        field.input("file", file, 
+        field.input("file", file,
                     "model.slim, a slice, a fit, a cloud, or another file of ours: JSON, a picture, "
                     "a truth, a drawing, a job, a page");
     }

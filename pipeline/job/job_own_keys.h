@@ -7,7 +7,8 @@
 
 namespace slim {
 
-// The keys of a job's tables that are the job's own, and those of the verbs that it fills in itself.
+// The keys of a job's tables that are the job's own, and those of the verbs that it fills in
+// itself.
 
 inline constexpr int kJobSchema = 1;  ///< schema_version that this program reads
 

@@ -119,14 +119,17 @@ void override_views(TomlTable& root, const std::vector<TomlValue>& options) {
     }
 }
 
+/// Nothing for an empty value: a command line would take its next word for it.
 void append_option(const Field& field, std::vector<std::string>& out) {
     if (field.is_flag()) {
         const bool on = field.items()[0] == "true";
         out.push_back(on ? field.option() : "--no-" + field.option().substr(2));
     } else if (field.is_path()) {
-        for (const std::string& item : field.items()) out.push_back(field.option() + "=" + item);
+        for (const std::string& item : field.items())
+            if (!item.empty()) out.push_back(field.option() + "=" + item);
     } else {
-        out.push_back(fmt::format("{}={}", field.option(), fmt::join(field.items(), ",")));
+        const std::string value = fmt::format("{}", fmt::join(field.items(), ","));
+        if (!value.empty()) out.push_back(field.option() + "=" + value);
     }
 }
 

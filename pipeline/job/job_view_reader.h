@@ -15,7 +15,8 @@ struct JobPictures {
     const TomlTable& root;
     const std::vector<std::string>& usual_aovs;  ///< of a view that names none
     const std::filesystem::path& model;
-    const std::filesystem::path picture = {};  ///< of the one view; empty: named in the job's folder
+    /// of the one view; empty: named in the job's folder
+    const std::filesystem::path picture = {};
     /// The command line changed what is drawn: what the file says in vain then is left out.
     bool overridden = false;
 };

@@ -167,7 +167,7 @@ std::vector<Job> read_report_jobs(const std::vector<std::string>& files, const f
                 fmt::format("{} and {}: expected jobs of different names", other->second, file));
         std::vector<std::string> changes = settings;
         if (!has_table(read_toml(file), "measure"))  // its errors are what is asked for
-            changes.push_back("measure.two_way=false");
+            changes.insert(changes.begin(), "measure.two_way=false");
         jobs.push_back(read_job(file, job_settings({file, {}, (folder / name).string(), changes})));
         require_inputs(jobs.back());
     }

@@ -21,7 +21,7 @@ struct ReportConfig {
 
     template <class V>
     void visit(V&& field) {
-        field.input("files", files, 
+        field.input("files", files,
                     "report files (TOML): experiments, as in configs/report/; or ordinary jobs, a "
                     "row each");
         field.output("output", output,
@@ -29,7 +29,7 @@ struct ReportConfig {
         field("seed", seed, "of all random numbers that experiments name");
         field("cap", cap, "leave out rows of more points than this (0: none)");
         field.path("programs", programs, "folders to look for commands in, before PATH (peers)");
-        field.settings(settings, 
+        field.settings(settings,
                        "a value of a report file is written values.KEY, as values.points, a key of "
                        "jobs TABLE.KEY, as fit.t_mdl");
     }

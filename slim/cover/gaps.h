@@ -19,7 +19,7 @@ struct Gap {
 /// The gaps between leaves, by leaf along a curve: a gap has as many places as leaves see of it.
 /// leaves: of the points, and of all that is drawn beside them.
 /// Cost: O(n log n) lists of n leaves that lie together; for each leaf 32 places times the leaves
-/// whose balls meet its own, 4 us in all; for places that nobody draws a search for some ten points.
+/// whose balls meet its own, 4 us in all; for places that nobody draws a search for ten points.
 std::vector<Gap> find_gaps(const PointTree& points, const std::vector<const Surfel*>& leaves);
 
 /// Whether a leaf that faces the same way is drawn at a place, or a little above or below it.

@@ -30,8 +30,8 @@ struct OwnLeavesFound {
 /// neighbours. Only points that the job owns, that are no strays and that no coarser level dropped;
 /// of gaps only such as nobody dropped. block: of `points`; others: as they end, beside those of
 /// coarser levels, which the rules know; the same objects as long as this runs.
-/// Cost: find_gaps(), and its gaps times the leaves that close some; far_points() of all once; a search of a radius and a fit a leaf, by
-/// one thread; a byte a point.
+/// Cost: find_gaps(), and its gaps times the leaves that close some; far_points() of all once; a
+/// search of a radius and a fit a leaf, by one thread; a byte a point.
 OwnLeavesFound own_leaves(const PointTree& points, const PointBlock& block,
                           const CoverRules& rules, const LeafMaker& maker,
                           const SurfelSource& others, const OwnLeafRules& own, LeafWork& work);

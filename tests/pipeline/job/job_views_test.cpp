@@ -34,7 +34,8 @@ TEST(Job, ViewsLeaveRoomForALegendIfAPictureOfTheJobHasOne) {
     for (const JobStep& step : keys.steps) EXPECT_FALSE(has(step, "--legend-room")) << step.name;
 }
 
-/// Views of a model of degree 2, without colours and sharp surfels, beside options of a command line.
+/// Views of a model of degree 2, without colours and sharp surfels, beside options of a command
+/// line.
 Job drawing_of(const std::string& text, std::vector<TomlValue> options = {},
                const fs::path& picture = {}) {
     JobDrawing drawing{"m.slim", {}, "pictures", picture, {}};
