@@ -44,11 +44,13 @@ std::vector<fs::path> missing(const fs::path& folder) {
 
 }  // namespace
 
-void make_folders(const std::string& folder) {
+bool make_folders(const std::string& folder) {
     const std::vector<fs::path> todo = missing(fs::path(folder));
     const std::lock_guard lock(guard());
+    bool made_it = false;
     for (auto at = todo.rbegin(); at != todo.rend(); ++at) {
-        if (::mkdir(at->c_str(), 0777) == 0) {
+        made_it = ::mkdir(at->c_str(), 0777) == 0;
+        if (made_it) {
             made().push_back(fs::absolute(*at).string());
             continue;
         }
@@ -58,6 +60,7 @@ void make_folders(const std::string& folder) {
         throw IoError(message(folder, ": cannot make this folder: ", std::strerror(error)),
                       full ? ExitCode::resource : ExitCode::usage);
     }
+    return made_it;
 }
 
 void remove_empty_made_folders() {

@@ -41,16 +41,6 @@ bool holds_already(const std::string& folder) {
     return false;
 }
 
-/// -1 if it is missing and not to be made.
-int open_folder(const std::string& folder, FolderLock::Hold hold) {
-    if (hold == FolderLock::Hold::alone) make_folders(folder);
-    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0 && hold == FolderLock::Hold::alone)
-        throw IoError(fmt::format("{}: cannot be created: {}", folder, std::strerror(errno)),
-                      ExitCode::usage);
-    return descriptor;
-}
-
 /// False if another process holds it; what cannot be locked counts as locked.
 bool lock(int descriptor, FolderLock::Hold hold) {
     const int how = hold == FolderLock::Hold::alone ? LOCK_EX : LOCK_SH;
@@ -61,6 +51,15 @@ bool lock(int descriptor, FolderLock::Hold hold) {
 }
 
 }  // namespace
+
+int FolderLock::open_folder(const std::string& folder, Hold hold) {
+    made_it_ = hold == Hold::alone && make_folders(folder);
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0 && hold == Hold::alone)
+        throw IoError(fmt::format("{}: cannot be created: {}", folder, std::strerror(errno)),
+                      ExitCode::usage);
+    return descriptor;
+}
 
 FolderLock::FolderLock(const std::string& folder, Hold hold) {
     if (holds_already(folder)) return;

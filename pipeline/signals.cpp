@@ -3,7 +3,10 @@
 #include "formats/atomic_file.h"
 #include "formats/made_folders.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <ctime>
 #include <string_view>
@@ -20,7 +23,8 @@ constexpr int kMoreForAChild = 2;
 std::atomic<int> stop_signal{0};
 std::atomic<pid_t> child{0};
 
-/// What `nohup` lets its command ignore, which sigwait would notice nevertheless.
+/// What `nohup`, `trap '' INT` or the `&` of a script lets its command ignore, which sigwait would
+/// notice nevertheless.
 bool is_ignored(int signal) {
     struct sigaction now {};
     return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
@@ -29,10 +33,8 @@ bool is_ignored(int signal) {
 sigset_t stop_signals() {
     sigset_t set;
     sigemptyset(&set);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGXCPU);
-    if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU})
+        if (!is_ignored(signal)) sigaddset(&set, signal);
     return set;
 }
 
@@ -52,6 +54,20 @@ sigset_t hurry_signals() {
     return set;
 }
 
+/// Whether one of the set came within so many seconds, in which the process may be stopped
+/// (SIGSTOP) and go on.
+bool comes_within(int seconds, const sigset_t& set) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = Clock::now() + std::chrono::seconds(seconds);
+    for (;;) {
+        const auto left = std::max(std::chrono::nanoseconds(0),
+                                   std::chrono::nanoseconds(end - Clock::now()));
+        const timespec time{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
+        if (sigtimedwait(&set, nullptr, &time) > 0) return true;
+        if (errno != EINTR) return false;
+    }
+}
+
 void wait_for_signals() {
     const sigset_t set = stop_signals();
     int signal = 0;
@@ -59,9 +75,8 @@ void wait_for_signals() {
     stop_signal = signal;
     if (const pid_t pid = child.load()) kill(pid, signal);
     const bool has_child = child.load() != 0;
-    const timespec grace{has_child ? kGraceSeconds + kMoreForAChild : kGraceSeconds, 0};
-    const sigset_t hurry = hurry_signals();
-    const bool again = sigtimedwait(&hurry, nullptr, &grace) > 0;
+    const bool again =
+        comes_within(kGraceSeconds + (has_child ? kMoreForAChild : 0), hurry_signals());
     if (const pid_t pid = child.load(); pid && again) {
         kill(pid, signal);
         sleep(kMoreForAChild);
@@ -70,7 +85,7 @@ void wait_for_signals() {
     remove_live_temporaries();
     remove_empty_made_folders();
     constexpr std::string_view kSaid =
-        "interrupted before its work was done: nothing unfinished is left\n";
+        "interrupted before its work was done: no half-written file is left\n";
     if (!has_child && write(STDERR_FILENO, kSaid.data(), kSaid.size()) < 0)
         _exit(static_cast<int>(ExitCode::internal));
     _exit(static_cast<int>(exit_code_of(signal)));
@@ -80,10 +95,16 @@ void wait_for_signals() {
 
 void watch_signals() {
     const sigset_t set = stop_signals();
-    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    sigset_t before;
+    pthread_sigmask(SIG_BLOCK, &set, &before);
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // the write then fails, which AtomicFile reports as a full disk
-    std::thread(wait_for_signals).detach();
+    try {
+        std::thread(wait_for_signals).detach();
+    } catch (...) {  // nobody waits for them: they are to end the process as they would
+        pthread_sigmask(SIG_SETMASK, &before, nullptr);
+        throw;
+    }
 }
 
 void check_stop() {

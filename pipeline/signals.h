@@ -18,11 +18,12 @@ struct Interrupted : Error {
                           : "interrupted") {}
 };
 
-/// Blocks SIGINT, SIGTERM, SIGHUP (unless ignored, as by nohup) and SIGXCPU in this and later
-/// threads and waits for them in a thread of its own;
+/// Blocks SIGINT, SIGTERM, SIGHUP and SIGXCPU in this and later threads, but for those that are
+/// ignored (SIGHUP by nohup, SIGINT by `trap '' INT`), and waits for them in a thread of its own;
 /// ignores SIGPIPE and SIGXFSZ (writes fail instead). Call first in main. On a signal: passes it to
 /// the child of watch_child, lets check_stop throw, and if the stage has not ended after the grace
 /// time (or a second signal comes) removes half-written files and leaves the process.
+/// throws std::system_error where there is no room for the thread; then nothing is blocked
 void watch_signals();
 
 /// Throws Interrupted if a signal came.

@@ -235,11 +235,11 @@ void StageContext::check_stop() const { slim::check_stop(); }
 
 int run_erased_stage(const ErasedStage& stage, int argc, char** argv) {
     share_one_heap_under_a_limit();
-    watch_signals();
     const auto fail = [&](ExitCode code, const std::string& what) {
         return report_failure(stage, asks_json(argc, argv), code, what);
     };
     try {
+        watch_signals();  // may find no room for its thread
         work(stage, argc, argv);
         return 0;
     } catch (const Error& error) {

@@ -207,7 +207,12 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
     result["stages"] = stages;
     if (state.work.is_own && !put_aside(state.work))
         context.reporter.warn(work + ": holds files that no build made, which are left there");
-    return stamp.commit(std::move(result));
+    try {
+        return stamp.commit(std::move(result));
+    } catch (...) {  // no record, no finished build: the same command is to go on from the folder
+        if (state.work.is_own) bring_back(state.work);
+        throw;
+    }
 }
 
 /// Ends with what becomes of the intermediate files of a build that failed or was stopped. Called
@@ -216,8 +221,9 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
     const WorkFolder& work = state.work;
     const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
     const bool sliced = fs::exists(manifest_path(work.path, "slice"));
-    const bool wrote =
-        !work.had_plan || state.stages.contains("slice") || !fs::exists(plan_path(work.path));
+    const auto slice = state.stages.find("slice");
+    const bool sliced_anew = slice != state.stages.end() && !slice->contains("up_to_date");
+    const bool wrote = !work.had_plan || sliced_anew || !fs::exists(plan_path(work.path));
     // A bad input leaves nothing to resume from, a build stopped while slicing hardly more. What an
     // earlier build left stays where this one changed none of it.
     const bool goes = work.is_own && ((bad && wrote) || !sliced);
@@ -226,6 +232,13 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
     throw Error(error.code(),
                 fmt::format("{}; the same command goes on where it was, from {}, which stays",
                             error.what(), work.path));
+}
+
+/// The same for what is no Error (a file system's, of memory, of threads): goes on as it came.
+void drop_unsliced(const BuildState& state) {
+    std::error_code none;
+    const bool sliced = fs::exists(manifest_path(state.work.path, "slice"), none);
+    if (state.work.is_own && !sliced) remove_own_work(state.work);
 }
 
 }  // namespace
@@ -251,15 +264,17 @@ nlohmann::json run_build(const BuildConfig& config, StageContext& context) {
         result = *done;
     } else {
         if (config.color) require_colors(config.inputs);
-        const bool existed = fs::exists(fs::symlink_status(work));
         const FolderLock lock(work);
-        const WorkFolder folder = claim_work(config, existed, context.reporter);
+        const WorkFolder folder = claim_work(config, !lock.made_it(), context.reporter);
         BuildState state{HandedPoints(folder.is_own), folder};
         try {
             result = build_in(config, state, stamp, context);
             if (folder.is_own) remove_put_aside(work);
         } catch (const Error& error) {
             give_up(state, error);
+        } catch (const std::exception&) {
+            drop_unsliced(state);
+            throw;
         }
     }
     context.text = build_summary(config.output, config.inputs, result);

@@ -85,10 +85,11 @@ std::uint64_t most_gathered(const SliceConfig& config) {
     return config.slices > 1 ? 0 : points_in_memory(parse_memory_size(config.memory));
 }
 
-/// Slices of an earlier run with more of them would be taken for ours.
+/// Slices of an earlier run with more of them would be taken for ours. A folder stays that holds
+/// files of others too.
 void remove_slices_from(const fs::path& work, std::size_t first) {
     for (std::size_t i = first; fs::exists(slice_folder(work, i)); ++i)
-        if (!remove_slice_files(slice_folder(work, i))) break;
+        remove_slice_files(slice_folder(work, i));
 }
 
 /// The same points twice weigh twice, and their noise seems less than it is.

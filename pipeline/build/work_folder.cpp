@@ -1,6 +1,7 @@
 #include "pipeline/build/work_folder.h"
 
 #include "pipeline/build/plan_file.h"
+#include "pipeline/folder_lock.h"
 #include "pipeline/json_text.h"
 #include "slim/base/error.h"
 
@@ -87,6 +88,10 @@ bool is_link(const std::string& path) {
     return fs::is_symlink(fs::symlink_status(path, none));
 }
 
+void remove_mark(const fs::path& work) { ::unlink((work / kMark).c_str()); }
+
+std::string name_aside(const std::string& work) { return work + ".done"; }
+
 /// Returns whether nothing else is there, but for the mark. Another process may be removing them,
 /// too.
 template <class Names>
@@ -123,7 +128,11 @@ WorkFolder claim_own_work(const std::string& path, bool existed) {
         path));
 }
 
-void unmark_work(const fs::path& work) { ::unlink((work / kMark).c_str()); }
+void unmark_work(const fs::path& work) {
+    if (!is_marked(work)) return;
+    const FolderLock lock(work.string());
+    remove_mark(work);
+}
 
 bool remove_slice_files(const fs::path& folder) {
     const bool all = remove_named(folder, kSliceFiles);
@@ -134,7 +143,7 @@ bool remove_own_work(const WorkFolder& work) {
     for (const fs::directory_entry& entry : entries_of(work.path))
         if (is_slice_folder(entry)) remove_slice_files(entry.path());
     const bool all = remove_named(work.path, kWorkFiles);
-    unmark_work(work.path);  // last: a kill before leaves a folder that is known as a build's
+    remove_mark(work.path);  // last: a kill before leaves a folder that is known as a build's
     if (all && !work.stays) ::rmdir(work.path.c_str());
     return all;
 }
@@ -146,7 +155,7 @@ bool put_aside(const WorkFolder& work) {
     };
     const auto entries = entries_of(work.path);
     const bool is_all_ours = std::all_of(entries.begin(), entries.end(), is_known);
-    const std::string aside = work.path + ".done";
+    const std::string aside = name_aside(work.path);
     std::error_code error;
     if (is_all_ours && !work.stays && !fs::exists(fs::symlink_status(aside, error))) {
         fs::rename(work.path, aside, error);
@@ -155,8 +164,16 @@ bool put_aside(const WorkFolder& work) {
     return remove_own_work(work);
 }
 
+void bring_back(const WorkFolder& work) {
+    const std::string aside = name_aside(work.path);
+    std::error_code error;
+    if (is_link(aside) || !is_marked(aside) || fs::exists(fs::symlink_status(work.path, error)))
+        return;
+    fs::rename(aside, work.path, error);
+}
+
 void remove_put_aside(const std::string& work) {
-    const std::string aside = work + ".done";
+    const std::string aside = name_aside(work);
     if (!is_link(aside) && is_marked(aside)) remove_own_work({aside, true});
 }
 

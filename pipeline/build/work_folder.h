@@ -17,12 +17,13 @@ struct WorkFolder {
     bool had_plan = false;  ///< before this build
 };
 
-/// `<output>.work`, locked by the caller, for a build that was given no other; `existed`: before it
-/// was locked.
+/// `<output>.work`, locked by the caller, for a build that was given no other; `existed`: the lock
+/// did not make it.
 /// throws ConfigError if there are files in it that neither a build nor `slim slice` put there
 WorkFolder claim_own_work(const std::string& path, bool existed);
 
 /// A folder that someone names is theirs, also if a killed build left it.
+/// throws Error, exit code `temporary`, if a build of another process is at work in it
 void unmark_work(const std::filesystem::path& work);
 
 /// Removes the files that builds write into an own folder, and itself if nothing else is in it.
@@ -32,9 +33,12 @@ bool remove_own_work(const WorkFolder& work);
 bool remove_slice_files(const std::filesystem::path& folder);
 
 /// Moves an own folder to `<output>.work.done`, or removes it where that cannot be: nothing in it
-/// is needed any more. A build may be killed between its commit and the end of the removal; the
-/// next one finds by the name that the folder is nobody's.
+/// is needed once the build's record is there. Call before its commit: a build may be killed
+/// between that and the end of the removal, and the next one, which may find itself up to date,
+/// knows by the name that the folder is nobody's.
 bool put_aside(const WorkFolder& work);
+/// Undoes put_aside(), where it moved the folder, after a commit that failed.
+void bring_back(const WorkFolder& work);
 /// Removes what put_aside() made of that folder, now or before a kill.
 void remove_put_aside(const std::string& work);
 

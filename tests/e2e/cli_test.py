@@ -123,13 +123,38 @@ def signals():
         check(not folder.exists(), f"signal {number} left {folder}")
 
 
-def hang_up_under_nohup():
-    """What is ignored stays ignored."""
-    child = subprocess.Popen([harness.bin / "slim-scan", "sculpture", "-o", "hup.ply", "--points", "400000", "-q"],
-                             cwd=harness.folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
-    time.sleep(0.1)
-    child.send_signal(signal.SIGHUP)
-    check(child.wait(60) == 0 and (harness.folder / "hup.ply").exists(), "SIGHUP ends what nohup started")
+def ignored_signals():
+    """What is ignored, by nohup or the shell, stays ignored."""
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
+        model = harness.folder / f"ignored_{number}.ply"
+        child = subprocess.Popen([harness.bin / "slim-scan", "sculpture", "-o", model, "--points", "400000", "-q"],
+                                 preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
+        time.sleep(0.1)
+        check(child.poll() is None, "the scan ended before the signal")
+        child.send_signal(number)
+        check(child.wait(60) == 0 and model.exists(), f"signal {number}, ignored, ends a run: {child.returncode}")
+
+
+def stopped_and_continued():
+    """The grace time of a run that was asked to end is not over because it was stopped (ctrl-Z) and went on."""
+    os.mkfifo(harness.folder / "config.fifo")  # nobody writes: it waits, and notices no signal
+    child = subprocess.Popen([harness.bin / "slim-scan", "sphere", "-o", "fifo.ply", "--config", "config.fifo"],
+                             cwd=harness.folder, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.3)
+    start = time.monotonic()
+    for number in (signal.SIGTERM, signal.SIGSTOP, signal.SIGCONT):
+        child.send_signal(number)
+        time.sleep(0.2)
+    _, err = child.communicate(timeout=30)
+    seconds = time.monotonic() - start
+    check(child.returncode == 143 and seconds > 2.5, f"exit {child.returncode} after {seconds:.1f} s: {err}")
+    check("no half-written file is left" in err, f"after the grace time: {err}")
+
+
+def no_room_for_a_thread():
+    limit = lambda: resource.setrlimit(resource.RLIMIT_STACK, (1 << 47, resource.RLIM_INFINITY))
+    done = subprocess.run([harness.bin / "slim-build", "--version"], capture_output=True, text=True, preexec_fn=limit)
+    check(done.returncode == 4 and "thread" in done.stderr, f"no room for a thread: {done.returncode} {done.stderr}")
 
 
 def processor_time_limit():
@@ -147,6 +172,8 @@ outputs()
 file_size_limit()
 up_to_date()
 signals()
-hang_up_under_nohup()
+ignored_signals()
+stopped_and_continued()
+no_room_for_a_thread()
 processor_time_limit()
 harness.end()

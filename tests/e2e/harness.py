@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -34,6 +35,9 @@ class Harness:
             if not (self.bin / name).exists():
                 print(f"skipped: {self.bin / name} is not built")
                 sys.exit(77)
+        # A script's `&` has SIGINT ignored, nohup SIGHUP, which our programs would inherit and obey.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
         self._folder = tempfile.TemporaryDirectory(prefix="slim_e2e_")
         self.folder = pathlib.Path(self._folder.name)
         self.failures = 0

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What lies at `<output>.work` and `<output>.work.done`: a build removes what a build made, and nothing else."""
+import fcntl
 import os
 import pathlib
 import shutil
@@ -148,6 +149,55 @@ def stopped():
     check("slice: up to date" in result.err, f"a build does not go on after a kill: {result.err}")
 
 
+def killed_once(there, *options):
+    """A build of big.ply, killed as soon as that file of its work folder is there."""
+    child = subprocess.Popen([harness.bin / "slim-build", "big.ply", "-o", "a.slim", "-q", *options], cwd=harness.folder)
+    while child.poll() is None and not (work / there).exists():
+        time.sleep(0.001)
+    child.kill()
+    check(child.wait() == -signal.SIGKILL, f"the build ended before {there} was seen")
+
+
+def bad_sensors_after_a_kill():
+    """A bad file of sensors costs nothing of what a killed build left, also where its slices are up to date."""
+    clean()
+    killed_once("slice_0001/oriented.slice.done.json", "--slices", "4")
+    (harness.folder / "sensors.json").write_text("{'scans': of no use")
+    result = build("--slices", "4", "--sensors", "sensors.json", cloud="big.ply")
+    check(result.code == 3 and "sensors.json" in result.err, f"bad sensors: {result.code} {result.err}")
+    check((work / "slice_0001/oriented.slice.done.json").exists(), "bad sensors remove what a kill left")
+    result = run("slim", "build", "big.ply", "-o", "a.slim", "--slices", "4")
+    check(result.code == 0 and "slice: up to date" in result.err and not work.exists(), f"not resumed: {result.err}")
+    # What the failed build sliced itself goes.
+    result = build("--slices", "4", "--force", "--sensors", "sensors.json", cloud="big.ply")
+    check(result.code == 3 and not work.exists(), f"bad sensors, sliced for them: {result.code} {result.err}")
+
+
+def slicing_where_a_build_is_at_work():
+    clean()
+    work.mkdir()
+    mark = work / "made_by_slim_build"
+    mark.touch()
+    held = os.open(work, os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    result = run("slim", "slice", "s.ply", "-o", "a.slim.work", "-q")
+    check(result.code == 75 and mark.exists(), f"slices into a build's folder: {result.code} {mark.exists()}")
+    os.close(held)
+    result = run("slim", "slice", "s.ply", "-o", "a.slim.work", "-q")
+    check(result.code == 0 and not mark.exists(), f"once it ended: {result.code} {mark.exists()}")
+
+
+def others_file_in_a_slice():
+    """Slices beyond those of a new plan go, all of them, though one holds a file of others."""
+    clean()
+    check(run("slim", "slice", "s.ply", "-o", "w", "--slices", "6", "-q").code == 0, "slice")
+    slices = [harness.folder / "w" / f"slice_{i:04}" for i in range(6)]
+    (slices[3] / "mine.txt").write_text("mine")
+    check(run("slim", "slice", "s.ply", "-o", "w", "--slices", "2", "-q").code == 0, "slice again")
+    check(os.listdir(slices[3]) == ["mine.txt"], f"left beside mine: {os.listdir(slices[3])}")
+    check(not slices[2].exists() and not slices[4].exists() and not slices[5].exists(), "slices of an earlier plan stay")
+
+
 def runs():
     """What make's slicing put beside a job's model, slim run uses and keeps."""
     clean()
@@ -165,5 +215,8 @@ others_files()
 named_folders()
 empty_folders_and_links()
 stopped()
+bad_sensors_after_a_kill()
+slicing_where_a_build_is_at_work()
+others_file_in_a_slice()
 runs()
 harness.end()
