@@ -268,7 +268,7 @@ TEST_F(RenderStage, BadOptionsAreNamed) {
 TEST_F(RenderStage, OnlyWhatTheAovsNeedIsRendered) {
     EXPECT_EQ(channels_of({"shaded"}, false), kNormalChannel);
     EXPECT_EQ(channels_of({"mean", "k1"}, false), kMeanChannel | kK1Channel);
-    EXPECT_EQ(channels_of({"gauss"}, true), kGaussChannel | kNormalChannel);
+    EXPECT_EQ(channels_of({"gauss"}, true), kGaussChannel | kMeanChannel | kNormalChannel);  // its range
     EXPECT_EQ(channels_of({"id", "depth"}, true), kSurfelIdChannel | kDepthChannel);
 }
 
