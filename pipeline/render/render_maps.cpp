@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -71,15 +72,21 @@ double flat_until(int length_power, double diagonal) {
 /// half of its integral lies below, so that flat faces hardly count. A range below it shows what
 /// the fit makes of cylinders and cones, on which it is 0. (Of a ball itself it is no less.)
 double bent_as_a_ball(std::span<const float> mean, std::span<const std::uint8_t> hit) {
-    std::vector<double> bent;
-    for (std::size_t i = 0; i < mean.size(); ++i)
-        if (hit[i] && std::isfinite(mean[i]))
-            bent.push_back(std::abs(static_cast<double>(mean[i])));
-    std::sort(bent.begin(), bent.end());
-    const double half = std::accumulate(bent.begin(), bent.end(), 0.0) / 2;
+    // Bins of equal leading bits: less than a hundredth wide, in one pass instead of a sort.
+    constexpr int kShift = 16;
+    std::vector<double> sums(std::size_t{1} << (32 - kShift));
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+        const float h = std::abs(mean[i]);
+        if (hit[i] && std::isfinite(h))
+            sums[std::bit_cast<std::uint32_t>(h) >> kShift] += static_cast<double>(h);
+    }
+    const double half = std::accumulate(sums.begin(), sums.end(), 0.0) / 2;
     double below = 0;
-    for (const double h : bent)
-        if ((below += h) >= half) return h * h;
+    for (std::uint32_t bin = 0; bin < sums.size(); ++bin) {
+        if ((below += sums[bin]) < half || below == 0) continue;
+        const auto h = static_cast<double>(std::bit_cast<float>(bin << kShift));
+        return h * h;
+    }
     return 0;
 }
 

@@ -11,7 +11,7 @@ namespace slim {
 ///
 /// - parts whose evidence says that the surface does not end there,
 ///   ends of a line or longer than a few pixels, go;
-/// - what runs beside a longer line, within 2 pixels, is left to that line;
+/// - what runs beside a longer line, within 1.9 pixels, is left to that line;
 /// - ends that meet are joined (join_ends).
 ///
 /// px      a pixel of a picture 1000 high, in pixels; 1 at least

@@ -3,6 +3,7 @@
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
 #include "slim/blend/blend.h"
+#include "slim/cover/leaves_meeting.h"
 #include "slim/cover/sound_normal.h"
 #include "slim/fit/ball_points.h"
 #include "slim/model/rim.h"
@@ -80,7 +81,7 @@ public:
     void look(Places places, const Leaves& leaves, std::vector<FarPoint>& out) const {
         Bbox box;
         for (const std::uint32_t place : places) box.extend(points_.position(place));
-        const Leaves near = meeting(box, leaves);
+        const Leaves near = leaves_meeting(box, leaves);
         if (places.size() > kTogether) {
             const std::size_t half = places.size() / 2;
             look(places.first(half), near, out);
@@ -91,19 +92,12 @@ public:
     }
 
 private:
-    static Leaves meeting(const Bbox& box, const Leaves& leaves) {
-        Leaves near;
-        for (const Surfel* s : leaves)
-            if (box.sq_distance(s->center) < s->support_radius * s->support_radius)
-                near.push_back(s);
-        return near;
-    }
     void look_at(std::uint32_t place, const Leaves& leaves, std::vector<FarPoint>& out) const {
         const Vec3d n =
             sound_ ? sound_normal(points_, place) : to_double(points_.normal(place));
         if (!(sq_length(n) > 0)) return;
         const Vec3d p = points_.position(place);
-        const Leaves supporters = meeting({p, p}, leaves);
+        const Leaves supporters = leaves_meeting({p, p}, leaves);
         const auto at = project_along(p, normalized(n), supporters);
         const double off = at ? std::abs(at->t) : INFINITY;
         if (off > farthest_) out.push_back({place, off});

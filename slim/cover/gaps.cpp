@@ -2,6 +2,8 @@
 
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
+#include "slim/cover/drawn_part.h"
+#include "slim/cover/leaves_meeting.h"
 #include "slim/fit/ball_points.h"
 #include "slim/model/rim.h"
 #include "slim/neighbors/morton.h"
@@ -10,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -21,58 +22,11 @@ using Leaves = std::vector<const Surfel*>;
 
 constexpr std::size_t kTogether = 4;  // leaves that share a list of those near
 constexpr std::size_t kPiece = 256;   // leaves of a task, at most
-constexpr double kBeyond = 0.03;      // over rho: just outside of what is drawn
-constexpr double kOnSheet = 0.3;      // over rho of the other leaf, along the normal
-constexpr double kFacesAway = -0.2;   // cosine of normals: what is drawn is another side
 constexpr double kLeastCos = 0.5;     // of normals of one sheet
 constexpr std::size_t kAbout = 10;    // points about a place that are asked
 constexpr std::size_t kLeast = 5;     // of them on its sheet
 constexpr double kOff = 0.6;          // times the points' spacing: off the leaf's sheet
 constexpr double kWidest = 0.8 * std::numbers::pi;  // between directions to points on all sides
-constexpr double kAlike = 1e-6;
-
-/// How far a leaf is drawn in direction (u, v) of its tangent plane, over rho.
-double drawn_reach(const Surfel& s, double u, double v) {
-    double reach = kHitTrim;
-    for (const PackedRim packed : {s.rims.first, s.rims.second}) {
-        const Rim rim = unpack_rim(packed);
-        const double toward = rim.u * u + rim.v * v;
-        if (!rim.is_whole() && toward > 0) reach = std::min(reach, rim.reach / toward);
-    }
-    return reach;
-}
-
-/// The place of its surface just beyond.
-Vec3d place_beyond(const Surfel& s, double u, double v) {
-    // the core is a ball, not a disc: drawn towards the middle until it is in it
-    double r = drawn_reach(s, u, v);
-    const double w = s.polynomial.value(r * u, r * v);
-    const double length = std::hypot(r, w);
-    if (length > kHitTrim) r *= kHitTrim / length;
-    r += kBeyond;
-    return s.frame.world_from_local({r * u, r * v, s.polynomial.value(r * u, r * v)});
-}
-
-}  // namespace
-
-bool is_drawn_at(const Surfel& s, const Vec3d& x, const Vec3d& normal) {
-    const Vec3d away = x - s.center;
-    const double sq = sq_length(away), sq_radius = s.support_radius * s.support_radius;
-    if (sq > sq_radius) return false;
-    if (s.sharp) return sq < kHitTrim * kHitTrim * sq_radius;
-    if (dot(s.frame.normal, normal) < kFacesAway) return false;
-    const Vec3d local = s.frame.local_from_world(away / s.support_radius);
-    const double w = s.polynomial.value(local.x, local.y);
-    if (std::abs(local.z - w) > kOnSheet) return false;
-    if (local.x * local.x + local.y * local.y + w * w > kHitTrim * kHitTrim) return false;
-    for (const PackedRim packed : {s.rims.first, s.rims.second}) {
-        const Rim rim = unpack_rim(packed);
-        if (rim.u * local.x + rim.v * local.y > rim.reach + kAlike) return false;
-    }
-    return true;
-}
-
-namespace {
 
 /// Those of the others whose balls meet the box of some leaves' balls.
 Leaves meeting(std::span<const Surfel* const> leaves, const Leaves& others) {
@@ -81,10 +35,16 @@ Leaves meeting(std::span<const Surfel* const> leaves, const Leaves& others) {
         const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
         box.extend(s->center - r), box.extend(s->center + r);
     }
-    Leaves near;
-    for (const Surfel* s : others)
-        if (box.sq_distance(s->center) < s->support_radius * s->support_radius) near.push_back(s);
-    return near;
+    return leaves_meeting(box, others);
+}
+
+/// The widest angle between directions that follow each other; sorts them. angles: at least one
+double widest_between(std::vector<double>& angles) {
+    std::sort(angles.begin(), angles.end());
+    double widest = angles.front() + 2 * std::numbers::pi - angles.back();
+    for (std::size_t i = 1; i < angles.size(); ++i)
+        widest = std::max(widest, angles[i] - angles[i - 1]);
+    return widest;
 }
 
 class GapSearch {
@@ -136,48 +96,45 @@ private:
                });
     }
 
+    /// Some points about a place: a ball as large as at the place before, unless that is too small
+    /// or too large.
+    void gather_about(const Surfel& s, const Vec3d& x) {
+        gather_ball(points_, x, radius_, ball_);
+        while (ball_.n < kAbout && radius_ < s.support_radius)
+            gather_ball(points_, x, radius_ *= 1.4, ball_);
+        if (ball_.n <= 2 * kAbout) return;
+        radius_ *= std::sqrt(1.5 * kAbout / static_cast<double>(ball_.n));
+        shrink_ball(ball_, radius_, ball_);
+    }
+
     /// Whether points of the leaf's sheet lie about a place on all sides: the nearest is added.
     void ask_points(const Surfel& s, const Vec3d& x, std::vector<Gap>& out) {
-        // as large as at the place before, unless that was too large
-        double& radius = radius_;
-        gather_ball(points_, x, radius, ball_);
-        while (ball_.n < kAbout && radius < s.support_radius)
-            gather_ball(points_, x, radius *= 1.4, ball_);
-        if (ball_.n > 2 * kAbout) {
-            radius *= std::sqrt(1.5 * kAbout / static_cast<double>(ball_.n));
-            shrink_ball(ball_, radius, ball_);
-        }
+        gather_about(s, x);
         if (ball_.n < kLeast) return;
         const double off = kOff * std::sqrt(std::numbers::pi / static_cast<double>(ball_.n));
-        std::vector<double> angles;
+        const Vec3d at = s.frame.local_from_world((x - s.center) / s.support_radius);
+        const double scale = radius_ / s.support_radius;
+        angles_.clear();
         double least = INFINITY;
         std::uint32_t nearest = 0;
-        const Vec3d at = s.frame.local_from_world((x - s.center) / s.support_radius);
-        const double scale = radius / s.support_radius;
         for (std::size_t i = 0; i < ball_.n; ++i) {
-            const Vec3d d{ball_.x[i], ball_.y[i], ball_.z[i]};
-            const Vec3d n{ball_.nx[i], ball_.ny[i], ball_.nz[i]};
-            if (dot(n, s.frame.normal) < kLeastCos) continue;
-            const Vec3d local = s.frame.local_from_world(d);
-            const double u = at.x + scale * local.x, v = at.y + scale * local.y;
-            const double w = at.z + scale * local.z;
-            if (std::abs(w - s.polynomial.value(u, v)) > off * scale) continue;
-            angles.push_back(std::atan2(local.y, local.x));
+            if (dot(ball_.normal(i), s.frame.normal) < kLeastCos) continue;
+            const Vec3d away = s.frame.local_from_world(ball_.place(i));
+            const Vec3d p = at + away * scale;
+            if (std::abs(p.z - s.polynomial.value(p.x, p.y)) > off * scale) continue;
+            angles_.push_back(std::atan2(away.y, away.x));
             if (ball_.sq[i] < least && !is_center(points_.position(ball_.index[i]), s))
                 least = ball_.sq[i], nearest = ball_.index[i];
         }
-        if (angles.size() < kLeast || std::isinf(least)) return;
-        std::sort(angles.begin(), angles.end());
-        double widest = angles.front() + 2 * std::numbers::pi - angles.back();
-        for (std::size_t i = 1; i < angles.size(); ++i)
-            widest = std::max(widest, angles[i] - angles[i - 1]);
-        if (widest < kWidest) out.push_back({x, s.frame.normal, nearest});
+        if (angles_.size() < kLeast || std::isinf(least)) return;
+        if (widest_between(angles_) < kWidest) out.push_back({x, s.frame.normal, nearest});
     }
 
     const PointTree& points_;
     Leaves near_;
     double radius_ = 0;  // of the last ball about a place of this leaf
     BallPoints<double> ball_;
+    std::vector<double> angles_;  // of directions to points of its sheet
 };
 
 /// The leaves along a curve: those that follow each other lie together.
@@ -193,10 +150,6 @@ Leaves along_curve(const Leaves& leaves) {
     for (const auto& [key, i] : keys) out.push_back(leaves[i]);
     return out;
 }
-
-}  // namespace
-
-namespace {
 
 /// The gaps about leaves that lie together, halves of many at the same time.
 std::vector<Gap> gaps_about(const PointTree& points, std::span<const Surfel* const> leaves,
@@ -215,20 +168,17 @@ std::vector<Gap> gaps_about(const PointTree& points, std::span<const Surfel* con
     return out;
 }
 
-/// Those whose balls meet the box of the points: of a slice few of the coarse ones do.
-Leaves at_points(const PointTree& points, const Leaves& leaves) {
+Bbox box_of(const PointTree& points) {
     Bbox box;
     for (std::size_t i = 0; i < points.size(); ++i) box.extend(points.position(i));
-    Leaves out;
-    for (const Surfel* s : leaves)
-        if (box.sq_distance(s->center) < s->support_radius * s->support_radius) out.push_back(s);
-    return out;
+    return box;
 }
 
 }  // namespace
 
 std::vector<Gap> find_gaps(const PointTree& points, const Leaves& leaves) {
-    const Leaves ordered = along_curve(at_points(points, leaves));
+    // of a slice's points: few of the coarse ones are there
+    const Leaves ordered = along_curve(leaves_meeting(box_of(points), leaves));
     return gaps_about(points, ordered, ordered);
 }
 

@@ -22,7 +22,4 @@ struct Gap {
 /// whose balls meet its own, 4 us in all; for places that nobody draws a search for ten points.
 std::vector<Gap> find_gaps(const PointTree& points, const std::vector<const Surfel*>& leaves);
 
-/// Whether a leaf that faces the same way is drawn at a place, or a little above or below it.
-bool is_drawn_at(const Surfel& leaf, const Vec3d& place, const Vec3d& normal);
-
 }  // namespace slim

@@ -1,5 +1,6 @@
 #include "slim/cover/own_leaves.h"
 
+#include "slim/cover/drawn_part.h"
 #include "slim/cover/far_points.h"
 #include "slim/cover/gaps.h"
 #include "slim/cover/sound_normal.h"

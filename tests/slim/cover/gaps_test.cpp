@@ -1,6 +1,7 @@
 #include "slim/cover/gaps.h"
 
 #include "slim/base/parallel.h"
+#include "slim/cover/drawn_part.h"
 #include "slim/cover/own_leaves.h"
 #include "tests/slim/cover/cover_support.h"
 
