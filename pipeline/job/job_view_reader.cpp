@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -107,8 +108,10 @@ private:
         std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
         note_taken(options, own_keys);
         if (overridden_) own = options_for(view.aovs, own, {}, render);
+        const std::string own_name = view.name.empty() ? name_of(options, own) : view.name;
+        if (n_views() > 1) name_line_files(own_name, options);
         options.insert(options.end(), own.begin(), own.end());
-        if (view.name.empty()) view.name = name_of(options);
+        view.name = own_name;
         try {
             check_view_name(view.name);
             check_view_of_fit(view.aovs, render, job_.stages);
@@ -130,6 +133,10 @@ private:
         step.output = picture_.empty() ? job_.folder / (view.name + aov + ".png") : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
+        for (const fs::path& file : line_files(options)) {
+            check_line_file(file, view.name, table);
+            step.products.push_back(file);
+        }
         views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
         divide(step, render, view, table);
         job_.steps.push_back(std::move(step));
@@ -237,12 +244,43 @@ private:
         fields_of(render).find("aov")->set(aovs, table_place(file_, table) + ": aovs");
     }
 
-    /// A view without a name takes its camera's, "view" if that is given by numbers.
-    static std::string name_of(const std::vector<std::string>& options) {
+    /// A view without a name takes its camera's, "view" if that is given by numbers. Options of its
+    /// own win over those of all views.
+    static std::string name_of(const std::vector<std::string>& of_all,
+                               const std::vector<std::string>& own) {
         std::string camera = RenderConfig{}.camera;
-        for (const std::string& option : options)
-            if (option.starts_with("--camera=")) camera = option.substr(9);
+        for (const auto* options : {&of_all, &own})
+            for (const std::string& option : *options)
+                if (option.starts_with("--camera=")) camera = option.substr(9);
         return camera.find(',') == std::string::npos ? camera : "view";
+    }
+
+    std::size_t n_views() const {
+        return static_cast<std::size_t>(
+            std::count_if(root_.tables.begin(), root_.tables.end(),
+                          [](const TomlTable& table) { return table.name == "view"; }));
+    }
+
+    /// A file of lines is one view's, whatever else writes one or reads it.
+    void check_line_file(const fs::path& file, const std::string& view, const TomlTable& table) {
+        const fs::path path = fs::absolute(file).lexically_normal();
+        const auto is_it = [&](const fs::path& other) {
+            return !other.empty() && fs::absolute(other).lexically_normal() == path;
+        };
+        std::string other;
+        if (const auto known = line_files_.find(path); known != line_files_.end())
+            other = "view " + known->second + " writes too";
+        for (const JobStep& step : job_.steps) {
+            if (std::any_of(step.inputs.begin(), step.inputs.end(), is_it))
+                other = step.name + " reads";
+            if (is_it(step.output)) other = step.name + " writes";
+        }
+        if (!other.empty())
+            throw ConfigError(
+                fmt::format("{}: view {} would write its lines to {}, which {}: expected a file of "
+                            "its own",
+                            table_place(file_, table), view, file.string(), other));
+        line_files_[path] = view;
     }
 
     const fs::path& file_;
@@ -263,6 +301,7 @@ private:
     RenderConfig render_;  // with what [render] and the lights say
     std::set<std::string> names_;
     std::vector<AskedView> asked_;
+    std::map<fs::path, std::string> line_files_;  // and the view that writes them
 };
 
 }  // namespace
