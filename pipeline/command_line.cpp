@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -93,6 +94,18 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
                                           : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
     return key;
+}
+
+/// Takes the file's values and returns the keys that it says otherwise than by default: a whole one,
+/// as --print-config prints it, says all of them and means few.
+std::vector<std::string> changed_by_config(const std::string& file, const FieldList& fields) {
+    std::map<std::string, std::vector<std::string>> usual;
+    for (const Field& field : fields.fields()) usual[field.key] = field.items();
+    std::vector<std::string> keys = apply_config_file(file, fields);
+    std::erase_if(keys, [&](const std::string& key) {
+        return fields.find(key)->items() == usual.at(key);
+    });
+    return keys;
 }
 
 std::vector<std::string> all_options(const FieldList& fields) {
@@ -223,7 +236,7 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     refuse_extras(app.remaining(), fields, given);
     std::set<std::string> keys;
     if (!common.config.empty())
-        for (const std::string& key : apply_config_file(common.config, fields)) keys.insert(key);
+        for (const std::string& key : changed_by_config(common.config, fields)) keys.insert(key);
     for (const std::string& text : common.set) keys.insert(apply_set(text, fields));
     apply_given(fields, given);
     for (std::size_t i = 0; i < given.size(); ++i)

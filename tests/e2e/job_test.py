@@ -93,6 +93,11 @@ def same_pictures_of_a_model():
     (harness.folder / "one.toml").write_text('[[view]]\ncamera = "top"\nsize = "64x48"\n')
     one = run("slim", "render", "out/model.slim", "-o", "one.png", "--job", "one.toml", "--json").json()
     check(one["files"] == ["one.png"], f"a file of one view: {one['files']}")
+    usual = run("slim", "render", "--print-config").out
+    (harness.folder / "whole.toml").write_text(usual.replace('"1600x1200"', '"80x60"'))
+    whole = run("slim", "render", "out/model.slim", "-o", "whole", "--job", "view.toml", "--config", "whole.toml", "--json")
+    check(whole.code == 0 and [(s["result"]["width"], len(s["result"]["files"])) for s in whole.json()["steps"]] ==
+          [(80, len(s["result"]["files"])) for s in answer["steps"]], f"a whole --config beside --job: {whole.out}{whole.err}")
     refused = {
         ("-o", "x.png", "--job", "view.toml"): "view.toml: its 2 views cannot all be x.png",
         ("-o", "x", "--job", "view.toml", "--share", "1/2"): "--share divides one picture",

@@ -61,6 +61,20 @@ TEST(CommandLine, SaysWhichKeysWereGivenThoughTheyAreAsByDefault) {
               (std::vector<std::string>{"angle", "degree", "inputs", "legend", "output"}));
 }
 
+TEST(CommandLine, AConfigFileGivesTheKeysThatItSaysOtherwiseThanByDefault) {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                       ("slim_config_" + std::to_string(getpid()) + ".toml");
+    LineConfig usual, config;
+    std::ofstream(file) << print_config(fields_of(usual)) << "\n";
+    const std::vector<std::string> words = {"x.ply", "-o", "m.slim", "--config", file.string()};
+    EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"inputs", "output"}));
+    std::ofstream(file) << "degree = 2\nangle = 3.0\nlegend = false\n";
+    EXPECT_EQ(parse(config, words).given,
+              (std::vector<std::string>{"angle", "inputs", "legend", "output"}));
+    EXPECT_EQ(config.angle, 3);
+    std::filesystem::remove(file);
+}
+
 TEST(CommandLine, StandardOutputIsNoPlaceToWriteTo) {
     EXPECT_NE(refusal({"x.ply", "-o", "-"}).find("-o -: nothing is written to standard output"),
               std::string::npos);
