@@ -128,9 +128,12 @@ private:
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append_arguments(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
-        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
-        const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
-        step.output = picture_.empty() ? job_.folder / (view.name + aov + ".png") : picture_;
+        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike. An EXR
+        // holds all of them.
+        const bool exr = render.format == "exr";
+        const std::string aov = view.aovs.size() == 1 && !exr ? "." + view.aovs[0] : "";
+        const std::string file = view.name + aov + (exr ? ".exr" : ".png");
+        step.output = picture_.empty() ? job_.folder / file : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
         for (const fs::path& file : line_files(options)) {

@@ -26,8 +26,12 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
     for (int k = 1; k <= n; ++k) {
         if (config.frame > 0 && k != config.frame) continue;
         const std::string number = film ? fmt::format("_{:04}", k) : "";
-        for (const std::string& aov : aovs)
-            if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
+        if (config.format == "exr")
+            for (const char* ending : {".exr", ".png"})
+                files.push_back(folder / (name + number + ending));
+        else
+            for (const std::string& aov : aovs)
+                if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
         if (lines) files.push_back(folder / (name + number + ".lines.svg"));
     }
     return files;

@@ -12,7 +12,8 @@
 namespace slim {
 
 /// The pictures that a view leaves in a folder: <name>.<aov>.png, of a turntable or path
-/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg).
+/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg). Of format
+/// exr <name>.exr, which holds all AOVs, and its preview <name>.png.
 std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
                                                  const std::string& name,
                                                  const std::vector<std::string>& aovs,

@@ -93,6 +93,9 @@ def same_pictures_of_a_model():
     (harness.folder / "one.toml").write_text('[[view]]\ncamera = "top"\nsize = "64x48"\n')
     one = run("slim", "render", "out/model.slim", "-o", "one.png", "--job", "one.toml", "--json").json()
     check(one["files"] == ["one.png"], f"a file of one view: {one['files']}")
+    exr = run("slim", "render", "out/model.slim", "-o", "exr", "--job", "view.toml", "--format", "exr", "--json")
+    made = {pathlib.Path(f).name for f in exr.json().get("files", [])}
+    check(exr.code == 0 and {"front.exr", "front.png", "corner.exr"} <= made, f"EXRs in a folder: {exr.out}")
     usual = run("slim", "render", "--print-config").out
     (harness.folder / "whole.toml").write_text(usual.replace('"1600x1200"', '"80x60"'))
     whole = run("slim", "render", "out/model.slim", "-o", "whole", "--job", "view.toml", "--config", "whole.toml", "--json")

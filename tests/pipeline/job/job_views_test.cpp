@@ -98,6 +98,22 @@ TEST(JobDrawing, LeavesOutWhatOtherPicturesThanTheJobsHaveNoUseFor) {
               std::string::npos);
 }
 
+TEST(JobDrawing, AFormatOfExrMeansEXRsInTheFolder) {
+    const Job job = drawing_of(kTwoViews, {{"format", Field::Kind::text, false, {"exr"}, 0}});
+    EXPECT_EQ(job.steps[0].output, fs::path("pictures/a.exr"));
+    EXPECT_EQ(job.steps[1].output, fs::path("pictures/b.exr"));
+    EXPECT_EQ(job.steps[1].products,
+              (std::vector<fs::path>{"pictures/b.exr", "pictures/b.png"}));
+    EXPECT_TRUE(has(job.steps[1], "--format=exr"));
+    // The others of a job stay PNGs.
+    const Job mixed = read_job(
+        write_job("[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\nformat = 'exr'\n"
+                  "turntable = 2\n[[view]]\nname = 'b'\n"));
+    EXPECT_EQ(mixed.steps[1].products.size(), 4u);
+    EXPECT_EQ(mixed.steps[1].products[2].filename(), "a_0002.exr");
+    EXPECT_EQ(mixed.steps[2].output.filename(), "b.shaded.png");
+}
+
 /// What a step's argument says after that beginning, empty without it.
 std::string said(const JobStep& step, const std::string& begin) {
     for (const std::string& argument : step.arguments)
