@@ -118,9 +118,7 @@ private:
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
-        if (!names_.insert(view.name).second)
-            throw ConfigError(fmt::format("{}: a second view of the name '{}'",
-                                          table_place(file_, table), view.name));
+        if (!names_.insert(view.name).second) refuse_second(view.name, table);
         check_rays(render, view.aovs, table);
         asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
@@ -245,6 +243,23 @@ private:
     void check_aovs(const std::vector<std::string>& aovs, const TomlTable& table) const {
         RenderConfig render;
         fields_of(render).find("aov")->set(aovs, table_place(file_, table) + ": aovs");
+    }
+
+    /// Names come from views' tables, or from an option for all of them.
+    [[noreturn]] void refuse_second(const std::string& name, const TomlTable& table) const {
+        const std::string said = fmt::format("a second view of the name '{}'", name);
+        const auto of_view = [&](const char* key) {
+            return std::find_if(table.values.begin(), table.values.end(),
+                                [&](const TomlValue& value) { return value.key == key; });
+        };
+        const auto named = of_view("name");
+        const bool by_name = named != table.values.end();
+        const bool by_option = by_name ? named->line == kOnCommandLine : is_override("camera");
+        if (!by_option) throw ConfigError(table_place(file_, table) + ": " + said);
+        throw ConfigError(fmt::format("{}: {}: {}, that of line {}: expected views with names of "
+                                      "their own",
+                                      toml_place(file_, kOnCommandLine),
+                                      by_name ? "name" : "camera", said, table.line));
     }
 
     /// A view without a name takes its camera's, "view" if that is given by numbers. Options of its
