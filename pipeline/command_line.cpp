@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -22,7 +23,7 @@ struct Given {
     CLI::Option* option = nullptr;
 };
 
-void add_common(CLI::App& app, CommonOptions& common) {
+void add_common(CLI::App& app, CommonOptions& common, std::string& threads) {
     app.add_flag("-h,--help", common.help);
     app.add_flag("--version", common.version);
     app.add_flag("--print-config", common.print_config);
@@ -30,7 +31,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
     app.add_flag("-q,--quiet", common.quiet);
     app.add_flag("-v,--verbose", common.verbose);
     app.add_flag("--force", common.force);
-    app.add_option("--threads", common.threads)->check(CLI::Range(1, kMostThreads));
+    app.add_option("--threads", threads);
     app.add_option("--config", common.config);
     app.add_option("--set", common.set)->expected(1)->take_all()->allow_extra_args(false);
 }
@@ -49,6 +50,15 @@ void add_field(CLI::App& app, const Field& field, Given& given) {
         given.option->expected(-1);
     else
         given.option->expected(1);
+}
+
+int read_threads(const std::string& text) {
+    int n = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+    if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kMostThreads)
+        throw ConfigError(fmt::format("--threads: expected a whole number in [1, {}]; found '{}'",
+                                      kMostThreads, text));
+    return n;
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -101,7 +111,12 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
 std::vector<std::string> changed_by_config(const std::string& file, const FieldList& fields) {
     std::map<std::string, std::vector<std::string>> usual;
     for (const Field& field : fields.fields()) usual[field.key] = field.items();
-    std::vector<std::string> keys = apply_config_file(file, fields);
+    std::vector<std::string> keys;
+    try {
+        keys = apply_config_file(file, fields);
+    } catch (const ConfigError& error) {
+        throw ConfigError(std::string("--config ") + error.what());
+    }
     std::erase_if(keys, [&](const std::string& key) {
         return fields.find(key)->items() == usual.at(key);
     });
@@ -222,7 +237,8 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     CLI::App app;
     app.set_help_flag();
     app.allow_extras();
-    add_common(app, common);
+    std::string threads;
+    add_common(app, common, threads);
     std::vector<Given> given(fields.fields().size());
     for (std::size_t i = 0; i < given.size(); ++i) add_field(app, fields.fields()[i], given[i]);
     try {
@@ -234,6 +250,9 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     if (common.quiet && common.verbose)
         throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
+    if (app.get_option("--threads")->count() > 0) common.threads = read_threads(threads);
+    if (app.get_option("--config")->count() > 0 && common.config.empty())
+        throw ConfigError("--config: expected a file, found ''");
     std::set<std::string> keys;
     if (!common.config.empty())
         for (const std::string& key : changed_by_config(common.config, fields)) keys.insert(key);

@@ -118,7 +118,8 @@ def same_pictures_of_a_model():
     for words, expected in refused.items():
         result = run("slim", "render", "out/model.slim", *words, "--json")
         message = result.json()["error"]["message"]
-        check(result.code == 2 and message.startswith(expected), f"{words}: {result.out}")
+        at = message.find(expected)
+        check(result.code == 2 and (at == 0 if expected[0] == "-" else at >= 0), f"{words}: {result.out}")
     check(run("slim", "render", "none.slim", "-o", "x", "--job", "view.toml").code == 3, "a missing model")
 
 

@@ -75,6 +75,16 @@ TEST(CommandLine, AConfigFileGivesTheKeysThatItSaysOtherwiseThanByDefault) {
     std::filesystem::remove(file);
 }
 
+TEST(CommandLine, WhatIsWrongWithOptionsOfEveryVerbBeginsWithTheirNames) {
+    for (const char* n : {"0", "-1", "4097", "0x10", " 1", "1e1", "nan", "99999999999999999999"})
+        EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", std::string("--threads=") + n}),
+                  std::string("--threads: expected a whole number in [1, 4096]; found '") + n +
+                      "'");
+    EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--threads", "4096"}), "");
+    EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--config", "none.toml"}),
+              "--config none.toml: cannot read: No such file or directory");
+}
+
 TEST(CommandLine, StandardOutputIsNoPlaceToWriteTo) {
     EXPECT_NE(refusal({"x.ply", "-o", "-"}).find("-o -: nothing is written to standard output"),
               std::string::npos);
