@@ -6,6 +6,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/scan_stage.h"
+#include "pipeline/signals.h"
 #include "pipeline/smooth/smooth_stage.h"
 #include "slim/base/parallel.h"
 #include "tests/pipeline/build/build_stage_support.h"
@@ -87,6 +88,32 @@ TEST_F(BuildStage, WhatAKillLeftOfAFinishedBuildGoes) {
     folder_.write("m.slim.work.done/made_by_slim_build", "");
     EXPECT_TRUE(build(c).contains("up_to_date"));
     EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
+}
+
+/// Ends a build between its tree and its record, as a kill may.
+class StopsAfterTheTree : public Listener {
+public:
+    void info(const std::string& text) override {
+        if (text.starts_with("tree: ")) throw Interrupted(ExitCode::terminated);
+        Listener::info(text);
+    }
+};
+
+// A make that goes on after a kill took the tree's record for the build's: the page's build was
+// then done again, and everything that is made of the model at the next make; colours were missing.
+TEST_F(BuildStage, AModelWithoutTheRestOfItsBuildHasNoRecord) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    c.slices = 2;
+    StopsAfterTheTree listener;
+    EXPECT_EQ(code_of([&] { run_as("build", c, run_build, listener); }), ExitCode::terminated);
+    EXPECT_TRUE(fs::exists(file("m.slim")) && fs::exists(file("m.slim.work/tree.done.json")));
+    EXPECT_FALSE(fs::exists(file("m.slim.done.json")));
+    build(c);
+    EXPECT_NE(std::find(listener_.infos.begin(), listener_.infos.end(), "tree: up to date"),
+              listener_.infos.end())
+        << "the tree is done again";
+    EXPECT_TRUE(fs::exists(file("m.slim.done.json")));
+    EXPECT_FALSE(fs::exists(file("m.slim.work")));
 }
 
 /// Puts a folder where the record of a build is to be renamed to, when its model is done.
