@@ -31,7 +31,9 @@ StepRunner::StepRunner(StepSettings settings, StageContext& context)
     : settings_(std::move(settings)),
       context_(context),
       planner_(settings_, context.threads),
-      started_(run_started()) {}
+      started_(run_started()) {
+    hand_on_run_started();
+}
 
 StepRecord StepRunner::run_program(const ReportStep& step, const PlannedStep& planned) {
     StepRecord record;
