@@ -40,6 +40,11 @@ void add_field(CLI::App& app, const Field& field, Given& given) {
     if (field.is_flag()) {
         given.option =
             app.add_flag(field.option() + ",!--no-" + field.option().substr(2), given.flag);
+        given.option->check([](const std::string& text) {
+            return text == "true" || text == "false"
+                       ? ""
+                       : fmt::format("expected true or false, found '{}'", text);
+        });
         return;
     }
     std::string names = field.option();
@@ -56,7 +61,7 @@ int read_threads(const std::string& text) {
     int n = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
     if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kMostThreads)
-        throw ConfigError(fmt::format("--threads: expected a whole number in [1, {}]; found '{}'",
+        throw ConfigError(fmt::format("--threads: expected a whole number from 1 to {}, found '{}'",
                                       kMostThreads, text));
     return n;
 }
@@ -106,8 +111,8 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
     return key;
 }
 
-/// Takes the file's values and returns the keys that it says otherwise than by default: a whole one,
-/// as --print-config prints it, says all of them and means few.
+/// Takes the file's values and returns the keys that it says otherwise than by default: a whole
+/// one, as --print-config prints it, says all of them and means few.
 std::vector<std::string> changed_by_config(const std::string& file, const FieldList& fields) {
     std::map<std::string, std::vector<std::string>> usual;
     for (const Field& field : fields.fields()) usual[field.key] = field.items();

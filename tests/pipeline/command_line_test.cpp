@@ -75,10 +75,20 @@ TEST(CommandLine, AConfigFileGivesTheKeysThatItSaysOtherwiseThanByDefault) {
     std::filesystem::remove(file);
 }
 
+TEST(CommandLine, AFlagIsOnOrOff) {
+    LineConfig config;
+    parse(config, {"x.ply", "-o", "m.slim", "--strict=true", "--legend=false"});
+    EXPECT_TRUE(config.strict);
+    EXPECT_FALSE(config.legend);
+    for (const char* value : {"7", "-1", "on", "maybe"})
+        EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", std::string("--strict=") + value}),
+                  std::string("--strict: expected true or false, found '") + value + "'");
+}
+
 TEST(CommandLine, WhatIsWrongWithOptionsOfEveryVerbBeginsWithTheirNames) {
     for (const char* n : {"0", "-1", "4097", "0x10", " 1", "1e1", "nan", "99999999999999999999"})
         EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", std::string("--threads=") + n}),
-                  std::string("--threads: expected a whole number in [1, 4096]; found '") + n +
+                  std::string("--threads: expected a whole number from 1 to 4096, found '") + n +
                       "'");
     EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--threads", "4096"}), "");
     EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--config", "none.toml"}),
