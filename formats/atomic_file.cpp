@@ -71,6 +71,13 @@ std::string host_name() {
     return host;
 }
 
+/// The kernel's number of the space in which this process has its number: a container has one of
+/// its own, often under its host's name. "0" where /proc does not tell.
+std::string process_space() {
+    struct stat space {};
+    return ::stat("/proc/self/ns/pid", &space) == 0 ? std::to_string(space.st_ino) : "0";
+}
+
 /// The new name must survive a power cut too; a file system that cannot sync a folder is no error.
 void sync_folder(const std::string& folder) {
     const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -91,7 +98,8 @@ const std::string& temporary_suffix() {
                 std::chrono::steady_clock::now().time_since_epoch().count());
         char text[16];
         std::snprintf(text, sizeof text, "%08x", random);
-        return ".tmp." + host_name() + "." + std::to_string(::getpid()) + "." + text;
+        return ".tmp." + host_name() + "." + process_space() + "." + std::to_string(::getpid()) +
+               "." + text;
     }();
     return suffix;
 }
@@ -119,7 +127,7 @@ AtomicFile::AtomicFile(std::string path)
                       full ? ExitCode::resource : ExitCode::usage);
     }
     live_temporaries().insert(temporary_);
-    // To be seen alive by others, also by those that know other numbers of processes.
+    // To be seen alive by others, also by those of another host of this one's name.
     ::flock(file_, LOCK_EX | LOCK_NB);
 }
 

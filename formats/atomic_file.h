@@ -9,8 +9,9 @@
 
 namespace slim {
 
-/// What half-written files of this process end with: ".tmp.<host>.<pid>.<random>". Tasks of an
-/// array job on several hosts write into one folder, where process ids alone would collide.
+/// What half-written files of this process end with: ".tmp.<host>.<space>.<pid>.<random>". Tasks of
+/// an array job on several hosts, and containers, write into one folder, where process ids alone
+/// would collide: <space> is the number of the namespace that they are of.
 const std::string& temporary_suffix();
 
 /// Removes the half-written files of this process, sealed ones too, which nothing may be written to

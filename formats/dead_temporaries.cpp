@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// ".tmp.<host>.", which this host's end with before number and random digits.
+/// ".tmp.<host>.<space>.", which those end with, before number and random digits, of whose
+/// processes the numbers say here whether they live.
 std::string_view host_part() {
     const std::string_view suffix = temporary_suffix();
     const std::size_t random = suffix.rfind('.');
@@ -41,7 +42,7 @@ pid_t process_of(std::string_view rest) {
 
 bool is_running(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-/// A container's processes have numbers of their own, which say nothing here; locks do.
+/// Of hosts of one name the numbers say nothing; locks do while a file is written.
 bool is_locked(const std::string& path) {
     const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (file < 0) return true;

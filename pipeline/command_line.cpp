@@ -7,7 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <charconv>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -21,7 +23,7 @@ struct Given {
     CLI::Option* option = nullptr;
 };
 
-void add_common(CLI::App& app, CommonOptions& common) {
+void add_common(CLI::App& app, CommonOptions& common, std::string& threads) {
     app.add_flag("-h,--help", common.help);
     app.add_flag("--version", common.version);
     app.add_flag("--print-config", common.print_config);
@@ -29,7 +31,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
     app.add_flag("-q,--quiet", common.quiet);
     app.add_flag("-v,--verbose", common.verbose);
     app.add_flag("--force", common.force);
-    app.add_option("--threads", common.threads)->check(CLI::Range(1, kMostThreads));
+    app.add_option("--threads", threads);
     app.add_option("--config", common.config);
     app.add_option("--set", common.set)->expected(1)->take_all()->allow_extra_args(false);
 }
@@ -38,6 +40,11 @@ void add_field(CLI::App& app, const Field& field, Given& given) {
     if (field.is_flag()) {
         given.option =
             app.add_flag(field.option() + ",!--no-" + field.option().substr(2), given.flag);
+        given.option->check([](const std::string& text) {
+            return text == "true" || text == "false"
+                       ? ""
+                       : fmt::format("expected true or false, found '{}'", text);
+        });
         return;
     }
     std::string names = field.option();
@@ -48,6 +55,15 @@ void add_field(CLI::App& app, const Field& field, Given& given) {
         given.option->expected(-1);
     else
         given.option->expected(1);
+}
+
+int read_threads(const std::string& text) {
+    int n = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+    if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kMostThreads)
+        throw ConfigError(fmt::format("--threads: expected a whole number from 1 to {}, found '{}'",
+                                      kMostThreads, text));
+    return n;
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -93,6 +109,23 @@ std::string apply_set(const std::string& text, const FieldList& fields) {
                                           : suggestion(key, keys_of(fields))));
     field->set(items_of(*field, {text.substr(equals + 1)}), "--set " + key);
     return key;
+}
+
+/// Takes the file's values and returns the keys that it says otherwise than by default: a whole
+/// one, as --print-config prints it, says all of them and means few.
+std::vector<std::string> changed_by_config(const std::string& file, const FieldList& fields) {
+    std::map<std::string, std::vector<std::string>> usual;
+    for (const Field& field : fields.fields()) usual[field.key] = field.items();
+    std::vector<std::string> keys;
+    try {
+        keys = apply_config_file(file, fields);
+    } catch (const ConfigError& error) {
+        throw ConfigError(std::string("--config ") + error.what());
+    }
+    std::erase_if(keys, [&](const std::string& key) {
+        return fields.find(key)->items() == usual.at(key);
+    });
+    return keys;
 }
 
 std::vector<std::string> all_options(const FieldList& fields) {
@@ -209,7 +242,8 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     CLI::App app;
     app.set_help_flag();
     app.allow_extras();
-    add_common(app, common);
+    std::string threads;
+    add_common(app, common, threads);
     std::vector<Given> given(fields.fields().size());
     for (std::size_t i = 0; i < given.size(); ++i) add_field(app, fields.fields()[i], given[i]);
     try {
@@ -221,9 +255,12 @@ CommonOptions parse_command_line(int argc, char** argv, const FieldList& fields)
     if (common.quiet && common.verbose)
         throw ConfigError("--quiet and --verbose: expected one of the two");
     refuse_extras(app.remaining(), fields, given);
+    if (app.get_option("--threads")->count() > 0) common.threads = read_threads(threads);
+    if (app.get_option("--config")->count() > 0 && common.config.empty())
+        throw ConfigError("--config: expected a file, found ''");
     std::set<std::string> keys;
     if (!common.config.empty())
-        for (const std::string& key : apply_config_file(common.config, fields)) keys.insert(key);
+        for (const std::string& key : changed_by_config(common.config, fields)) keys.insert(key);
     for (const std::string& text : common.set) keys.insert(apply_set(text, fields));
     apply_given(fields, given);
     for (std::size_t i = 0; i < given.size(); ++i)

@@ -19,7 +19,8 @@ struct CommonOptions {
     int threads = 0;  ///< 0: SLIM_THREADS, SLURM_CPUS_PER_TASK or the process's share
     std::string config;
     std::vector<std::string> set;    ///< key=value
-    std::vector<std::string> given;  ///< keys that these, the file or the options say, once each
+    /// keys that these or the options say, or the file otherwise than by default, once each
+    std::vector<std::string> given;
 };
 
 /// Fills the fields from --config FILE, then --set, then the options and words themselves (the

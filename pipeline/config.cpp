@@ -111,9 +111,12 @@ void check_range(const Field& field, const std::string& item, const std::string&
     }
     if (field.kind() != Field::Kind::integer && field.kind() != Field::Kind::real) return;
     const double value = std::strtod(item.c_str(), nullptr);
-    if (std::isnan(value) || value < field.min || value > field.max)
-        throw ConfigError(fmt::format("{}: expected a number {}; found {}", where,
-                                      field.range_text(), item));
+    if (!std::isfinite(value) || value < field.min || value > field.max) {
+        const std::string range = field.range_text();
+        throw ConfigError(fmt::format("{}: expected a {}number{}{}; found {}", where,
+                                      std::isfinite(value) ? "" : "finite ",
+                                      range.empty() ? "" : " ", range, item));
+    }
 }
 
 /// Optimal string alignment distance: one typo (also two letters swapped) counts 1.

@@ -31,6 +31,18 @@ std::string clock_text(double seconds) {
     return fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
+/// A message as the one line that it is to be: a file may be called as control characters are.
+std::string on_one_line(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '\n') out += "\\n";
+        else if (byte < 0x20 || byte == 0x7f) out += fmt::format("\\x{:02x}", byte);
+        else out += c;
+    }
+    return out;
+}
+
 }  // namespace
 
 std::string progress_text(std::string_view what, std::uint64_t done, std::uint64_t total,
@@ -61,12 +73,12 @@ void Console::info(const std::string& text) {
 
 void Console::warn(const std::string& text) {
     const std::lock_guard lock(mutex_);
-    line("warning: " + text);
+    line("warning: " + on_one_line(text));
 }
 
 void Console::error(const std::string& text) {
     const std::lock_guard lock(mutex_);
-    line("error: " + text);
+    line("error: " + on_one_line(text));
 }
 
 void Console::line(const std::string& text) {

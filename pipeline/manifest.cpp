@@ -3,6 +3,7 @@
 #include "formats/atomic_file.h"
 #include "formats/slice_file.h"
 #include "pipeline/json_text.h"
+#include "pipeline/run_started.h"
 #include "pipeline/version.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
@@ -14,7 +15,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -79,15 +79,6 @@ std::string host_name() {
     return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    gmtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-    return text;
-}
-
 bool output_intact(const json& output, const fs::path& folder) {
     const fs::path file = folder / output.at("path").get<std::string>();
     std::error_code error;
@@ -128,6 +119,12 @@ std::string hash_file(const fs::path& file) {
 
 std::string hash_text(const std::string& text) {
     return hex(XXH3_128bits(text.data(), text.size()));
+}
+
+json recorded_cost(const json& manifest) {
+    return {{"seconds", manifest.at("seconds")},
+            {"peak_memory_bytes", manifest.at("peak_memory_bytes")},
+            {"run_started", manifest.value("run_started", manifest.at("finished"))}};
 }
 
 Stamp::Stamp(const StageContext& context, fs::path manifest)
@@ -193,8 +190,7 @@ std::optional<json> Stamp::up_to_date() const {
         if (!outputs_intact(manifest.at("outputs"))) return std::nullopt;
         json result = manifest.at("result");
         result["up_to_date"] = true;
-        result["recorded"] = {{"seconds", manifest.at("seconds")},
-                              {"peak_memory_bytes", manifest.at("peak_memory_bytes")}};
+        result["recorded"] = recorded_cost(manifest);
         context_.reporter.info(fmt::format("{}: up to date", context_.stage));
         return result;
     } catch (const json::exception&) {
@@ -231,6 +227,7 @@ json Stamp::commit(json result, Outlasts outlasts, const std::vector<fs::path>& 
                      {"peak_memory_bytes", peak_.bytes()},
                      {"threads", context_.threads},
                      {"host", host_name()},
+                     {"run_started", run_started()},
                      {"finished", utc_now()}};
     for (const fs::path& output : outputs_)
         manifest["outputs"].push_back(output_json(output, true));

@@ -19,10 +19,14 @@ namespace slim {
 std::filesystem::path manifest_path(const std::filesystem::path& output);
 std::filesystem::path manifest_path(const std::filesystem::path& folder, const std::string& stage);
 
+/// What a manifest says that its work cost: seconds, peak_memory_bytes and run_started, when the
+/// run began that did it (in older ones when it ended). throws json::exception if it does not
+nlohmann::json recorded_cost(const nlohmann::json& manifest);
+
 /// The record of one finished piece of work, written last, so that its existence says "done":
 /// program version, stage, config and its hash, sizes and XXH3-128 hashes of inputs and outputs (of
 /// slices their identity, slice_identity(), in place of a hash), the result, seconds, peak memory
-/// since the Stamp was made, threads, host. Use:
+/// since the Stamp was made, threads, host, when its run began (run_started()) and it ended. Use:
 ///
 ///     Stamp stamp(context, manifest_path(config.output));
 ///     stamp.input(config.cloud);

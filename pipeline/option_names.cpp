@@ -23,13 +23,25 @@ std::string without_marks(const FieldList& fields, const std::string& what) {
     return out + what.substr(at);
 }
 
-bool begins_with_a_path(const FieldList& fields, const std::string& what) {
+/// The field whose path begins the message; null if none does.
+const Field* field_of_path(const FieldList& fields, const std::string& what) {
     for (const Field& field : fields.fields())
         if (field.is_path())
             for (const std::string& item : field.items())
                 if (!item.empty() && (what.starts_with(item + ":") || what.starts_with(item + " ")))
-                    return true;
-    return false;
+                    return &field;
+    return nullptr;
+}
+
+/// "-o x.txt: expected ..." of "x.txt: expected ...": which of several files it is of. Not where a
+/// file's line follows, which says more.
+std::string with_option_of_path(const Field& field, const std::string& what) {
+    bool of_line = false;
+    for (const std::string& item : field.items())
+        of_line |= what.starts_with(item + ":") && what.size() > item.size() + 1 &&
+                   what[item.size() + 1] >= '0' && what[item.size() + 1] <= '9';
+    if (field.is_word() || of_line) return what;
+    return (field.role == FieldRole::output ? "-o" : field.option()) + " " + what;
 }
 
 }  // namespace
@@ -39,7 +51,8 @@ std::string quoted_key(std::string_view key) { return kMark + std::string(key) +
 std::string with_option_names(const FieldList& fields, std::string what) {
     what = without_marks(fields, what);
     const std::size_t end = what.find_first_of(": ");
-    if (end == std::string::npos || begins_with_a_path(fields, what)) return what;
+    if (end == std::string::npos) return what;
+    if (const Field* path = field_of_path(fields, what)) return with_option_of_path(*path, what);
     const Field* field = fields.find(what.substr(0, end));
     return field && !field->is_word() ? field->option() + what.substr(end) : what;
 }

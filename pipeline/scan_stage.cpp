@@ -34,7 +34,12 @@ Vec3d offset_of(const ScanConfig& config) {
         throw ConfigError(fmt::format("offset: expected three numbers x,y,z, found {}",
                                       config.offset.size()));
     const Vec3d offset{config.offset[0], config.offset[1], config.offset[2]};
-    if (!is_finite(offset)) throw ConfigError("offset: expected three finite numbers");
+    // Beyond it doubles are half a unit apart, and the shapes two units large.
+    constexpr double kMost = 1e15;
+    for (const double v : config.offset)
+        if (!(std::abs(v) <= kMost))
+            throw ConfigError(fmt::format("offset: expected three numbers in [{}, {}], found {}",
+                                          -kMost, kMost, v));
     return offset;
 }
 

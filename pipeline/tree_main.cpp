@@ -1,3 +1,4 @@
+#include "pipeline/build/slice_stage.h"
 #include "pipeline/build/tree_stage.h"
 
 int main(int argc, char** argv) {
@@ -5,5 +6,8 @@ int main(int argc, char** argv) {
         {"tree",
          "stage 4: the fits of all slices to one model file",
          {"slim tree scan.work -o scan.slim"}},
-        argc, argv, slim::run_tree);
+        argc, argv, [](const slim::TreeConfig& config, slim::StageContext& context) {
+            slim::check_slice_memory(config.memory);
+            return slim::run_tree(config, context);
+        });
 }

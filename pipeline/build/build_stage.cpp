@@ -70,6 +70,7 @@ struct BuildState {
     WorkFolder work;
     std::map<std::string, std::string> written = {};
     nlohmann::json stages = nlohmann::json::object();  ///< results of those that ended
+    bool recording = false;  ///< the model is done, and no input can be bad any more
 };
 
 /// What a stage that ran out of memory was asked for.
@@ -143,6 +144,7 @@ void check_output(const BuildConfig& config) {
         throw ConfigError(config.output + ": is a folder; --output expects a file to write, as " +
                           (fs::path(config.output) / "model.slim").string());
     check_replaceable(config.output);
+    check_replaceable(manifest_path(config.output).string());
     for (const std::string& input : config.inputs) refuse_to_overwrite(config.output, {input});
     refuse_to_replace_other(config.output);
     refuse_other_ending(config.output);
@@ -205,6 +207,7 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
     result["leaf_error_rms"] = leaf_error_rms(config.output);
     result["drawn_diagonal"] = drawn_diagonal(config.output);
     result["stages"] = stages;
+    state.recording = true;
     if (state.work.is_own && !put_aside(state.work))
         context.reporter.warn(work + ": holds files that no build made, which are left there");
     try {
@@ -219,7 +222,8 @@ nlohmann::json build_in(const BuildConfig& config, BuildState& state, Stamp& sta
 /// while `error` is handled.
 [[noreturn]] void give_up(const BuildState& state, const Error& error) {
     const WorkFolder& work = state.work;
-    const bool bad = error.code() == ExitCode::bad_data || error.code() == ExitCode::usage;
+    const bool bad = !state.recording && (error.code() == ExitCode::bad_data ||
+                                          error.code() == ExitCode::usage);
     const bool sliced = fs::exists(manifest_path(work.path, "slice"));
     const auto slice = state.stages.find("slice");
     const bool sliced_anew = slice != state.stages.end() && !slice->contains("up_to_date");

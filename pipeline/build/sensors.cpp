@@ -56,6 +56,8 @@ Vec3d sensor_of(const nlohmann::json& entry, const SlicePlan& plan, const std::s
 /// Adds the positions of one file, whose scan numbers start at `first_scan` in the job.
 void add_sensors(const std::string& path, std::uint32_t first_scan, const SlicePlan& plan,
                  std::vector<Vec3d>& out) {
+    if (std::filesystem::is_directory(path))
+        throw IoError(path + ": is a folder; expected a file of sensors (JSON)");
     std::ifstream file(path);
     if (!file) throw IoError(fmt::format("{}: cannot be opened", path));
     try {

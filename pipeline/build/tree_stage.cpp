@@ -187,7 +187,10 @@ nlohmann::json run_tree(const TreeConfig& config, StageContext& context) {
     check_all_there(config, paths);
     refuse_to_replace_other(config.output);
     refuse_other_ending(config.output);
-    Stamp stamp(context, manifest_path(config.output));
+    // The model's own is the build's, if there is one: were this one in its place, a make that goes
+    // on after a kill between the two would take the build for done.
+    Stamp stamp(context, context.handed ? manifest_path(config.work, "tree")
+                                        : manifest_path(config.output));
     stamp.input(plan_path(config.work));  // the model's origin, bounds and inputs stand in no fit
     for (const auto& path : paths) stamp.input(path);
     stamp.outputs({config.output});

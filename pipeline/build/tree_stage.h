@@ -26,6 +26,7 @@ struct TreeConfig {
 /// Warns where the surfels ask for more than config.memory; what they ask for is known before the
 /// tree is made. Merges the fits, links the ball tree and writes the model; equal fits give equal
 /// bytes.
+/// Its manifest is <output>.done.json, within a build tree.done.json in the work folder.
 /// throws IncompleteError (exit 6) naming slices without a fit, or fits made with different
 /// settings;
 ///        DataError if no surfel was found

@@ -28,7 +28,7 @@ constexpr std::string_view kMarkText =
     "slim build put this file here: the folder is its own, and goes when the model is done.\n";
 constexpr auto kWorkFiles = std::to_array<std::string_view>(
     {"plan.json", "slice.done.json", "coarse.fit", "coarse.fit.done.json", "signs.slice",
-     "signs.slice.done.json"});
+     "signs.slice.done.json", "tree.done.json"});
 constexpr auto kSliceFiles = std::to_array<std::string_view>(
     {"points.slice", "points.slice.done.json", "oriented.slice", "oriented.slice.done.json",
      "surfels.fit", "surfels.fit.done.json"});

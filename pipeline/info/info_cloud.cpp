@@ -2,13 +2,17 @@
 
 #include "formats/point_source.h"
 #include "formats/truth_file.h"
+#include "pipeline/contains.h"
 #include "pipeline/info/info_json.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <set>
+#include <string_view>
 
 namespace slim {
 namespace {
@@ -67,6 +71,21 @@ json cloud_json(const CloudInfo& info, const CloudTotals& totals) {
     return out;
 }
 
+/// Edges that the header of a PLY declares beside its points, in place of faces; 0: none.
+std::uint64_t n_edges(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string line;
+    if (!std::getline(in, line) || !line.starts_with("ply")) return 0;
+    std::uint64_t edges = 0;
+    while (std::getline(in, line) && !line.starts_with("end_header")) {
+        if (line.starts_with("element face")) return 0;
+        constexpr std::string_view kEdge = "element edge ";
+        if (line.starts_with(kEdge))
+            std::from_chars(line.data() + kEdge.size(), line.data() + line.size(), edges);
+    }
+    return edges;
+}
+
 }  // namespace
 
 json cloud_info(const std::string& path, StageContext& context) {
@@ -78,6 +97,15 @@ json cloud_info(const std::string& path, StageContext& context) {
     }
     json out = cloud_json(source->info(), totals);
     if (source->info().has_faces()) out["faces"] = source->info().n_faces;
+    if (const std::uint64_t edges = n_edges(path)) {
+        out["kind"] = "lines";
+        out["about"] = "lines in space, as 'slim render --lines-ply' writes: points and the edges "
+                       "between them";
+        out["edges"] = edges;
+    } else if (contains(source->info().skipped, "scalar_distance")) {
+        out["about"] = "the points of a cloud with the errors of each, as 'slim measure "
+                       "--per-point' writes";
+    }
     return out;
 }
 

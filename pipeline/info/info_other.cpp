@@ -3,6 +3,7 @@
 #include "formats/extension.h"
 #include "formats/image_io.h"
 #include "formats/truth_file.h"
+#include "pipeline/info/info_table.h"
 #include "pipeline/toml_file.h"
 #include "slim/base/error.h"
 
@@ -12,7 +13,11 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <initializer_list>
 #include <map>
+#include <sstream>
+#include <string_view>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -71,14 +76,35 @@ json truth_info(const std::string& path) {
     return out;
 }
 
+/// How often any of the words stands in a text.
+std::uint64_t count_in(const std::string& text, std::initializer_list<std::string_view> words) {
+    std::uint64_t n = 0;
+    for (const std::string_view word : words)
+        for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) ++n;
+    return n;
+}
+
+std::string whole_text(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::stringstream text;
+    text << in.rdbuf();
+    return std::move(text).str();
+}
+
 json svg_info(const std::string& path) {
+    const std::string text = whole_text(path);
+    const auto counted = [&](json out) {
+        out["paths"] = count_in(text, {"<path", "<polyline", "<line"});
+        out["texts"] = count_in(text, {"<text"});
+        return out;
+    };
     static const std::pair<const char*, const char*> kDrawings[] = {
         {".lines.svg", "feature lines of a picture of `slim render`, a drawing in millimetres"},
         {".contours.svg", "contour lines of a relief of `slim render`, a drawing in millimetres"},
         {".legend.svg", "the legend of a map of `slim render`"}};
     for (const auto& [ending, about] : kDrawings)
-        if (path.ends_with(ending)) return kind_info(path, "svg", about);
-    return kind_info(path, "svg", "a drawing (SVG)");
+        if (path.ends_with(ending)) return counted(kind_info(path, "svg", about));
+    return counted(kind_info(path, "svg", "a drawing (SVG)"));
 }
 
 json toml_info(const std::string& path) {
@@ -97,11 +123,22 @@ json toml_info(const std::string& path) {
                          : is_job ? "a job file: 'slim run' does it, 'slim plan --explain' says it"
                                   : "a TOML file: options of a verb, for its --config");
     out["tables"] = tables;
+    out["keys"] = root.values.size();
+    for (const auto& [table, counted] : {std::pair{"view", "views"}, {"experiment", "experiments"}})
+        if (has(table))
+            out[counted] =
+                std::count_if(root.tables.begin(), root.tables.end(),
+                              [table = table](const TomlTable& t) { return t.name == table; });
     return out;
 }
 
 json html_info(const std::string& path) {
-    return kind_info(path, "html", "a page for a browser, as 'slim run' and 'slim report' write");
+    json out =
+        kind_info(path, "html", "a page for a browser, as 'slim run' and 'slim report' write");
+    const std::string text = whole_text(path);
+    out["html_tables"] = count_in(text, {"<table"}), out["pictures"] = count_in(text, {"<img"});
+    out["plots"] = count_in(text, {"<svg"});
+    return out;
 }
 
 json obj_info(const std::string& path) {
@@ -123,14 +160,62 @@ json obj_info(const std::string& path) {
     return out;
 }
 
+/// What `slim plan` printed: by the comment that begins it, whatever the file is called.
+std::optional<json> plan_info(const std::string& path) {
+    struct Format {
+        const char *name, *about, *counted;
+        std::string_view mark, item;
+    };
+    static constexpr Format kFormats[] = {
+        {"make", "a Makefile, printed by 'slim plan': 'make -f FILE' does the job", "rules",
+         "# A Makefile for GNU make, made by 'slim plan", "\n\t'"},
+        {"make", "the slices' part of a Makefile, printed by 'slim plan'", "rules",
+         "# The slices of ", "\n\t'"},
+        {"slurm", "a script that submits a job's steps to Slurm, printed by 'slim plan'", "jobs",
+         "#!/bin/sh\n# Submits what 'slim run' does", "\nsubmit "},
+        {"snakemake", "a Snakefile, printed by 'slim plan': 'snakemake -s FILE' does the job",
+         "rules", "# A Snakefile, made by 'slim plan", "\nrule "}};
+    std::ifstream in(path, std::ios::binary);
+    std::string head(64, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    for (const Format& format : kFormats) {
+        if (!head.starts_with(format.mark)) continue;
+        json out = kind_info(path, "workflow", format.about);
+        out["format"] = format.name;
+        out[format.counted] = count_in(whole_text(path), {format.item});
+        return out;
+    }
+    return std::nullopt;
+}
+
+json log_info(const std::string& path) {
+    json out = kind_info(path, "log", "what a program said (stderr), as of a report's step");
+    const std::string text = whole_text(path);
+    out["lines"] = count_in(text, {"\n"});
+    out["warnings"] = count_in(text, {": warning: "});
+    out["errors"] = count_in(text, {": error: "});
+    return out;
+}
+
+json mark_info(const std::string& path) {
+    return kind_info(path, "mark",
+                     "of a folder that is a build's own, which removes it when its model is done");
+}
+
 }  // namespace
 
 std::optional<json> other_info(const std::string& path) {
+    std::error_code none;
+    if (!fs::is_regular_file(path, none)) return std::nullopt;
+    if (auto plan = plan_info(path)) return plan;
+    if (fs::path(path).filename() == "made_by_slim_build") return mark_info(path);
+    if (lower_extension(path) == ".csv") return table_info(path);
     static const std::map<std::string, std::function<json(const std::string&)>> kReaders = {
         {".png", png_info},   {".exr", exr_info},   {".truth", truth_info}, {".svg", svg_info},
-        {".toml", toml_info}, {".html", html_info}, {".obj", obj_info}};
+        {".toml", toml_info}, {".html", html_info}, {".obj", obj_info},
+        {".log", log_info}};
     const auto reader = kReaders.find(lower_extension(path));
-    if (reader == kReaders.end() || !fs::exists(path)) return std::nullopt;
+    if (reader == kReaders.end()) return std::nullopt;
     return reader->second(path);
 }
 

@@ -7,7 +7,7 @@
 #include "pipeline/info/info_json.h"
 #include "pipeline/info/info_model.h"
 #include "pipeline/info/info_other.h"
-#include "pipeline/json_text.h"
+#include "pipeline/info/info_record.h"
 #include "slim/base/error.h"
 #include "slim/model/surfel_tree.h"
 
@@ -74,6 +74,8 @@ std::string summary_of(json info) {
                                {"about", ""},
                                {"format", ""},
                                {"points", ""},
+                               {"rows", ""},
+                               {"columns", ""},
                                {"faces", ""},
                                {"normals", ""},
                                {"leaves", ""},
@@ -91,17 +93,6 @@ std::string first_bytes(const std::string& path, std::size_t n) {
     in.read(head.data(), static_cast<std::streamsize>(n));
     head.resize(static_cast<std::size_t>(in.gcount()));
     return head;
-}
-
-json json_info(const std::string& path) {
-    std::ifstream in(path);
-    try {
-        json contents = json_from(in);
-        return {
-            {"kind", "json"}, {"bytes", fs::file_size(path)}, {"contents", std::move(contents)}};
-    } catch (const json::parse_error& error) {
-        throw FormatError(fmt::format("{}: byte {}: not JSON: {}", path, error.byte, error.what()));
-    }
 }
 
 }  // namespace
@@ -124,7 +115,7 @@ json run_info(const InfoConfig& config, StageContext& context) {
     else if (head == "SLIMFITS")
         out = fit_info(config.file);
     else if (config.file.ends_with(".json"))
-        out = json_info(config.file);
+        out = record_info(config.file);
     else if (auto other = other_info(config.file))
         out = std::move(*other);
     else

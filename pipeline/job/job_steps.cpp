@@ -2,7 +2,9 @@
 
 #include "pipeline/child_process.h"
 #include "pipeline/json_text.h"
+#include "pipeline/manifest.h"
 #include "pipeline/memory_size.h"
+#include "pipeline/run_started.h"
 #include "slim/base/check.h"
 #include "slim/base/error.h"
 
@@ -10,6 +12,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <system_error>
 
@@ -32,6 +35,17 @@ using nlohmann::json;
     throw Error(code, fmt::format("{}: {}", step.name, reason));
 }
 
+/// What a manifest says that the work cost; null if it says nothing.
+json cost_in(const fs::path& manifest) {
+    std::ifstream in(manifest);
+    try {
+        const json read = json_or_discarded(in);
+        return read.is_object() ? recorded_cost(read) : json();
+    } catch (const json::exception&) {
+        return {};
+    }
+}
+
 StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
     json result = json_or_discarded(child.output);
     if (!result.is_object())
@@ -40,9 +54,11 @@ StepOutcome outcome_of(const JobStep& step, const ChildResult& child) {
     StepOutcome outcome{step, std::move(result), false, child.seconds,
                         static_cast<double>(child.peak_memory_bytes)};
     outcome.up_to_date = outcome.result.value("up_to_date", false);
-    if (outcome.up_to_date && outcome.result.contains("recorded")) {
-        outcome.seconds = outcome.result.at("recorded").value("seconds", 0.0);
-        outcome.peak_memory_bytes = outcome.result.at("recorded").value("peak_memory_bytes", 0.0);
+    // The manifest's figures in either case: the child's own time has its start and end in it.
+    if (const json recorded = cost_in(step.target); !recorded.is_null()) {
+        outcome.seconds = recorded.at("seconds").get<double>();
+        outcome.peak_memory_bytes = recorded.at("peak_memory_bytes").get<double>();
+        outcome.run_started = recorded.at("run_started").get<std::string>();
     }
     return outcome;
 }
@@ -55,6 +71,7 @@ StepOutcome run_step(const JobStep& step, const StageContext& context) {
                                         "--json"};
     command.insert(command.end(), context.passed_on.begin(), context.passed_on.end());
     command.insert(command.end(), step.arguments.begin(), step.arguments.end());
+    hand_on_run_started();
     setenv(kErrorsByParent, "1", 1);  // said once, with the step's name
     const ChildResult child = run_child(command);
     unsetenv(kErrorsByParent);
@@ -82,6 +99,7 @@ json steps_json(const std::vector<StepOutcome>& outcomes) {
                          {"up_to_date", outcome.up_to_date},
                          {"seconds", outcome.seconds},
                          {"peak_memory_bytes", outcome.peak_memory_bytes},
+                         {"run_started", outcome.run_started},
                          {"result", outcome.result}});
     return steps;
 }

@@ -10,14 +10,15 @@
 
 namespace slim {
 
-/// What a step of a job came to: its --json object and what it cost (the recorded cost if the
-/// output was up to date).
+/// What a step of a job came to: its --json object and what it cost, as its manifest records it,
+/// which is the cost of an earlier run if the output was up to date.
 struct StepOutcome {
     JobStep step;
     nlohmann::json result;
     bool up_to_date = false;
     double seconds = 0;
     double peak_memory_bytes = 0;
+    std::string run_started;  ///< of the run that this is the cost of; empty: not said
 };
 
 /// Runs a step as a child process beside this one, which skips what is up to date. Throws Error
@@ -27,7 +28,7 @@ StepOutcome run_step(const JobStep& step, const StageContext& context);
 /// Throws IoError for a file that a step reads, that no step makes and that is not there.
 void require_inputs(const Job& job);
 
-/// name, verb, up_to_date, seconds, peak_memory_bytes and result of each.
+/// name, verb, up_to_date, seconds, peak_memory_bytes, run_started and result of each.
 nlohmann::json steps_json(const std::vector<StepOutcome>& outcomes);
 
 /// A line for each step, and the commands that make films of the pictures.

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -107,17 +108,17 @@ private:
         std::vector<std::string> options = options_for(view.aovs, defaults, own_keys, render);
         note_taken(options, own_keys);
         if (overridden_) own = options_for(view.aovs, own, {}, render);
+        const std::string own_name = view.name.empty() ? name_of(options, own) : view.name;
+        if (n_views() > 1) name_line_files(own_name, options);
         options.insert(options.end(), own.begin(), own.end());
-        if (view.name.empty()) view.name = name_of(options);
+        view.name = own_name;
         try {
             check_view_name(view.name);
             check_view_of_fit(view.aovs, render, job_.stages);
         } catch (const ConfigError& error) {
             throw ConfigError(fmt::format("{}: {}", table_place(file_, table), error.what()));
         }
-        if (!names_.insert(view.name).second)
-            throw ConfigError(fmt::format("{}: a second view of the name '{}'",
-                                          table_place(file_, table), view.name));
+        if (!names_.insert(view.name).second) refuse_second(view.name, table);
         check_rays(render, view.aovs, table);
         asked_.push_back({view.name, view.aovs, render});
         JobStep step{"view " + view.name, "render", {model_.string()}, {model_}, {}, {}, {}};
@@ -125,11 +126,18 @@ private:
         for (const fs::path& file : files_read(options)) step.inputs.push_back(file);
         append_arguments(step, options);
         step.arguments.push_back(fmt::format("--aov={}", fmt::join(view.aovs, ",")));
-        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike.
-        const std::string aov = view.aovs.size() == 1 ? "." + view.aovs[0] : "";
-        step.output = picture_.empty() ? job_.folder / (view.name + aov + ".png") : picture_;
+        // Several AOVs become name.shaded.png, name.mean.png; one is to be named alike. An EXR
+        // holds all of them.
+        const bool exr = render.format == "exr";
+        const std::string aov = view.aovs.size() == 1 && !exr ? "." + view.aovs[0] : "";
+        const std::string file = view.name + aov + (exr ? ".exr" : ".png");
+        step.output = picture_.empty() ? job_.folder / file : picture_;
         add_step_output(step, job_);
         step.products = view_pictures(job_.folder, view.name, view.aovs, render);
+        for (const fs::path& file : line_files(options)) {
+            check_line_file(file, view.name, table);
+            step.products.push_back(file);
+        }
         views_.push_back({job_.steps.size(), render, legends_of(render, view.aovs)});
         divide(step, render, view, table);
         job_.steps.push_back(std::move(step));
@@ -237,12 +245,60 @@ private:
         fields_of(render).find("aov")->set(aovs, table_place(file_, table) + ": aovs");
     }
 
-    /// A view without a name takes its camera's, "view" if that is given by numbers.
-    static std::string name_of(const std::vector<std::string>& options) {
+    /// Names come from views' tables, or from an option for all of them.
+    [[noreturn]] void refuse_second(const std::string& name, const TomlTable& table) const {
+        const std::string said = fmt::format("a second view of the name '{}'", name);
+        const auto of_view = [&](const char* key) {
+            return std::find_if(table.values.begin(), table.values.end(),
+                                [&](const TomlValue& value) { return value.key == key; });
+        };
+        const auto named = of_view("name");
+        const bool by_name = named != table.values.end();
+        const bool by_option = by_name ? named->line == kOnCommandLine : is_override("camera");
+        if (!by_option) throw ConfigError(table_place(file_, table) + ": " + said);
+        throw ConfigError(fmt::format("{}: {}: {}, that of line {}: expected views with names of "
+                                      "their own",
+                                      toml_place(file_, kOnCommandLine),
+                                      by_name ? "name" : "camera", said, table.line));
+    }
+
+    /// A view without a name takes its camera's, "view" if that is given by numbers. Options of its
+    /// own win over those of all views.
+    static std::string name_of(const std::vector<std::string>& of_all,
+                               const std::vector<std::string>& own) {
         std::string camera = RenderConfig{}.camera;
-        for (const std::string& option : options)
-            if (option.starts_with("--camera=")) camera = option.substr(9);
+        for (const auto* options : {&of_all, &own})
+            for (const std::string& option : *options)
+                if (option.starts_with("--camera=")) camera = option.substr(9);
         return camera.find(',') == std::string::npos ? camera : "view";
+    }
+
+    std::size_t n_views() const {
+        return static_cast<std::size_t>(
+            std::count_if(root_.tables.begin(), root_.tables.end(),
+                          [](const TomlTable& table) { return table.name == "view"; }));
+    }
+
+    /// A file of lines is one view's, whatever else writes one or reads it.
+    void check_line_file(const fs::path& file, const std::string& view, const TomlTable& table) {
+        const fs::path path = fs::absolute(file).lexically_normal();
+        const auto is_it = [&](const fs::path& other) {
+            return !other.empty() && fs::absolute(other).lexically_normal() == path;
+        };
+        std::string other;
+        if (const auto known = line_files_.find(path); known != line_files_.end())
+            other = "view " + known->second + " writes too";
+        for (const JobStep& step : job_.steps) {
+            if (std::any_of(step.inputs.begin(), step.inputs.end(), is_it))
+                other = step.name + " reads";
+            if (is_it(step.output)) other = step.name + " writes";
+        }
+        if (!other.empty())
+            throw ConfigError(
+                fmt::format("{}: view {} would write its lines to {}, which {}: expected a file of "
+                            "its own",
+                            table_place(file_, table), view, file.string(), other));
+        line_files_[path] = view;
     }
 
     const fs::path& file_;
@@ -263,6 +319,7 @@ private:
     RenderConfig render_;  // with what [render] and the lights say
     std::set<std::string> names_;
     std::vector<AskedView> asked_;
+    std::map<fs::path, std::string> line_files_;  // and the view that writes them
 };
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace slim {
 
@@ -24,8 +26,12 @@ std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& fo
     for (int k = 1; k <= n; ++k) {
         if (config.frame > 0 && k != config.frame) continue;
         const std::string number = film ? fmt::format("_{:04}", k) : "";
-        for (const std::string& aov : aovs)
-            if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
+        if (config.format == "exr")
+            for (const char* ending : {".exr", ".png"})
+                files.push_back(folder / (name + number + ending));
+        else
+            for (const std::string& aov : aovs)
+                if (aov != "all") files.push_back(folder / (name + "." + aov + number + ".png"));
         if (lines) files.push_back(folder / (name + number + ".lines.svg"));
     }
     return files;
@@ -60,6 +66,30 @@ std::vector<std::filesystem::path> files_read(const std::vector<std::string>& op
         for (const std::string begin : {"--add=", "--environment=", "--matcap="})
             if (option.starts_with(begin)) files.emplace_back(option.substr(begin.size()));
     return files;
+}
+
+namespace {
+
+constexpr auto kLineFiles = std::to_array<std::string_view>({"--lines-ply=", "--lines-obj="});
+
+}  // namespace
+
+std::vector<std::filesystem::path> line_files(const std::vector<std::string>& options) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& option : options)
+        for (const std::string_view begin : kLineFiles)
+            if (option.starts_with(begin)) files.emplace_back(option.substr(begin.size()));
+    return files;
+}
+
+void name_line_files(const std::string& view, std::vector<std::string>& options) {
+    for (std::string& option : options)
+        for (const std::string_view begin : kLineFiles) {
+            if (!option.starts_with(begin)) continue;
+            std::filesystem::path file = option.substr(begin.size());
+            file.replace_filename(view + "." + file.filename().string());
+            option = std::string(begin) + file.string();
+        }
 }
 
 void check_view_keys(

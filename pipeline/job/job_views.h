@@ -12,7 +12,8 @@
 namespace slim {
 
 /// The pictures that a view leaves in a folder: <name>.<aov>.png, of a turntable or path
-/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg).
+/// <name>.<aov>_0001.png and so on; with lines <name>.lines.svg (<name>_0001.lines.svg). Of format
+/// exr <name>.exr, which holds all AOVs, and its preview <name>.png.
 std::vector<std::filesystem::path> view_pictures(const std::filesystem::path& folder,
                                                  const std::string& name,
                                                  const std::vector<std::string>& aovs,
@@ -31,6 +32,13 @@ std::vector<std::string> options_for(const std::vector<std::string>& aovs,
 
 /// Files that these options of slim-render name to be read.
 std::vector<std::filesystem::path> files_read(const std::vector<std::string>& options);
+
+/// The files of lines in space that these options of slim-render name: --lines-ply, --lines-obj.
+std::vector<std::filesystem::path> line_files(const std::vector<std::string>& options);
+
+/// Renames those in the options of several views, each of which writes its own: edges.ply is
+/// front.edges.ply of the view "front", as its pictures are named.
+void name_line_files(const std::string& view, std::vector<std::string>& options);
 
 /// What slim-render would refuse after the whole build: calls checked(key, check) for each key
 /// whose value can be wrong in itself, check throwing ConfigError.

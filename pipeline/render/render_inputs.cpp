@@ -38,7 +38,7 @@ void check_folder_above(const fs::path& output) {
 int check_request(const RenderConfig& config, const std::vector<std::string>& aovs) {
     check_view_name(config.name);
     check_ranges(config);
-    check_lines(config, aovs);
+    check_lines(config);
     check_shadings(config);
     check_tracing(config, aovs);
     parse_background(config.background, false);

@@ -42,14 +42,9 @@ void check_line_file(const std::string& path, const char* extension, const Rende
 
 }  // namespace
 
-void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs) {
+void check_lines(const RenderConfig& config) {
     check_line_file(config.lines_ply, ".ply", config);
     check_line_file(config.lines_obj, ".obj", config);
-    if (!config.lines.empty() || contains(aovs, "lines")) return;
-    if (!config.lines_ply.empty())
-        throw ConfigError("--lines-ply is for --lines, which are not asked for");
-    if (!config.lines_obj.empty())
-        throw ConfigError("--lines-obj is for --lines, which are not asked for");
 }
 
 std::vector<LineKind> wanted_lines(const RenderConfig& config, const std::vector<std::string>& aovs,

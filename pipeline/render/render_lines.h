@@ -18,9 +18,8 @@
 
 namespace slim {
 
-/// Throws ConfigError for files of lines that nobody asks for,
-/// or whose names are not .ply and .obj.
-void check_lines(const RenderConfig& config, const std::vector<std::string>& aovs);
+/// Throws ConfigError for files of lines whose names are not .ply and .obj.
+void check_lines(const RenderConfig& config);
 
 /// The kinds of lines to draw, in the order of drawing: contours last, on top. With the AOV "lines"
 /// alone: contours, suggestive contours, crest lines if the model is cubic, and creases if it is

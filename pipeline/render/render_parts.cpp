@@ -1,5 +1,6 @@
 #include "pipeline/render/render_parts.h"
 
+#include "pipeline/option_names.h"
 #include "raytrace/shade.h"
 #include "slim/base/error.h"
 
@@ -60,7 +61,8 @@ PixelWindow parse_tile(const std::string& text, const PictureSize& size) {
 PixelWindow wanted_window(const RenderConfig& config, const PictureSize& size) {
     if (config.crop.empty() && config.tile.empty()) return {0, 0, size.width, size.height};
     if (!config.crop.empty() && !config.tile.empty())
-        throw ConfigError("crop and tile both say what part to draw: give one");
+        throw ConfigError("crop and " + quoted_key("tile") +
+                          " both say what part to draw: give one");
     return config.crop.empty() ? parse_tile(config.tile, size) : parse_crop(config.crop, size);
 }
 

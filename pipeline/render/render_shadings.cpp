@@ -92,7 +92,9 @@ void check_shadings(const RenderConfig& config) {
     if (config.sun.size() != 2 || !(config.sun[1] >= 0 && config.sun[1] <= 90) ||
         !std::isfinite(config.sun[0]))
         throw ConfigError(
-            "sun: expected two angles in degrees, azimuth,altitude with an altitude from 0 to 90");
+            fmt::format("sun: expected two angles in degrees, azimuth,altitude with an altitude "
+                        "from 0 to 90; found {}",
+                        fmt::join(config.sun, ",")));
 }
 
 ShadingInputs load_shadings(const RenderConfig& config, const std::vector<std::string>& aovs,

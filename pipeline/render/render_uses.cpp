@@ -139,6 +139,11 @@ bool takes_antialias(const RenderConfig& config, const Aovs& aovs) {
            });
 }
 
+bool draws_lines(const RenderConfig& config, const Aovs& aovs) {
+    return !config.lines.empty() || contains(aovs, "lines");
+}
+
+constexpr const char* kLinesRemedy = ": --lines or --aov lines";
 constexpr const char* kOpennessRemedy = ": --ao or --aov ao";
 
 constexpr OptionUse kUses[] = {
@@ -173,6 +178,8 @@ constexpr OptionUse kUses[] = {
     {"same_range", "a map with a range of its own", ": such as --aov mean without --range",
      takes_same_range},
     {"legend_room", "a named camera that frames the whole model", "", leaves_room},
+    {"lines_ply", "a drawing of lines", kLinesRemedy, draws_lines},
+    {"lines_obj", "a drawing of lines", kLinesRemedy, draws_lines},
     {"light_maps", "a curvature map or the aov color", "", takes_light_maps},
     {"light", "the aov shaded", "", takes<kShaded>},
     {"material", "the aov shaded", "", takes<kShaded>},

@@ -137,7 +137,13 @@ Camera make_camera(const RenderConfig& config, const ModelHeader& model, const P
         camera.orthographic = orthographic;
         camera.width *= aspect;
     }
-    if (config.ortho_width > 0) camera.width = config.ortho_width;
+    if (config.ortho_width > 0) {
+        constexpr double kNarrowest = 1e-90;  // a picture's, however it is zoomed
+        if (config.ortho_width < kNarrowest)
+            throw ConfigError(fmt::format("ortho_width: expected 0, or {} and more; found {}",
+                                          kNarrowest, config.ortho_width));
+        camera.width = config.ortho_width;
+    }
     camera.width /= config.zoom;
     // The middle of what is seen stays where it is, beside a legend that is kept free.
     const Vec3d aside = to_middle * (1 - 1 / config.zoom);

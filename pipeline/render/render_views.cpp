@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 
 namespace slim {
 namespace {
@@ -59,6 +60,61 @@ void refuse_parts(const RenderConfig& config) {
             config.join > 0 ? "--join" : "--share"));
 }
 
+/// Whether a message begins with an option that was given, or with its key or file.
+bool is_of_given(const std::string& message, const RenderConfig& config,
+                 const StageContext& context) {
+    RenderConfig copy = config;
+    const FieldList fields = fields_of(copy);
+    const auto begins_with = [&](const std::string& word) {
+        return message.starts_with(word) &&
+               message.find_first_of(": ", word.size()) == word.size();
+    };
+    for (const Field& field : fields.fields()) {
+        if (!contains(context.given, field.key) || field.is_word()) continue;
+        if (begins_with(field.option()) || begins_with(field.key)) return true;
+        if (!field.is_path()) continue;
+        for (const std::string& path : field.items())
+            if (!path.empty() && begins_with(fs::absolute(path).string())) return true;
+    }
+    return false;
+}
+
+/// Runs a view; what it fails with says where the job asks for it, or which option does.
+StepOutcome drawn(const JobStep& step, const Job& job, const RenderConfig& config,
+                  const StageContext& context) {
+    try {
+        return run_step(step, context);
+    } catch (const Interrupted&) {
+        throw;
+    } catch (const Error& error) {
+        const std::string what = error.what(), name = step.name + ": ";
+        const std::string reason = what.starts_with(name) ? what.substr(name.size()) : what;
+        const std::string place = toml_place(job.file, step.line);
+        if (!is_of_given(reason, config, context)) throw Error(error.code(), place + ": " + what);
+        throw Error(error.code(), fmt::format("{} ({}, {})", reason, step.name, place));
+    }
+}
+
+/// What reading the job says without its place if that is the command line, or a table that an
+/// option has changed: the option's name then begins it.
+std::string of_option(const std::string& what, const fs::path& file, const RenderConfig& config,
+                      const StageContext& context) {
+    constexpr std::string_view kIdle = "no view takes it: ";
+    const std::string said_there = toml_place(file, kOnCommandLine) + ": ";
+    if (what.starts_with(said_there)) {
+        const std::string said = what.substr(said_there.size());
+        if (!said.starts_with(kIdle)) return said;
+        return fmt::format("{} (no view of {} takes it)", said.substr(kIdle.size()), file.string());
+    }
+    const std::size_t line = file.string().size() + 1, end = what.find(": ", line);
+    if (!what.starts_with(file.string() + ":") || end == std::string::npos || what[line] == ' ')
+        return what;
+    const std::string said = what.substr(end + 2);
+    return is_of_given(said, config, context)
+               ? fmt::format("{} ({})", said, what.substr(0, end))
+               : what;
+}
+
 Job drawing_of(const RenderConfig& config, const StageContext& context) {
     JobDrawing drawing;
     drawing.model = config.model;
@@ -68,17 +124,10 @@ Job drawing_of(const RenderConfig& config, const StageContext& context) {
     // The model stands where a style's clouds do.
     const fs::path file = job_file({config.job, {config.model}, "", {}});
     drawing.stages = stages_of(config.model);
-    return read_drawing(file, drawing);
-}
-
-/// Runs a view; what it fails with says where the job asks for it.
-StepOutcome drawn(const JobStep& step, const Job& job, const StageContext& context) {
     try {
-        return run_step(step, context);
-    } catch (const Interrupted&) {
-        throw;
-    } catch (const Error& error) {
-        throw Error(error.code(), toml_place(job.file, step.line) + ": " + error.what());
+        return read_drawing(file, drawing);
+    } catch (const ConfigError& error) {
+        throw ConfigError(of_option(error.what(), file, config, context));
     }
 }
 
@@ -88,7 +137,7 @@ Json draw_views(const RenderConfig& config, StageContext& context) {
     refuse_parts(config);
     const Job job = drawing_of(config, context);
     std::vector<StepOutcome> outcomes;
-    for (const JobStep& step : job.steps) outcomes.push_back(drawn(step, job, context));
+    for (const JobStep& step : job.steps) outcomes.push_back(drawn(step, job, config, context));
     Json files = Json::array();
     for (const StepOutcome& outcome : outcomes)
         for (const Json& file : outcome.result.value("files", Json::array())) files.push_back(file);

@@ -13,8 +13,9 @@ namespace slim {
 /// what the job says, in every view.
 ///
 /// returns  files, folder, steps (as of `slim run`), left_out
-/// throws   ConfigError naming file and line (exit 2), also for --share and --join, and for a file
-///          as the output of several views; what a view fails with, its line in the job first
+/// throws   ConfigError naming the option or the file and line (exit 2), also for --share and
+///          --join, and for a file as the output of several views; what a view fails with, its line
+///          in the job first unless it begins with an option that was given
 nlohmann::json draw_views(const RenderConfig& config, StageContext& context);
 
 }  // namespace slim

@@ -68,9 +68,9 @@ std::vector<double> WordList::numbers(const char* key, std::size_t n,
     const bool finite = std::all_of(numbers.begin(), numbers.end(),
                                     [](double v) { return std::isfinite(v); });
     if (numbers.size() != n || !finite)
-        fail(fmt::format("{}: expected {} number{} {}, found \"{}\"", key, n, n == 1 ? "" : "s",
-                         n == 3   ? "x,y,z"
-                         : n == 2 ? "a,b"
+        fail(fmt::format("{}: expected {} number{}{}, found \"{}\"", key, n, n == 1 ? "" : "s",
+                         n == 3   ? " x,y,z"
+                         : n == 2 ? " a,b"
                                   : "",
                          value));
     return numbers;

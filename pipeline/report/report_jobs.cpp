@@ -4,7 +4,7 @@
 #include "pipeline/job/job_source.h"
 #include "pipeline/job/job_steps.h"
 #include "pipeline/manifest.h"
-#include "pipeline/report/report_times.h"
+#include "pipeline/run_started.h"
 #include "pipeline/signals.h"
 #include "pipeline/toml_file.h"
 #include "slim/base/error.h"
@@ -130,11 +130,13 @@ StepRecord done(const JobStep& step, const std::string& identifier, const Job& j
     record.step = identifier, record.run = step.verb;
     record.name = name_of(job) + "/" + step.name, record.output = step.output.string();
     record.figures = nlohmann::json::object();
+    record.run_started = run_started();
     try {
         StepOutcome outcome = run_step(step, context);
         record.figures = std::move(outcome.result);
-        record.figures["seconds"] = outcome.seconds;  // as recorded, if it was up to date
+        record.figures["seconds"] = outcome.seconds;
         record.figures["peak_memory_bytes"] = outcome.peak_memory_bytes;
+        record.run_started = outcome.run_started;
         record.done = true;
         ++(outcome.up_to_date ? counts.reused : counts.run);
     } catch (const Interrupted&) {
@@ -179,8 +181,8 @@ ReportFile experiment_of_jobs(const std::vector<Job>& jobs) {
     Experiment e;
     e.name = "rows", e.where = kName;
     e.title = "Error against run time";
-    e.text = "L: diagonal of the input's box. A step that was up to date has the seconds of the "
-             "run that made it.";
+    e.text = "L: diagonal of the input's box. Seconds are those of each step's manifest, whether "
+             "it was done now or was up to date.";
     e.grid.emplace_back("job", std::vector<FigureValue>{});
     std::string hashes;
     for (const Job& job : jobs) {
@@ -205,7 +207,6 @@ ReportFile experiment_of_jobs(const std::vector<Job>& jobs) {
 ExperimentResult run_jobs(const Experiment& experiment, const std::vector<Job>& jobs,
                           StageContext& context, StepCounts& counts) {
     const StepNames names(jobs);
-    const std::string started = run_stamp();
     ExperimentResult result;
     result.experiment = &experiment;
     for (const Job& job : jobs) {
@@ -215,7 +216,6 @@ ExperimentResult run_jobs(const Experiment& experiment, const std::vector<Job>& 
         context.reporter.info(job.file.string());
         for (const JobStep& step : job.steps) {
             StepRecord record = done(step, names.find(step)->identifier, job, context, counts);
-            if (!record.figures.value("up_to_date", false)) record.run_started = started;
             const bool goes_on = record.done;
             row.steps.push_back(std::move(record));
             if (!goes_on) break;

@@ -8,6 +8,7 @@
 #include "pipeline/report/report_step_output.h"
 #include "pipeline/report/report_text.h"
 #include "pipeline/report/report_times.h"
+#include "pipeline/run_started.h"
 #include "slim/base/error.h"
 
 #include <fmt/format.h>
@@ -30,7 +31,9 @@ StepRunner::StepRunner(StepSettings settings, StageContext& context)
     : settings_(std::move(settings)),
       context_(context),
       planner_(settings_, context.threads),
-      started_(run_stamp()) {}
+      started_(run_started()) {
+    hand_on_run_started();
+}
 
 StepRecord StepRunner::run_program(const ReportStep& step, const PlannedStep& planned) {
     StepRecord record;

@@ -1,8 +1,6 @@
 #include "pipeline/report/report_times.h"
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 
 namespace slim {
 namespace {
@@ -22,15 +20,6 @@ bool names_time(const Expression& formula) {
 }
 
 }  // namespace
-
-std::string run_stamp() {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    gmtime_r(&now, &utc);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text.data();
-}
 
 bool is_time(const std::string& figure) {
     return figure.find("seconds") != std::string::npos || figure.find("_ms") != std::string::npos;

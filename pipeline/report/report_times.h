@@ -10,10 +10,7 @@
 namespace slim {
 
 /// Steps are run once and their figures kept, so that a report may hold times of different days:
-/// every record says when the run of `slim report` that timed it began ("2026-11-28T11:20:05Z").
-
-/// Now, as runs are named.
-std::string run_stamp();
+/// every record says when the run that timed it began (run_started(): "2026-11-28T11:20:05Z").
 
 /// Whether a figure of a step is a time: "seconds", "stages.fit.seconds", "frame_ms_median".
 bool is_time(const std::string& figure);

@@ -5,7 +5,8 @@ import struct
 
 from harness import Harness
 
-harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-info")
+harness = Harness("slim", "slim-scan", "slim-build", "slim-render", "slim-measure", "slim-info", "slim-slice",
+                  "slim-plan", "slim-report")
 run, check, folder = harness.run, harness.check, harness.folder
 
 
@@ -40,12 +41,43 @@ def kinds():
     info("c.truth", kind="truth", points=6000, cloud="c.ply")
     check("feature lines" in info("x.lines.svg", kind="svg").get("about", ""), "x.lines.svg")
     info("job.toml", kind="job", tables=["input", "view"])
-    info("page.html", kind="html")
+    check(info("x.lines.svg").get("paths", 0) > 0, "paths of x.lines.svg")
+    info("page.html", kind="html", html_tables=0)
     lines = info("x.obj", kind="obj", faces=0)
     check(lines.get("lines", 0) > 0 and "--lines-obj" in lines.get("about", ""), f"x.obj: {lines}")
     (folder / "broken.png").write_bytes((folder / "x.png").read_bytes()[:20])
     check(run("slim", "info", "broken.png").code == 3, "a picture that is cut off")
     check(run("slim", "info", "none.png").code == 3, "a picture that is not there")
+
+
+def records():
+    """What verbs write for programs and for other tools says what it is, with counts."""
+    info("x.ply", kind="lines", edges=info("x.ply").get("edges"), points=info("x.obj").get("vertices"))
+    check(info("x.ply").get("edges", 0) > 0, "edges of x.ply")
+    check("--per-point" in info("points.ply", kind="cloud", points=6000).get("about", ""), "points.ply")
+    table = info("rep/small.rows.csv", kind="table", rows=2)
+    check(table.get("columns", [])[:3] == ["n", "points, all", "s"], f"columns: {table}")
+    info("rep/report.json", kind="report", experiments=1, rows=2)
+    step = next((folder / "rep" / "steps").glob("*.step.json"))
+    info(step.relative_to(folder), kind="step", files=4)
+    info(str(step.relative_to(folder)).replace(".step.json", ".log"), kind="log", errors=0)
+    info("rep/index.html", kind="html", html_tables=1)
+    info("small.toml", kind="report", experiments=1)
+    info("m.slim.done.json", kind="manifest", outputs=1)
+    info("c.scans.json", kind="scans", scans=8)
+    info("w/plan.json", kind="plan", slices=2)
+    info("measured.json", kind="result")
+    for name, counted in (("make", "rules"), ("slurm", "jobs"), ("snakemake", "rules")):
+        (folder / f"plan.{name}").write_text(run("slim", "plan", "job.toml", "--format", name).out)
+        check(info(f"plan.{name}", kind="workflow", format=name).get(counted, 0) > 0, f"{counted} of plan.{name}")
+    (folder / "cloud.csv").write_text("x;y;z\n1;2;3\n")
+    check(run("slim", "info", "cloud.csv", "--json").json().get("kind") == "cloud", "a cloud in a CSV")
+    (folder / "plain.csv").write_text("1,2,3\n4,5,6\n")
+    check(run("slim", "info", "plain.csv", "--json").json().get("points") == 2, "a cloud of numbers in a CSV")
+    for text, row in (("a,b\n1,2\n1\n", "row 2"), ('a,b\n1,"2\n', "row 1")):
+        (folder / "ragged.csv").write_text(text)
+        result = run("slim", "info", "ragged.csv")
+        check(result.code == 3 and row in result.err, f"{text!r}: {result.code} {result.err}")
 
 
 def printed_size():
@@ -98,7 +130,23 @@ run("slim", "render", "m.slim", "--size", "64x48", "--aov", "mean", "-o", "y.exr
 (folder / "page.html").write_text("<html></html>")
 head = (folder / "x.ply").read_bytes()[:1000]
 check(b"property float scalar_strength\nproperty float quality\n" in head, "lines in space have no quality")
+(folder / "small.toml").write_text("""[[experiment]]
+name = "rows"
+[experiment.grid]
+n = [500, 600]
+[[experiment.step]]
+name = "scan"
+run = "scan"
+args = "sphere --points {n}"
+[experiment.columns]
+"points, all" = "scan.points"
+"s" = "scan.seconds"
+""")
+run("slim", "report", "small.toml", "-o", "rep")
+run("slim", "slice", "c.ply", "-o", "w", "--slices", 2)
+run("slim", "measure", "m.slim", "c.ply", "--per-point", "points.ply", "-o", "measured.json")
 kinds()
+records()
 printed_size()
 false_truths()
 not_a_pipe()

@@ -294,10 +294,20 @@ def test_jobs():
     page = check_nothing_outside((h.folder / "jobs/index.html").read_text(), "report of jobs")
     h.check(page.tags.get("svg") == 2 and page.tags.get("img") == 2, f"two plots, two pictures: {page.tags}")
     h.check(not (h.folder / "elsewhere").exists(), "a report writes into its own folder")
+    table_before, page_before = ((h.folder / "jobs" / f).read_text() for f in ("jobs.rows.csv", "report.json"))
+    run = table[0]["timed in the run of"]
+    h.check(run.startswith("20") and run == table[1]["timed in the run of"], f"fresh steps are of this run: {run}")
+    manifest = json.loads((h.folder / "jobs/jobs/plain/model.slim.done.json").read_text())
+    h.check(float(table[0]["build"]) == manifest["seconds"], f"seconds are the manifest's: {table[0]['build']}")
+    time.sleep(1.1)  # runs are told apart by the second
     again = h.run(*command).json()
+    table_after, page_after = ((h.folder / "jobs" / f).read_text() for f in ("jobs.rows.csv", "report.json"))
+    h.check(table_after == table_before and page_after == page_before, "steps that are reused have other times")
     h.check(again["steps_run"] == 0 and again["steps_reused"] == 8, f"nothing changed, yet {again['steps_run']} steps run")
     changed = h.run(*command, "--set", "fit.t_mdl=0.1").json()
     h.check(changed["steps_run"] == 6, f"another T_MDL: build, measure and view of both: {changed}")
+    runs = json.loads((h.folder / "jobs/report.json").read_text())["runs"]
+    h.check(len(runs) == 2 and runs[run] == 2, f"the scans are of the first run: {runs}")
     wrong = h.run(*command, "--set", "fit.tmdl=0.1")
     h.check(wrong.code == 2 and "'t_mdl'" in wrong.err, f"an unknown key of jobs: {wrong.err}")
     (h.folder / "broken.toml").write_text(JOB.replace("DEGREE", "2").replace("points = 3000", "points = 1"))

@@ -13,6 +13,7 @@
 #include <malloc.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,7 +28,7 @@ pid_t dead_process() {
     return pid;
 }
 
-/// What a process leaves of a file if it is killed.
+/// What a process leaves of a file if it is killed; "host" is the name and the space of numbers.
 std::string left_by(const std::string& file, const std::string& host, pid_t pid) {
     return file + ".tmp." + host + "." + std::to_string(pid) + ".0123abcd";
 }
@@ -38,18 +39,25 @@ std::string this_host() {
     return host;
 }
 
+std::string this_place(unsigned long more = 0) {
+    struct stat space {};
+    if (::stat("/proc/self/ns/pid", &space) != 0) return this_host() + ".0";
+    return this_host() + "." + std::to_string(space.st_ino + more);
+}
+
 TEST(AtomicFile, RemovesWhatDeadProcessesOfThisHostLeftOfItsName) {
     const TempFolder folder;
     const pid_t dead = dead_process();
-    const std::string gone = folder.write(left_by("a", this_host(), dead), "half");
-    const std::string locked = folder.write(left_by("a", this_host(), dead + 1000000), "half");
+    const std::string gone = folder.write(left_by("a", this_place(), dead), "half");
+    const std::string locked = folder.write(left_by("a", this_place(), dead + 1000000), "half");
     const int holder = ::open(locked.c_str(), O_RDWR);
-    ASSERT_EQ(::flock(holder, LOCK_EX), 0);  // as a container's process does
+    ASSERT_EQ(::flock(holder, LOCK_EX), 0);  // as one on another host of this name does
     std::vector<std::string> stay = {locked};
     for (const std::string& name :
-         {left_by("a", this_host(), ::getppid()), left_by("a", this_host(), ::getpid()),
-          left_by("a", "other", dead), left_by("b", this_host(), dead),
-          left_by("a", this_host(), dead) + "e", std::string("a.tmp.") + this_host() + ".notes"})
+         {left_by("a", this_place(), ::getppid()), left_by("a", this_place(), ::getpid()),
+          left_by("a", "other.1", dead), left_by("a", this_place(1), dead),
+          left_by("a", this_host(), dead), left_by("b", this_place(), dead),
+          left_by("a", this_place(), dead) + "e", std::string("a.tmp.") + this_place() + ".notes"})
         stay.push_back(folder.write(name, "of others"));
     write_file_atomically(folder.file("a"), "whole");
     EXPECT_FALSE(std::filesystem::exists(gone));
@@ -139,14 +147,12 @@ TEST(AtomicFile, ReplacesFilesOnly) {
     }
 }
 
-TEST(AtomicFile, TemporaryNamesDifferBetweenHosts) {
+TEST(AtomicFile, TemporaryNamesDifferBetweenHostsAndContainers) {
     const TempFolder folder;
-    char host[256] = {};
-    ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
     AtomicFile file(folder.file("a"));
     EXPECT_TRUE(std::filesystem::exists(folder.file("a") + temporary_suffix()));
-    EXPECT_TRUE(temporary_suffix().starts_with(std::string(".tmp.") + host + "." +
-                                               std::to_string(getpid())));
+    EXPECT_TRUE(temporary_suffix().starts_with(".tmp." + this_place() + "." +
+                                               std::to_string(getpid()) + "."));
 }
 
 /// While it lives a file of this process may have 1000 bytes: more fails as on a full disk.

@@ -61,6 +61,40 @@ TEST(CommandLine, SaysWhichKeysWereGivenThoughTheyAreAsByDefault) {
               (std::vector<std::string>{"angle", "degree", "inputs", "legend", "output"}));
 }
 
+TEST(CommandLine, AConfigFileGivesTheKeysThatItSaysOtherwiseThanByDefault) {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                       ("slim_config_" + std::to_string(getpid()) + ".toml");
+    LineConfig usual, config;
+    std::ofstream(file) << print_config(fields_of(usual)) << "\n";
+    const std::vector<std::string> words = {"x.ply", "-o", "m.slim", "--config", file.string()};
+    EXPECT_EQ(parse(config, words).given, (std::vector<std::string>{"inputs", "output"}));
+    std::ofstream(file) << "degree = 2\nangle = 3.0\nlegend = false\n";
+    EXPECT_EQ(parse(config, words).given,
+              (std::vector<std::string>{"angle", "inputs", "legend", "output"}));
+    EXPECT_EQ(config.angle, 3);
+    std::filesystem::remove(file);
+}
+
+TEST(CommandLine, AFlagIsOnOrOff) {
+    LineConfig config;
+    parse(config, {"x.ply", "-o", "m.slim", "--strict=true", "--legend=false"});
+    EXPECT_TRUE(config.strict);
+    EXPECT_FALSE(config.legend);
+    for (const char* value : {"7", "-1", "on", "maybe"})
+        EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", std::string("--strict=") + value}),
+                  std::string("--strict: expected true or false, found '") + value + "'");
+}
+
+TEST(CommandLine, WhatIsWrongWithOptionsOfEveryVerbBeginsWithTheirNames) {
+    for (const char* n : {"0", "-1", "4097", "0x10", " 1", "1e1", "nan", "99999999999999999999"})
+        EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", std::string("--threads=") + n}),
+                  std::string("--threads: expected a whole number from 1 to 4096, found '") + n +
+                      "'");
+    EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--threads", "4096"}), "");
+    EXPECT_EQ(refusal({"x.ply", "-o", "m.slim", "--config", "none.toml"}),
+              "--config none.toml: cannot read: No such file or directory");
+}
+
 TEST(CommandLine, StandardOutputIsNoPlaceToWriteTo) {
     EXPECT_NE(refusal({"x.ply", "-o", "-"}).find("-o -: nothing is written to standard output"),
               std::string::npos);

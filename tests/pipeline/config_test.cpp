@@ -95,6 +95,15 @@ TEST(Config, RefusesWhatIsOutOfRangeOrNoNumber) {
     EXPECT_EQ(refusal([&] { fields.find("degree")->set({"two"}, "--degree"); }),
               "--degree: expected a whole number, found 'two'");
     EXPECT_NE(refusal([&] { fields.find("t_mdl")->set({"nan"}, "x"); }), "");
+    // Of any size is no number without one.
+    double any = 0;
+    FieldList free;
+    free("any", any, "any number");
+    for (const char* item : {"nan", "inf", "-inf"})
+        EXPECT_EQ(refusal([&] { free.find("any")->set({item}, "--any"); }),
+                  std::string("--any: expected a finite number; found ") + item);
+    free.find("any")->set({"-1e300"}, "--any");
+    EXPECT_EQ(any, -1e300);
     EXPECT_NE(refusal([&] { fields.find("legend")->set({"yes"}, "x"); }), "");
     EXPECT_EQ(config.degree, 2);  // a refused value changes nothing
 }

@@ -32,6 +32,16 @@ TEST(ConsoleLog, QuietKeepsWarningsOnly) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "slim-x: warning: seen\n");
 }
 
+TEST(ConsoleLog, AMessageIsOneLineWhateverAFileIsCalled) {
+    testing::internal::CaptureStderr();
+    Console console("slim-fit", Console::Level::normal);
+    console.error("a\nb\x1b[2J.ply: cannot be opened");
+    console.warn("c\td");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(),
+              "slim-fit: error: a\\nb\\x1b[2J.ply: cannot be opened\n"
+              "slim-fit: warning: c\\x09d\n");
+}
+
 TEST(ConsoleLog, VerboseAddsTheTime) {
     testing::internal::CaptureStderr();
     Console("slim-x", Console::Level::verbose).info("text");

@@ -33,6 +33,12 @@ TEST(OptionNames, WordsOfAFilesNameStayWhatTheyAre) {
               "x`degree`.png: expected --degree");
 }
 
+TEST(OptionNames, AFileHasItsOptionBeforeIt) {
+    EXPECT_EQ(said({}, "out.png: expected .exr"), "-o out.png: expected .exr");
+    EXPECT_EQ(said({}, "out.png:3: unknown key"), "out.png:3: unknown key");
+    EXPECT_EQ(said({"m.slim"}, "m.slim: is a folder"), "m.slim: is a folder");
+}
+
 TEST(OptionNames, AFileThatIsCalledAsAnOptionBeginsAMessage) {
     EXPECT_EQ(said({"degree"}, "degree: is a cloud"), "degree: is a cloud");
     EXPECT_EQ(said({"degree 2.slim"}, "degree 2.slim: is a cloud"), "degree 2.slim: is a cloud");

@@ -117,6 +117,8 @@ TEST_F(ScanStage, RefusesOptionsWithoutEffect) {
 }
 
 TEST_F(ScanStage, RefusesAnotherFormatAndAHalfOffset) {
+    config_.offset = {0, 1e300, 0};  // all points of the shape would have one y
+    EXPECT_THROW(run(), ConfigError);
     config_.offset = {1, 2};
     EXPECT_THROW(run(), ConfigError);
     config_.offset.clear();

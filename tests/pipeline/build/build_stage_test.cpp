@@ -6,6 +6,7 @@
 #include "pipeline/input_kind.h"
 #include "pipeline/manifest.h"
 #include "pipeline/scan_stage.h"
+#include "pipeline/signals.h"
 #include "pipeline/smooth/smooth_stage.h"
 #include "slim/base/parallel.h"
 #include "tests/pipeline/build/build_stage_support.h"
@@ -13,9 +14,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace slim::test {
 namespace {
@@ -85,6 +88,79 @@ TEST_F(BuildStage, WhatAKillLeftOfAFinishedBuildGoes) {
     folder_.write("m.slim.work.done/made_by_slim_build", "");
     EXPECT_TRUE(build(c).contains("up_to_date"));
     EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
+}
+
+/// Ends a build between its tree and its record, as a kill may.
+class StopsAfterTheTree : public Listener {
+public:
+    void info(const std::string& text) override {
+        if (text.starts_with("tree: ")) throw Interrupted(ExitCode::terminated);
+        Listener::info(text);
+    }
+};
+
+// A make that goes on after a kill took the tree's record for the build's: the page's build was
+// then done again, and everything that is made of the model at the next make; colours were missing.
+TEST_F(BuildStage, AModelWithoutTheRestOfItsBuildHasNoRecord) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    c.slices = 2;
+    StopsAfterTheTree listener;
+    EXPECT_EQ(code_of([&] { run_as("build", c, run_build, listener); }), ExitCode::terminated);
+    EXPECT_TRUE(fs::exists(file("m.slim")) && fs::exists(file("m.slim.work/tree.done.json")));
+    EXPECT_FALSE(fs::exists(file("m.slim.done.json")));
+    build(c);
+    EXPECT_NE(std::find(listener_.infos.begin(), listener_.infos.end(), "tree: up to date"),
+              listener_.infos.end())
+        << "the tree is done again";
+    EXPECT_TRUE(fs::exists(file("m.slim.done.json")));
+    EXPECT_FALSE(fs::exists(file("m.slim.work")));
+}
+
+/// Puts a folder where the record of a build is to be renamed to, when its model is done.
+class ObstructsTheRecord : public Listener {
+public:
+    explicit ObstructsTheRecord(fs::path record) : record_(std::move(record)) {}
+    void info(const std::string& text) override {
+        if (text.starts_with("tree: ")) fs::create_directory(record_);
+        Listener::info(text);
+    }
+
+private:
+    fs::path record_;
+};
+
+TEST_F(BuildStage, ARecordThatCannotBeWrittenLosesNothingOfTheWork) {
+    BuildConfig c = build_config(write(sampled("sphere", 3000), "c.ply"), "m.slim");
+    c.slices = 2;
+    build(c);
+    const std::string undisturbed = read_bytes(file("m.slim"));
+    fs::remove(file("m.slim")), fs::remove(file("m.slim.done.json"));
+
+    ObstructsTheRecord listener(file("m.slim.done.json"));
+    try {
+        run_as("build", c, run_build, listener);
+        FAIL() << "a build without a record is taken for done";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("goes on where it was"), std::string::npos)
+            << error.what();
+    }
+    EXPECT_FALSE(fs::exists(file("m.slim.work.done")));
+    for (const char* left : {"made_by_slim_build", "plan.json", "slice_0001/surfels.fit"})
+        EXPECT_TRUE(fs::exists(file("m.slim.work") + "/" + left)) << left;
+    // It is said at once the next time, and costs nothing of what is there.
+    EXPECT_EQ(code_of([&] { build(c); }), ExitCode::usage);
+    EXPECT_TRUE(fs::exists(file("m.slim.work/slice_0001/surfels.fit")));
+
+    fs::remove(file("m.slim.done.json"));
+    listener_.infos.clear();
+    build(c);
+    for (const char* stage : {"slice", "normals", "fit"})
+        EXPECT_NE(std::find(listener_.infos.begin(), listener_.infos.end(),
+                            std::string(stage) + ": up to date"),
+                  listener_.infos.end())
+            << stage << " is done again";
+    EXPECT_EQ(read_bytes(file("m.slim")), undisturbed);
+    EXPECT_FALSE(fs::exists(file("m.slim.work")) || fs::exists(file("m.slim.work.done")));
 }
 
 TEST_F(BuildStage, AModelHasNoOtherFormatsEnding) {

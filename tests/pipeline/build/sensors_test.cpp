@@ -48,6 +48,13 @@ TEST_F(Sensors, SignsThatASensorGetsWrongAreTurnedByTheNeighbours) {
     EXPECT_LT(2 * outwards, turned);
 }
 
+TEST_F(Sensors, AFolderIsNoFileOfSensors) {
+    slice(write(sampled("sphere", 500), "c.ply", false), 1);
+    NormalsConfig c;
+    c.sensors = file(".");
+    EXPECT_EQ(code_of([&] { normals(c); }), ExitCode::bad_data);
+}
+
 TEST_F(Sensors, SensorsThatAreNoneAreRefusedByScanAndFile) {
     const std::string path = write(sampled("sphere", 500), "c.ply", false);
     const auto refused = [&](const std::string& entry) -> std::string {

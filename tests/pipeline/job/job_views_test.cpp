@@ -98,6 +98,69 @@ TEST(JobDrawing, LeavesOutWhatOtherPicturesThanTheJobsHaveNoUseFor) {
               std::string::npos);
 }
 
+TEST(JobDrawing, AFormatOfExrMeansEXRsInTheFolder) {
+    const Job job = drawing_of(kTwoViews, {{"format", Field::Kind::text, false, {"exr"}, 0}});
+    EXPECT_EQ(job.steps[0].output, fs::path("pictures/a.exr"));
+    EXPECT_EQ(job.steps[1].output, fs::path("pictures/b.exr"));
+    EXPECT_EQ(job.steps[1].products,
+              (std::vector<fs::path>{"pictures/b.exr", "pictures/b.png"}));
+    EXPECT_TRUE(has(job.steps[1], "--format=exr"));
+    // The others of a job stay PNGs.
+    const Job mixed = read_job(
+        write_job("[input]\nfiles = ['a.ply']\n[[view]]\nname = 'a'\nformat = 'exr'\n"
+                  "turntable = 2\n[[view]]\nname = 'b'\n"));
+    EXPECT_EQ(mixed.steps[1].products.size(), 4u);
+    EXPECT_EQ(mixed.steps[1].products[2].filename(), "a_0002.exr");
+    EXPECT_EQ(mixed.steps[2].output.filename(), "b.shaded.png");
+}
+
+/// What a step's argument says after that beginning, empty without it.
+std::string said(const JobStep& step, const std::string& begin) {
+    for (const std::string& argument : step.arguments)
+        if (argument.starts_with(begin)) return argument.substr(begin.size());
+    return "";
+}
+
+TEST(JobDrawing, EachViewWithLinesWritesAFileOfItsOwn) {
+    const std::string text =
+        "[[view]]\nname = 'a'\nlines = ['contour']\n[[view]]\nname = 'b'\n"
+        "aovs = ['lines']\nlines = ['contour']\n[[view]]\nname = 'c'\n";
+    const std::vector<TomlValue> options = {
+        {"lines_ply", Field::Kind::text, false, {"/x/e.ply"}, 0},
+        {"lines_obj", Field::Kind::text, false, {"/x/e.obj"}, 0}};
+    const Job job = drawing_of(text, options);
+    EXPECT_EQ(said(job.steps[0], "--lines-ply="), "/x/a.e.ply");
+    EXPECT_EQ(said(job.steps[0], "--lines-obj="), "/x/a.e.obj");
+    EXPECT_EQ(said(job.steps[1], "--lines-ply="), "/x/b.e.ply");
+    EXPECT_EQ(said(job.steps[2], "--lines-ply="), "") << "a view without lines writes none";
+    EXPECT_EQ(job.steps[0].products.back(), fs::path("/x/a.e.obj"));
+    // One view keeps the name.
+    const Job one = drawing_of("[[view]]\nlines = ['contour']\n", options);
+    EXPECT_EQ(said(one.steps[0], "--lines-ply="), "/x/e.ply");
+    EXPECT_NE(drawing_refusal("[[view]]\n[[view]]\nname = 'b'\n", options)
+                  .find("no view takes it: lines_ply is for a drawing of lines"),
+              std::string::npos);
+}
+
+TEST(Job, LineFilesOfAllViewsAreNamedAsPicturesAndThoseOfOneAreItsOwn) {
+    const std::string begin = "[input]\nfiles = ['a.ply']\n[render]\nlines = ['contour']\n";
+    const std::string two = "[[view]]\nname = 'a'\n[[view]]\nname = 'b'\n";
+    const Job job = read_job(write_job(begin + "lines_ply = 'e.ply'\n" + two));
+    const fs::path folder = job_folder();
+    EXPECT_EQ(said(job.steps[1], "--lines-ply="), (folder / "a.e.ply").string());
+    EXPECT_EQ(said(job.steps[2], "--lines-ply="), (folder / "b.e.ply").string());
+    const std::string named = "lines_ply = 'e.ply'\n";
+    EXPECT_EQ(said(read_job(write_job(begin + two + named)).steps[2], "--lines-ply="),
+              (folder / "e.ply").string());
+    // Never two of one file, nor one over a cloud.
+    EXPECT_NE(refusal(begin + "[[view]]\nname = 'a'\n" + named + "[[view]]\nname = 'b'\n" + named)
+                  .find(":8: view b would write its lines to " + (folder / "e.ply").string() +
+                        ", which view a writes too"),
+              std::string::npos);
+    EXPECT_NE(refusal(begin + "[[view]]\nlines_ply = 'a.ply'\n").find("which build reads"),
+              std::string::npos);
+}
+
 TEST(JobDrawing, SaysWhatItCannotDrawAndWhere) {
     const fs::path file = job_folder() / "job.toml";
     EXPECT_EQ(drawing_refusal("[render]\nsize = '9x9'\n"),

@@ -172,9 +172,11 @@ TEST_F(RenderLines, FilesInSpaceAreWrittenWhereNamed) {
     EXPECT_EQ(refusal(),
               "--lines-ply and --lines-obj are for one picture, not for a turntable or path");
     c.lines.clear(), c.turntable = 0;
-    EXPECT_EQ(refusal(), "--lines-ply is for --lines, which are not asked for");
+    const std::string rest =
+        " is for a drawing of lines, which is not asked for: --lines or --aov lines";
+    EXPECT_EQ(refusal(), "lines_ply" + rest);
     c.lines_ply.clear();
-    EXPECT_EQ(refusal(), "--lines-obj is for --lines, which are not asked for");
+    EXPECT_EQ(refusal(), "lines_obj" + rest);
 }
 
 }  // namespace
