@@ -6,7 +6,7 @@ namespace slim {
 namespace {
 
 struct Given {
-    std::string model, output = "out.png", degree;
+    std::string model = {}, output = "out.png", degree = {};
     template <class V>
     void visit(V&& field) {
         field.input("model", model, "a model");
