@@ -7,12 +7,14 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -58,5 +60,26 @@ void parallel_blocks(std::size_t n, std::size_t grain,
 void run_both(const std::function<void()>& a, const std::function<void()>& b) {
     tbb::parallel_invoke(a, b);
 }
+
+struct WorkAside::Group {
+    tbb::task_group tasks;
+};
+
+WorkAside::WorkAside() : group_(std::make_unique<Group>()) {}
+
+WorkAside::~WorkAside() {
+    group_->tasks.cancel();
+    try {
+        group_->tasks.wait();
+    } catch (...) {  // nobody waits for what it did
+    }
+}
+
+void WorkAside::run(std::function<void()> piece) {
+    wait();
+    group_->tasks.run(std::move(piece));
+}
+
+void WorkAside::wait() { group_->tasks.wait(); }
 
 }  // namespace slim

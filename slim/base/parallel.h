@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace slim {
@@ -52,5 +53,26 @@ void parallel_erase_if(std::vector<T>& values, const Unwanted& unwanted) {
 /// Does two pieces of work, at the same time if there are threads.
 /// throws what either throws, once both have ended
 void run_both(const std::function<void()>& a, const std::function<void()>& b);
+
+/// Work that another thread does, if there is one that waits, while this one goes on: one piece
+/// after the other. Not for pieces that wait for this thread.
+class WorkAside {
+public:
+    WorkAside();
+    /// Waits for a piece that has begun; one that has not is left out.
+    ~WorkAside();
+    WorkAside(const WorkAside&) = delete;
+    WorkAside& operator=(const WorkAside&) = delete;
+
+    /// Begins a piece once the one before it has ended; throws what that one threw.
+    void run(std::function<void()> piece);
+    /// Until the last piece has ended; this thread does it if no other has begun. Throws what it
+    /// threw.
+    void wait();
+
+private:
+    struct Group;
+    std::unique_ptr<Group> group_;
+};
 
 }  // namespace slim

@@ -7,21 +7,19 @@
 
 namespace slim {
 
-/// Where the centres of a batch stand: none nearer to another than a distance.
+/// Where the centres of a batch stand, and which of them are near one before them.
 class BatchPlaces {
 public:
     explicit BatchPlaces(double least_distance) : sq_(least_distance * least_distance) {}
-    void clear() { x_.clear(), y_.clear(), z_.clear(); }
-    /// False, and nothing is added, if p is too near to one that is there. Cost: a pass by lanes.
+    /// Adds p; false if it is nearer than the distance to one that is there. Cost: a pass by lanes.
     bool add(const Vec3d& p) {
         unsigned n_near = 0;
         for (std::size_t i = 0; i < x_.size(); ++i) {
             const double dx = x_[i] - p.x, dy = y_[i] - p.y, dz = z_[i] - p.z;
             n_near += dx * dx + dy * dy + dz * dz < sq_ ? 1u : 0u;
         }
-        if (n_near > 0) return false;
         x_.push_back(p.x), y_.push_back(p.y), z_.push_back(p.z);
-        return true;
+        return n_near == 0;
     }
 
 private:

@@ -82,12 +82,12 @@ bool refit(const PointTree& points, std::span<const BlendResidual> residuals, Fi
 }  // namespace
 
 std::size_t refit_to_blend(const PointTree& points, std::span<const BlendResidual> residuals,
-                           std::span<FittedSurfel> leaves) {
+                           std::span<FittedSurfel* const> leaves) {
     tbb::enumerable_thread_specific<BallPoints<double>> balls;
     std::atomic<std::size_t> n_moved = 0;
     parallel_blocks(leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            n_moved += refit(points, residuals, leaves[i], balls.local()) ? 1u : 0u;
+            n_moved += refit(points, residuals, *leaves[i], balls.local()) ? 1u : 0u;
     });
     return n_moved;
 }

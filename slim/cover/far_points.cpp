@@ -2,8 +2,10 @@
 
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
+#include "slim/base/simd.h"
 #include "slim/blend/blend.h"
-#include "slim/cover/leaves_meeting.h"
+#include "slim/cover/leaf_balls.h"
+#include "slim/cover/leaves_along_curve.h"
 #include "slim/cover/sound_normal.h"
 #include "slim/fit/ball_points.h"
 #include "slim/model/rim.h"
@@ -11,8 +13,11 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 
 namespace slim {
 namespace {
@@ -34,22 +39,70 @@ constexpr double kSurelyIn = 0.5;    // of its weight left by its rims
 constexpr double kOutermost = 0.72;  // squared, over rho: beyond it G is less than
                                      // 1e-3 and moves no blend of a core's
 
-/// What a smooth leaf is to a point in its ball.
-enum class Part { none, near, doubtful };
+using Lanes = stdx::native_simd<double>;
 
-Part part_of(const Surfel& s, const Vec3d& x, const Vec3d& normal, double farthest) {
-    const Vec3d local = s.frame.local_from_world(x), n = s.frame.local_from_world(normal);
-    const double slope_u = s.polynomial.d_u(local.x, local.y),
-                 slope_v = s.polynomial.d_v(local.x, local.y);
-    const double along = n.z - n.x * slope_u - n.y * slope_v;  // n . grad f
-    const double grazing = kGrazing * std::sqrt(1 + slope_u * slope_u + slope_v * slope_v);
-    if (along < -grazing) return Part::none;
-    if (along < grazing) return Part::doubtful;
-    const double off = std::abs(local.z - s.polynomial.value(local.x, local.y)) / along;
-    if (off > kSurelyOut) return Part::none;
-    if (off * s.support_radius > kNearEnough * farthest) return Part::doubtful;
-    return rim_share(s.rims, local.x, local.y) > kSurelyIn ? Part::near : Part::none;
-}
+/// What a smooth leaf is to the points of its ball, by bits of a group's lanes: surely near to its
+/// surface, or not to be told to first order.
+struct Parts {
+    std::uint64_t near, doubtful;
+};
+
+class PartsOfBall {
+public:
+    PartsOfBall(const Surfel& s, const BallPoints<double>& ball, double farthest)
+        : ball_(ball),
+          rims_{unpack_rim(s.rims.first), unpack_rim(s.rims.second)},
+          has_rims_(s.rims.any()),
+          near_enough_(kNearEnough * farthest / s.support_radius) {
+        const auto spread = [](const Vec3d& v) {
+            return Vec3<Lanes>{Lanes(v.x), Lanes(v.y), Lanes(v.z)};
+        };
+        frame_ = {spread(s.frame.u_axis), spread(s.frame.v_axis), spread(s.frame.normal)};
+        for (std::size_t k = 0; k < polynomial_.a.size(); ++k)
+            polynomial_.a[k] = s.polynomial.a[k];
+    }
+    /// Of the points from `first` on.
+    Parts of_group(std::size_t first) const {
+        const auto at = [&](const std::vector<double>& a) {
+            return Lanes(&a[first], stdx::element_aligned);
+        };
+        const auto along_axis = [&](const std::vector<float>& a) {
+            return stdx::static_simd_cast<Lanes>(
+                LanesOfDouble<float>(&a[first], stdx::element_aligned));
+        };
+        const Lanes sq = at(ball_.sq);
+        const Vec3<Lanes> x = frame_.local_from_world({at(ball_.x), at(ball_.y), at(ball_.z)});
+        const Vec3<Lanes> n = frame_.local_from_world(
+            {along_axis(ball_.nx), along_axis(ball_.ny), along_axis(ball_.nz)});
+        const Lanes slope_u = polynomial_.d_u(x.x, x.y), slope_v = polynomial_.d_v(x.x, x.y);
+        const Lanes along = n.z - n.x * slope_u - n.y * slope_v;  // n . grad f
+        const Lanes grazing = kGrazing * stdx::sqrt(1 + slope_u * slope_u + slope_v * slope_v);
+        const Lanes off = stdx::abs(x.z - polynomial_.value(x.x, x.y)) / along;
+        const std::uint64_t in_core = lane_bits(sq < kTrim * kTrim);
+        const std::uint64_t inside = lane_bits(sq < kOutermost);  // not the padding
+        const std::uint64_t away = lane_bits(along < -grazing), steep = lane_bits(along < grazing);
+        const std::uint64_t out = lane_bits(off > kSurelyOut),
+                            far = lane_bits(off > near_enough_);
+        return {within_rims(in_core & ~(steep | out | far), x),
+                inside & ~away & (steep | (~out & far))};
+    }
+
+private:
+    std::uint64_t within_rims(std::uint64_t near, const Vec3<Lanes>& x) const {
+        if (!has_rims_) return near;
+        for (const Rim& rim : rims_) {
+            const Lanes share = (rim.reach - (rim.u * x.x + rim.v * x.y)) / kRimRamp;
+            near &= lane_bits(share > kSurelyIn);
+        }
+        return near;
+    }
+    const BallPoints<double>& ball_;
+    std::array<Rim, 2> rims_;
+    bool has_rims_;
+    double near_enough_;  // over rho
+    Frame<Lanes> frame_;
+    Polynomial<Lanes> polynomial_;
+};
 
 /// What is known of each place. Written by several threads, all of them true.
 struct Marks {
@@ -60,14 +113,23 @@ struct Marks {
         std::atomic_ref(mark).store(1, std::memory_order_relaxed);
     }
     /// Marks the points of a leaf's ball.
-    void add(const PointTree& points, const Surfel& s, double farthest, BallPoints<double>& ball) {
+    [[gnu::flatten]] void add(const PointTree& points, const Surfel& s, double farthest,
+                              BallPoints<double>& ball) {
         gather_ball(points, s.center, s.support_radius, ball);
-        for (std::size_t i = 0; i < ball.n; ++i) {
-            const Vec3d x{ball.x[i], ball.y[i], ball.z[i]}, n{ball.nx[i], ball.ny[i], ball.nz[i]};
-            const Part part = s.sharp ? Part::doubtful : part_of(s, x, n, farthest);
-            if (part == Part::near && ball.sq[i] < kTrim * kTrim) set(met[ball.index[i]]);
-            if (part == Part::doubtful && (s.sharp || ball.sq[i] < kOutermost))
-                set(doubtful[ball.index[i]]);
+        if (s.sharp) {
+            for (std::size_t i = 0; i < ball.n; ++i) set(doubtful[ball.index[i]]);
+            return;
+        }
+        const PartsOfBall parts(s, ball, farthest);
+        for (std::size_t first = 0; first < ball.n; first += Lanes::size()) {
+            const Parts part = parts.of_group(first);
+            const auto set_all = [&](std::uint64_t bits, std::vector<std::uint8_t>& marks) {
+                for (; bits != 0; bits &= bits - 1) {
+                    const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+                    set(marks[ball.index[first + lane]]);
+                }
+            };
+            set_all(part.near, met), set_all(part.doubtful, doubtful);
         }
     }
 };
@@ -78,10 +140,10 @@ public:
     FarSearch(const PointTree& points, double farthest, bool sound)
         : points_(points), farthest_(farthest), sound_(sound) {}
 
-    void look(Places places, const Leaves& leaves, std::vector<FarPoint>& out) const {
+    void look(Places places, const LeafBalls& leaves, std::vector<FarPoint>& out) const {
         Bbox box;
         for (const std::uint32_t place : places) box.extend(points_.position(place));
-        const Leaves near = leaves_meeting(box, leaves);
+        const LeafBalls near = leaves.meeting(box);
         if (places.size() > kTogether) {
             const std::size_t half = places.size() / 2;
             look(places.first(half), near, out);
@@ -92,12 +154,14 @@ public:
     }
 
 private:
-    void look_at(std::uint32_t place, const Leaves& leaves, std::vector<FarPoint>& out) const {
+    void look_at(std::uint32_t place, const LeafBalls& leaves, std::vector<FarPoint>& out) const {
         const Vec3d n =
             sound_ ? sound_normal(points_, place) : to_double(points_.normal(place));
         if (!(sq_length(n) > 0)) return;
         const Vec3d p = points_.position(place);
-        const Leaves supporters = leaves_meeting({p, p}, leaves);
+        const LeafBalls about = leaves.meeting({p, p});
+        Leaves supporters(about.size());
+        for (std::size_t i = 0; i < about.size(); ++i) supporters[i] = about[i];
         const auto at = project_along(p, normalized(n), supporters);
         const double off = at ? std::abs(at->t) : INFINITY;
         if (off > farthest_) out.push_back({place, off});
@@ -114,9 +178,11 @@ std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leav
                                      double farthest) {
     Marks marks(points.size());
     tbb::enumerable_thread_specific<BallPoints<double>> balls;
-    parallel_blocks(leaves.size(), kLeavesTogether, [&](std::size_t begin, std::size_t end) {
+    const Leaves ordered =
+        leaves_along_curve(leaves, [](const Surfel& s) -> const Surfel& { return s; });
+    parallel_blocks(ordered.size(), kLeavesTogether, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            marks.add(points, *leaves[i], farthest, balls.local());
+            marks.add(points, *ordered[i], farthest, balls.local());
     });
     std::vector<std::uint32_t> out;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -127,10 +193,11 @@ std::vector<std::uint32_t> maybe_far(const PointTree& points, const Leaves& leav
 std::vector<FarPoint> far_points(const PointTree& points, Places places, const Leaves& leaves,
                                  double farthest, bool sound) {
     const FarSearch search(points, farthest, sound);
+    const LeafBalls balls(leaves);
     const std::size_t piece = std::max(kLeastPiece, (places.size() + kPieces - 1) / kPieces);
     std::vector<std::vector<FarPoint>> found((places.size() + piece - 1) / piece);
     parallel_blocks(places.size(), piece, [&](std::size_t begin, std::size_t end) {
-        search.look(places.subspan(begin, end - begin), leaves, found[begin / piece]);
+        search.look(places.subspan(begin, end - begin), balls, found[begin / piece]);
     });
     std::vector<FarPoint> out;
     for (const auto& f : found) out.insert(out.end(), f.begin(), f.end());

@@ -3,10 +3,11 @@
 #include "slim/base/bbox.h"
 #include "slim/base/parallel.h"
 #include "slim/cover/drawn_part.h"
+#include "slim/cover/leaf_balls.h"
+#include "slim/cover/leaves_along_curve.h"
 #include "slim/cover/leaves_meeting.h"
 #include "slim/fit/ball_points.h"
 #include "slim/model/rim.h"
-#include "slim/neighbors/morton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,13 +30,13 @@ constexpr double kOff = 0.6;          // times the points' spacing: off the leaf
 constexpr double kWidest = 0.8 * std::numbers::pi;  // between directions to points on all sides
 
 /// Those of the others whose balls meet the box of some leaves' balls.
-Leaves meeting(std::span<const Surfel* const> leaves, const Leaves& others) {
+LeafBalls meeting(std::span<const Surfel* const> leaves, const LeafBalls& others) {
     Bbox box;
     for (const Surfel* s : leaves) {
         const Vec3d r{s->support_radius, s->support_radius, s->support_radius};
         box.extend(s->center - r), box.extend(s->center + r);
     }
-    return leaves_meeting(box, others);
+    return others.meeting(box);
 }
 
 /// The widest angle between directions that follow each other; sorts them. angles: at least one
@@ -51,9 +52,9 @@ class GapSearch {
 public:
     explicit GapSearch(const PointTree& points) : points_(points) {}
 
-    void look(std::span<const Surfel* const> leaves, const Leaves& others,
+    void look(std::span<const Surfel* const> leaves, const LeafBalls& others,
               std::vector<Gap>& out) {
-        const Leaves near = meeting(leaves, others);
+        const LeafBalls near = meeting(leaves, others);
         if (leaves.size() > kTogether) {
             const std::size_t half = leaves.size() / 2;
             look(leaves.first(half), near, out);
@@ -65,10 +66,11 @@ public:
     }
 
 private:
-    void look_about(const Surfel& s, const Leaves& others, std::vector<Gap>& out) {
+    void look_about(const Surfel& s, const LeafBalls& others, std::vector<Gap>& out) {
         near_.clear();
         radius_ = s.support_radius / 4;
-        for (const Surfel* t : others) {
+        for (std::size_t i = 0; i < others.size(); ++i) {
+            const Surfel* t = others[i];
             const double reach = s.support_radius + t->support_radius;
             if (t != &s && sq_length(t->center - s.center) < reach * reach) near_.push_back(t);
         }
@@ -137,29 +139,15 @@ private:
     std::vector<double> angles_;  // of directions to points of its sheet
 };
 
-/// The leaves along a curve: those that follow each other lie together.
-Leaves along_curve(const Leaves& leaves) {
-    Bbox box;
-    for (const Surfel* s : leaves) box.extend(s->center);
-    const MortonCurve curve(box);
-    std::vector<std::pair<std::uint64_t, std::size_t>> keys;
-    for (std::size_t i = 0; i < leaves.size(); ++i)
-        keys.emplace_back(curve.key(leaves[i]->center), i);
-    std::sort(keys.begin(), keys.end());
-    Leaves out;
-    for (const auto& [key, i] : keys) out.push_back(leaves[i]);
-    return out;
-}
-
 /// The gaps about leaves that lie together, halves of many at the same time.
 std::vector<Gap> gaps_about(const PointTree& points, std::span<const Surfel* const> leaves,
-                            const Leaves& others) {
+                            const LeafBalls& others) {
     std::vector<Gap> out;
     if (leaves.size() <= kPiece) {
         GapSearch(points).look(leaves, others, out);
         return out;
     }
-    const Leaves near = meeting(leaves, others);
+    const LeafBalls near = meeting(leaves, others);
     const std::size_t half = leaves.size() / 2;
     std::vector<Gap> rest;
     run_both([&] { out = gaps_about(points, leaves.first(half), near); },
@@ -170,7 +158,10 @@ std::vector<Gap> gaps_about(const PointTree& points, std::span<const Surfel* con
 
 Bbox box_of(const PointTree& points) {
     Bbox box;
-    for (std::size_t i = 0; i < points.size(); ++i) box.extend(points.position(i));
+    for (std::size_t i = 0; i < points.size(); i += PointTree::kBucket) {
+        const Bbox bucket = points.bucket_box(i);
+        box.extend(bucket.lo), box.extend(bucket.hi);
+    }
     return box;
 }
 
@@ -178,8 +169,9 @@ Bbox box_of(const PointTree& points) {
 
 std::vector<Gap> find_gaps(const PointTree& points, const Leaves& leaves) {
     // of a slice's points: few of the coarse ones are there
-    const Leaves ordered = along_curve(leaves_meeting(box_of(points), leaves));
-    return gaps_about(points, ordered, ordered);
+    const Leaves ordered = leaves_along_curve(
+        leaves_meeting(box_of(points), leaves), [](const Surfel& s) -> const Surfel& { return s; });
+    return gaps_about(points, ordered, LeafBalls(ordered));
 }
 
 }  // namespace slim

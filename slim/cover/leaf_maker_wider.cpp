@@ -40,8 +40,11 @@ void LeafMaker::take_wider(LeafCandidate& c, const Vec3d& center, double n_wante
 void LeafMaker::widen(LeafCandidate& c, const Vec3d& center, const Vec3d& normal,
                       LeafWork& work) const {
     take_wider(c, center, kWantedOfWide, work, [&](BallPoints<double>& ball) {
-        CoveringSurfel leaf = fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree,
-                                                  false, rules_.noise_variance, ball, edges());
+        CoveringSurfel leaf =
+            fit_gathered_surfel(pyramid_.all(), center, normal, c.choice.degree, false,
+                                rules_.noise_variance, ball, edges(), Lists::left_out);
+        if (!is_thin_enough(leaf)) return false;  // its points are not asked for
+        list_points(pyramid_.all(), ball, rules_.noise_variance, leaf);
         if (!is_well_fitted(leaf) || rounds_off(leaf) || passes_over(leaf) ||
             (rules_.sharp && has_edge_signs(leaf)))
             return false;

@@ -10,6 +10,8 @@
 #include <iterator>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <utility>
 
 namespace slim {
 namespace {
@@ -20,8 +22,11 @@ namespace {
 /// 5,837, 19,081 against 5,956, 5,399, 18,068 at the same errors; seven passes win no more).
 constexpr float kCrowding[] = {0.008f, 0.025f, 0.06f, static_cast<float>(kCoverage)};
 constexpr std::size_t kBatch = 256;         // most searches between two rounds of acceptance
-constexpr std::size_t kLeastGain = 8;       // searches of a batch for one that is likely in vain
-constexpr std::size_t kPrefetch = 32;       // centres whose state is fetched ahead
+constexpr std::size_t kMostUndecided = 288;  // centres, searched or held
+constexpr std::size_t kPrefetch = 32;       // centres whose state and place are fetched ahead
+constexpr std::size_t kLeastTogether = 8192;  // waiting points that all threads look through,
+constexpr std::size_t kParts = 24;            // and of how many parts these are one
+constexpr std::size_t kLeastGain = 8;       // searches of a batch for one centre that is held
 constexpr double kConflict = 0.5;           // share of rho_r within which a
                                             // centre likely forestalls another
 constexpr double kWantedInBall = 240;       // points of a thinning in a ball of the level
@@ -38,6 +43,26 @@ Bbox box_of(const PointBlock& points) {
     Bbox box;
     for (const Bbox& part : parts) box.extend(part);
     return box;
+}
+
+/// Those of some points that are wanted. Their states lie anywhere in memory, and are fetched
+/// ahead.
+template <class IsWanted>
+std::vector<std::uint32_t> wanted_of(std::span<const std::uint32_t> points,
+                                     const CoverStates& states, const IsWanted& is_wanted) {
+    constexpr std::size_t kGrain = 2048;
+    std::vector<std::vector<std::uint32_t>> parts((points.size() + kGrain - 1) / kGrain);
+    parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint32_t> part;
+        for (std::size_t i = begin; i < end; ++i) {
+            states.prefetch(points[std::min(i + kPrefetch, end - 1)]);
+            if (is_wanted(points[i])) part.push_back(points[i]);
+        }
+        parts[begin / kGrain] = std::move(part);
+    });
+    std::vector<std::uint32_t> out;
+    for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+    return out;
 }
 
 EdgeQuestion edge_question(const CoverRules& rules, std::size_t n_here) {
@@ -80,6 +105,8 @@ Cover LevelCover::run(Reporter& reporter) {
         run_level(level, thinning);
         out_.counts.levels = static_cast<std::uint64_t>(level);
     }
+    aside_.wait();
+    out_.counts += of_leaves_;
     reporter.progress("fit", n - states_.count_open(), n);
     if (rules_.fits_again() || closes_gaps()) finish_leaves();
     for (const LeafWork& w : work_) {
@@ -122,49 +149,106 @@ void LevelCover::run_level(int level, std::size_t thinning) {
     for (std::uint32_t& rank : waiting) rank = pyramid_.by_priority()[rank];
     for (const float most_overlap : kCrowding) {
         run_pass(level, thinning, std::min(most_overlap, rules_.coverage()), waiting);
-        if (waiting.empty()) break;
     }
 }
 
 /// Searches and accepts centres among the waiting points of a level whose overlap is not above a
-/// limit; those above it are left in `waiting`. A point that lies in no core is open whatever its
-/// overlap: the last pass takes them all.
+/// limit. A point that lies in no core is open whatever its overlap: the last pass takes them all.
+/// What is closed or crowded once stays so: all threads pass it over part by part.
 void LevelCover::run_pass(int level, std::size_t thinning, float most_overlap,
-                          std::vector<std::uint32_t>& waiting) {
+                          const std::vector<std::uint32_t>& waiting) {
     const bool last = most_overlap >= rules_.coverage();
     const auto may_lead = [&](std::uint32_t p) { return states_.may_lead(p, level); };
     const auto is_free = [&](std::uint32_t p) { return last || states_.weight(p) <= most_overlap; };
+    const auto is_wanted = [&](std::uint32_t p) { return may_lead(p) && is_free(p); };
+    const std::size_t n_together = std::max(kLeastTogether, waiting.size() / kParts);
+    std::vector<std::uint32_t> ready;
+    std::size_t next = 0, n_taken = 0;  // of `ready`, of `waiting`
 
-    BatchPlaces places(kConflict * level_radius(rules_.diagonal, level));
-    std::vector<std::uint32_t> passed, later;
     std::vector<CoverCandidate> batch;
-    for (std::size_t next = 0; next < waiting.size();) {
-        batch.clear();
-        passed.clear();
-        places.clear();
-        for (std::size_t clashes = 0; next < waiting.size() && batch.size() < kBatch; ++next) {
-            states_.prefetch(waiting[std::min(next + kPrefetch, waiting.size() - 1)]);
-            const std::uint32_t p = waiting[next];
-            if (!may_lead(p)) continue;
-            if (is_free(p)) {
-                if (!places.add(block_.position[p]) && ++clashes * kLeastGain > batch.size()) break;
-                batch.emplace_back().point = p;
-            }
-            passed.push_back(p);
+    while (true) {
+        if (next == ready.size() && n_taken < waiting.size()) {
+            const std::size_t n = std::min(n_together, waiting.size() - n_taken);
+            ready = wanted_of(std::span(waiting).subspan(n_taken, n), states_, is_wanted);
+            n_taken += n, next = 0;
         }
+        if (next == ready.size() && batch.empty()) {
+            if (n_taken == waiting.size()) break;
+            continue;
+        }
+        next = fill_batch(ready, next, level, is_wanted, batch);
         parallel_blocks(batch.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) search(batch[i], level, thinning);
+            for (std::size_t i = begin; i < end; ++i) {
+                if (batch[i].stage != SearchStage::next) continue;
+                search(batch[i], level, thinning);
+                batch[i].stage = SearchStage::done;
+            }
         });
-        for (CoverCandidate& c : batch) {
-            if (may_lead(c.point) && is_free(c.point))
+        std::size_t n_decided = 0;
+        for (; n_decided < batch.size(); ++n_decided) {
+            CoverCandidate& c = batch[n_decided];
+            const bool is_searched = c.stage == SearchStage::done;
+            if (!is_wanted(c.point))
+                out_.counts.discarded += is_searched;
+            else if (is_searched) {
                 accept(c, level);
-            else
-                ++out_.counts.discarded;
+                forestalling_.add(c.leaf);
+            } else
+                break;
         }
-        // By priority, wherever the batch ended: those crowded before it and those crowded by it.
-        std::copy_if(passed.begin(), passed.end(), std::back_inserter(later), may_lead);
+        settle_aside(batch, n_decided);
     }
-    waiting.swap(later);
+}
+
+/// Adds the next wanted centres to those of a batch that are not decided yet, and says which are
+/// searched. Returns how many of `ready` are taken then. A centre near one before it, which
+/// likely forestalls it, is held until that one is decided.
+template <class IsWanted>
+std::size_t LevelCover::fill_batch(const std::vector<std::uint32_t>& ready, std::size_t next,
+                                   int level, const IsWanted& is_wanted,
+                                   std::vector<CoverCandidate>& batch) const {
+    // an internal surfel forestalls all centres in its ball, a leaf those near its own
+    const double conflict = forestalling_.are_often_internal() ? 1 : kConflict;
+    BatchPlaces places(conflict * level_radius(rules_.diagonal, level));
+    std::size_t n_next = 0, n_held = 0;
+    const auto take = [&](CoverCandidate& c) {
+        const bool is_free = places.add(block_.position[c.point]);
+        if (c.stage == SearchStage::done) return;
+        c.stage = is_free ? SearchStage::next : SearchStage::held;
+        ++(is_free ? n_next : n_held);
+    };
+    for (CoverCandidate& c : batch) take(c);
+    const auto is_enough = [&] {
+        return n_next >= kBatch || batch.size() >= kMostUndecided || n_held * kLeastGain > n_next;
+    };
+    for (; next < ready.size() && !is_enough(); ++next) {
+        const std::uint32_t ahead = ready[std::min(next + kPrefetch, ready.size() - 1)];
+        states_.prefetch(ahead);
+        __builtin_prefetch(&block_.position[ahead]);
+        if (!is_wanted(ready[next])) continue;
+        batch.emplace_back().point = ready[next];
+        take(batch.back());
+    }
+    return next;
+}
+
+/// Has the decided ones settled, the first n of a batch, while the rest goes on.
+void LevelCover::settle_aside(std::vector<CoverCandidate>& batch, std::size_t n) {
+    aside_.wait();
+    const auto end = batch.begin() + static_cast<std::ptrdiff_t>(n);
+    settled_.assign(std::move_iterator(batch.begin()), std::move_iterator(end));
+    batch.erase(batch.begin(), end);
+    aside_.run([this] { settle(settled_); });
+}
+
+/// What the next batch does not wait for: sums of what the leaves of a batch leave over, counts,
+/// memory given back.
+void LevelCover::settle(std::vector<CoverCandidate>& batch) {
+    for (const CoverCandidate& c : batch) {
+        if (c.is_accepted && rules_.fits_again()) second_.blend(c.surfel);
+        if (c.is_kept) of_leaves_.add_leaf(c.surfel);
+    }
+    batch.clear();
 }
 
 void LevelCover::search(CoverCandidate& c, int level, std::size_t thinning) {

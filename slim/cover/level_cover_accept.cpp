@@ -61,7 +61,10 @@ void LevelCover::mark_again(std::span<const FittedSurfel> leaves) {
         covering[i] = cover_again(pyramid_.all(), leaves[i], rules_.noise_variance,
                                   work_.local().exact.ball, open);
     });
-    for (const CoveringSurfel& leaf : covering) mark(leaf);
+    for (const CoveringSurfel& leaf : covering) {
+        mark(leaf);
+        if (rules_.fits_again()) second_.blend(leaf);
+    }
 }
 
 void LevelCover::accept(CoverCandidate& c, int level) {
@@ -108,12 +111,13 @@ void LevelCover::accept_leaf(CoverCandidate& c, int level) {
     }
     states_.close(c.point);
     mark(c.surfel);
+    c.is_accepted = true;
     if (rules_.fits_again()) second_.wait(f);
     else if (closes_gaps())
         known_.push_back(f);
     if (!is_kept(f)) return;
+    c.is_kept = true;
     out_.counts.recentred += c.center != c.point;
-    out_.counts.add_leaf(c.surfel);
     out_.counts.contrary += c.choice.limited;
     if (!rules_.fits_again()) keep(f);
 }
@@ -155,7 +159,6 @@ bool LevelCover::drop(std::uint32_t point) {
 
 void LevelCover::mark(const CoveringSurfel& leaf) {
     states_.mark(leaf, is_raw() && !is_doubtful(leaf.fitted, rules_.noise_variance));
-    if (rules_.fits_again()) second_.blend(leaf);
 }
 
 }  // namespace slim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slim/base/parallel.h"
 #include "slim/cover/cover_states.h"
 #include "slim/cover/leaf_maker.h"
 #include "slim/cover/level_cover.h"
@@ -15,13 +16,29 @@
 
 namespace slim {
 
+/// Of a centre of a batch: another may forestall it, it is searched next, it was.
+enum class SearchStage : std::uint8_t { held, next, done };
+
+/// What the last centres became, the later the more they count.
+class LatestKinds {
+public:
+    void add(bool is_leaf) { internal_ += ((is_leaf ? 0 : 1) - internal_) / kRemembered; }
+    bool are_often_internal() const { return internal_ > kOften; }
+
+private:
+    static constexpr double kRemembered = 32, kOften = 0.1;
+    double internal_ = 1;  // share
+};
+
 /// One centre of a batch and what its search found.
 struct CoverCandidate : LeafCandidate {
+    SearchStage stage = SearchStage::held;
     bool few_in_noise = false;           // a forced ball of so few points that it
                                          // gives way to a leaf beside it
     FittedSurfel internal;               // if it is no leaf
     std::vector<std::uint32_t> stamped;  // points that the internal surfel
                                          // keeps from becoming centres
+    bool is_accepted = false, is_kept = false;  // as a leaf
 };
 
 /// The state of one run; each method is one step of it. Holds references to all it is given.
@@ -41,7 +58,12 @@ private:
     std::size_t sift_open(std::size_t thinning);
     void run_level(int level, std::size_t thinning);
     void run_pass(int level, std::size_t thinning, float most_overlap,
-                  std::vector<std::uint32_t>& waiting);
+                  const std::vector<std::uint32_t>& waiting);
+    template <class IsWanted>
+    std::size_t fill_batch(const std::vector<std::uint32_t>& ready, std::size_t next, int level,
+                           const IsWanted& is_wanted, std::vector<CoverCandidate>& batch) const;
+    void settle_aside(std::vector<CoverCandidate>& batch, std::size_t n);
+    void settle(std::vector<CoverCandidate>& batch);
     void search(CoverCandidate& c, int level, std::size_t thinning);
     void make_internal(CoverCandidate& c, double radius, std::size_t thinning,
                        LeafWork& work) const;
@@ -67,10 +89,14 @@ private:
     SecondFit second_;
     std::deque<FittedSurfel> known_;  // the leaves, if gaps are closed and none waits for that fit
     std::vector<std::uint64_t> strays_;  // their ids
+    LatestKinds forestalling_;
     // places in by_priority() of points that may be open, rising
     std::vector<std::uint32_t> open_;
     tbb::enumerable_thread_specific<LeafWork> work_;
     Cover out_;
+    CoverCounts of_leaves_;                // of what is settled
+    std::vector<CoverCandidate> settled_;  // a batch that was accepted, until it is
+    WorkAside aside_;                      // last: it refers to all above
 };
 
 }  // namespace slim

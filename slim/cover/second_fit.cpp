@@ -1,6 +1,9 @@
 #include "slim/cover/second_fit.h"
 
+#include "slim/cover/leaves_along_curve.h"
 #include "slim/model/rim.h"
+
+#include <algorithm>
 
 namespace slim {
 namespace {
@@ -12,8 +15,12 @@ constexpr std::size_t kPiece = 1024;  // leaves that wait together
 void SecondFit::blend(const CoveringSurfel& leaf) {
     const Surfel& s = leaf.fitted.surfel;
     const auto rho = static_cast<float>(s.support_radius);
+    const Rim first = unpack_rim(s.rims.first), second = unpack_rim(s.rims.second);
+    const bool is_whole = !s.rims.any();
     for (const Covered& p : leaf.covered) {
-        const float weight = p.weight * static_cast<float>(rim_share(s.rims, p.u, p.v));
+        const double share =
+            is_whole ? 1 : std::min(rim_share(first, p.u, p.v), rim_share(second, p.u, p.v));
+        const float weight = p.weight * static_cast<float>(share);
         blend_[p.point].weight += weight;
         blend_[p.point].height += weight * p.off * rho;
     }
@@ -27,9 +34,13 @@ void SecondFit::wait(const FittedSurfel& leaf) {
 }
 
 std::size_t SecondFit::run(const PointTree& points) {
-    std::size_t moved = 0;
-    for (std::vector<FittedSurfel>& leaves : waiting_)
-        moved += refit_to_blend(points, blend_, leaves);
+    std::vector<FittedSurfel*> leaves;
+    for (std::vector<FittedSurfel>& piece : waiting_)
+        for (FittedSurfel& leaf : piece) leaves.push_back(&leaf);
+    const std::size_t moved = refit_to_blend(
+        points, blend_, leaves_along_curve(leaves, [](const FittedSurfel& leaf) -> const Surfel& {
+            return leaf.surfel;
+        }));
     std::vector<BlendResidual>().swap(blend_);
     return moved;
 }

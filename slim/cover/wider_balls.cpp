@@ -59,9 +59,12 @@ double share_sideways(const BallPoints<double>& ball, const Vec3d& normal) {
            static_cast<double>(std::max<std::size_t>(ball.n - away, 1));
 }
 
+bool is_thin_enough(const CoveringSurfel& leaf) {
+    return leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
+}
+
 bool is_well_fitted(const CoveringSurfel& leaf) {
-    return leaf.explains_center &&
-           leaf.fitted.fit_error <= kWellFitted * leaf.fitted.surfel.support_radius;
+    return leaf.explains_center && is_thin_enough(leaf);
 }
 
 bool has_edge_signs(const CoveringSurfel& leaf) {

@@ -21,7 +21,11 @@ std::vector<float> wider_radii(const PointTree& points, const Vec3d& center, dou
 /// its way nor the other: much of it beyond an edge, little of a plate's two sides.
 double share_sideways(const BallPoints<double>& ball, const Vec3d& normal);
 
-/// Whether the leaf of such a ball explains its centre and is fitted well, eps < 0.06 rho.
+/// Whether the leaf of such a ball is fitted well, eps < 0.06 rho: known before its points are
+/// listed.
+bool is_thin_enough(const CoveringSurfel& leaf);
+
+/// Whether it explains its centre besides.
 bool is_well_fitted(const CoveringSurfel& leaf);
 
 /// Whether the ball of a leaf holds an edge, which sheets would show better: more than four signs

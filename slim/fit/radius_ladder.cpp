@@ -63,9 +63,9 @@ int RadiusLadder::finest_rung(const Vec3d& center, double first_guess, LadderWor
         rung = std::clamp(
             static_cast<int>(std::log(first_guess / root_radius_) / std::log(kGoldenRatio)),
             std::min(rules_.top_rung, last_rung_), last_rung_);
-    const auto gather = [&] { gather_ball(points_.all(), center, rung_radius(rung), work.ball); };
-    gather();
-    while (work.ball.n < enough && --rung >= coarsest_tried()) gather();
+    gather(0, center, rung_radius(rung), work);
+    while (work.ball.n < enough && --rung >= coarsest_tried())
+        gather(0, center, rung_radius(rung), work);
     if (work.ball.n < enough) return rung;
     const auto holds_enough = [&](int r) {
         const double ratio = rung_radius(r) / work.ball.radius;
@@ -97,14 +97,28 @@ std::size_t RadiusLadder::likely_level(const Rung& finer) const {
     return std::min(finer.level + (thinned ? 1 : 0), points_.n_levels() - 1);
 }
 
+void RadiusLadder::gather(std::size_t level, const Vec3d& center, double radius,
+                          LadderWork& work) const {
+    work.level = level;
+    gather_ball(points_.level(level), center, radius, work.ball);
+}
+
+/// The same after a fit: where that was of this very ball, only what it set aside is taken back.
+void RadiusLadder::gather_again(std::size_t level, const Vec3d& center, double radius,
+                                LadderWork& work) const {
+    if (level != work.level || radius != work.ball.radius)
+        return gather(level, center, radius, work);
+    for (const SetAside<float>& a : work.aside) work.ball.sq[a.index] = a.sq;
+}
+
 /// Gathers a rung's ball, thinned from `level` on until the sample is not exceeded.
 void RadiusLadder::gather_rung(int rung, std::size_t& level, const Vec3d& center,
                                LadderWork& work) const {
     const double radius = rung_radius(rung);
     const bool is_here = level == 0 && work.ball.radius == radius;  // the finest rung's
-    if (!is_here) gather_ball(points_.level(level), center, radius, work.ball);
+    if (!is_here) gather(level, center, radius, work);
     while (work.ball.n > rules_.sample && level + 1 < points_.n_levels())
-        gather_ball(points_.level(++level), center, radius, work.ball);
+        gather(++level, center, radius, work);
 }
 
 /// Whether the sheet goes on to the end of a rung's ball. Few points that face another way are
@@ -138,7 +152,7 @@ std::optional<RadiusLadder::Rung> RadiusLadder::evaluate(int rung, std::size_t l
     for (std::size_t finer = level;
          finer > 0 && work.ball.n < rules_.most_sample / 3 &&
          2 * found.fit.sq_missed_error > energy_of(found.degree).price(radius);) {
-        gather_ball(points_.level(--finer), center, radius, work.ball);
+        gather(--finer, center, radius, work);
         found = fit_gathered(normal, work);
     }
     const LocalFit& fit = found.fit;
@@ -226,7 +240,7 @@ bool RadiusLadder::falls_to_the_end(const Rung& chosen, const Rung& finer) const
 double RadiusLadder::refine(const Rung& chosen, double lo, double hi, const Vec3d& center,
                             const Vec3d& normal, LadderWork& work) const {
     if (work.ball.normals_count) return known_optimum(chosen, lo, hi);
-    gather_ball(points_.level(chosen.level), center, hi, work.ball);
+    gather_again(chosen.level, center, hi, work);
     const double middle = rung_radius(chosen.index) / hi;
     const Frame<double> frame = frame_from_normal(average_normal(work.ball, middle, normal).normal);
     set_contrary_aside(work.ball, frame.normal, work.aside);

@@ -61,6 +61,7 @@ bool within_noise(std::size_t count, std::size_t n, double share);
 /// Workspace of one thread and the counts it keeps.
 struct LadderWork {
     BallPoints<float> ball;
+    std::size_t level = 0;  ///< of the pyramid, that a ladder gathered it from
     std::vector<SetAside<float>> aside;
     SharpWork<float> sharp;
     bool edge_in_sight = false;  ///< shows_edge or shows_faces of the last search's last rung
@@ -117,6 +118,9 @@ private:
     bool stands_alone(const Vec3d& center, int rung) const;
     int finest_rung(const Vec3d& center, double first_guess, LadderWork& work) const;
     std::size_t likely_level(const Rung& finer) const;
+    void gather(std::size_t level, const Vec3d& center, double radius, LadderWork& work) const;
+    void gather_again(std::size_t level, const Vec3d& center, double radius,
+                      LadderWork& work) const;
     void gather_rung(int rung, std::size_t& level, const Vec3d& center, LadderWork& work) const;
     SheetEnd end_of(const LadderFit& found, const LadderWork& work) const;
     std::optional<Rung> evaluate(int rung, std::size_t level, const Vec3d& center,

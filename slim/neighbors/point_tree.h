@@ -74,7 +74,9 @@ public:
     }
 
     /// Edge length that 16 neighbours of point i share, a first guess of the density there.
-    double bucket_diagonal(std::size_t i) const { return boxes_.bucket(i / kBucket).diagonal(); }
+    double bucket_diagonal(std::size_t i) const { return bucket_box(i).diagonal(); }
+    /// The box of the bucket that holds point i.
+    Bbox bucket_box(std::size_t i) const { return boxes_.bucket(i / kBucket); }
 
 private:
     void fill_bucket(std::size_t bucket);

@@ -85,5 +85,35 @@ TEST(RunBoth, DoesBothAndThrowsWhatEitherThrows) {
     }
 }
 
+// Each piece reads what the one before it wrote, with no lock but the order.
+TEST(WorkAside, PiecesAreDoneOneAfterTheOther) {
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        WorkAside aside;
+        std::vector<int> done;
+        for (int i = 0; i < 1000; ++i) {
+            aside.run([&done, i] { done.push_back(i); });
+            parallel_blocks(4, 1, [](std::size_t, std::size_t) {});
+        }
+        aside.wait();
+        ASSERT_EQ(done.size(), 1000u);
+        for (int i = 0; i < 1000; ++i) ASSERT_EQ(done[static_cast<std::size_t>(i)], i);
+    }
+}
+
+TEST(WorkAside, ThrowsWhatAPieceThrewOnce) {
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        WorkAside aside;
+        aside.run([] { throw std::runtime_error("no"); });
+        EXPECT_THROW(aside.wait(), std::runtime_error);
+        int a = 0;
+        aside.run([&] { a = 1; });
+        aside.wait();
+        EXPECT_EQ(a, 1);
+        aside.run([] { throw std::runtime_error("nobody waits for it"); });
+    }
+}
+
 }  // namespace
 }  // namespace slim::test

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 namespace slim::test {
@@ -69,6 +71,51 @@ TEST(AirPlaces, TheyLieBeyondAnEdgeThatFallsAway) {
               0.05);  // the core ends at 0.07
     EXPECT_TRUE(std::all_of(air.begin(), air.end(),
                             [&](const AirPlace& p) { return p.far || reach(p) < 0.03; }));
+}
+
+/// By all points of the ball, one after the other; sorted.
+std::vector<std::array<double, 3>> by_all_points(const Surfel& s, const BallPoints<double>& ball) {
+    std::vector<std::array<double, 3>> out;
+    const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(ball.n));
+    for (int i = 0; i < 208; ++i) {
+        const double r = kTrim * std::sqrt((i + 0.5) / 208);
+        const double angle = i * 2 * std::numbers::pi * kGoldenRatio;
+        const double u = r * std::cos(angle), v = r * std::sin(angle);
+        const Vec3d foot = s.frame.world_from_local({u, v, s.polynomial.value(u, v)});
+        if (sq_length(foot) >= kTrim * kTrim) continue;
+        std::size_t nearest = 0;
+        for (std::size_t p = 1; p < ball.n; ++p)
+            if (sq_length(foot - ball.place(p)) < sq_length(foot - ball.place(nearest)))
+                nearest = p;
+        const Vec3d away = foot - ball.place(nearest);
+        const double height = dot(ball.normal(nearest), away);
+        const bool far = length(away) > 1.5 * spacing || std::abs(height) > 0.3 * spacing;
+        if (far || height > 0.15 * spacing) out.push_back({u, v, far ? 1.0 : 0.0});
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+TEST(AirPlaces, AreThoseThatAllPointsOfTheBallTell) {
+    const PointBlock block = edge_points(false);
+    BallPoints<double> ball;
+    std::size_t n_found = 0;
+    for (const double x : {-0.08, -0.05, -0.03, 0.0})
+        for (const double radius : {0.06, 0.1, 0.15, 0.4}) {  // of 15 to 700 points
+            SCOPED_TRACE(testing::Message() << x << " " << radius);
+            const Surfel s = level_disc(block, {x, 0, 0}, radius, ball);
+            std::vector<std::array<double, 3>> found;
+            for (const AirPlace& p : air_places(s, ball))
+                found.push_back({static_cast<double>(p.u), static_cast<double>(p.v),
+                                 p.far ? 1.0 : 0.0});
+            std::sort(found.begin(), found.end());
+            const auto expected = by_all_points(s, ball);
+            ASSERT_EQ(found.size(), expected.size());
+            n_found += found.size();
+            for (std::size_t i = 0; i < found.size(); ++i)
+                for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[i][k], expected[i][k], 1e-6);
+        }
+    EXPECT_GT(n_found, 100u);
 }
 
 TEST(AirPlaces, AHoleIsFar) {

@@ -92,10 +92,11 @@ TEST(BlendRefit, WhatAllPointsSayIsTakenOver) {
     for (Vec3f& n : block.normal) n = {0, 0, 1};
     const PointTree tree = tree_of(block);
     std::vector<FittedSurfel> leaf(1);
+    const std::vector<FittedSurfel*> alone{&leaf[0]};
     leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 1};
     leaf[0].flags = kLeaf;
     const std::vector<BlendResidual> residuals(block.size(), BlendResidual{0.5f, 0.005f});
-    EXPECT_EQ(refit_to_blend(tree, residuals, leaf), 1u);
+    EXPECT_EQ(refit_to_blend(tree, residuals, alone), 1u);
     EXPECT_NEAR(leaf[0].surfel.polynomial.a[0], 0.01, 1e-6);
     EXPECT_NEAR(leaf[0].surfel.polynomial.a[1], 0, 1e-6);
 }
@@ -106,15 +107,16 @@ TEST(BlendRefit, ChanceIsNotBelieved) {
     for (Vec3f& n : block.normal) n = {0, 0, 1};
     const PointTree tree = tree_of(block);
     std::vector<FittedSurfel> leaf(1);
+    const std::vector<FittedSurfel*> alone{&leaf[0]};
     leaf[0].surfel = {{0, 0, 0}, 1, frame_from_normal(Vec3d{0, 0, 1}), {}, 2};
     std::vector<BlendResidual> residuals(block.size());
     for (std::size_t i = 0; i < residuals.size(); ++i)
         residuals[i] = {1, keyed_hash(5, block.id[i]) & 1 ? 0.01f : -0.01f};
-    refit_to_blend(tree, residuals, leaf);
+    refit_to_blend(tree, residuals, alone);
     for (const double a : leaf[0].surfel.polynomial.a) EXPECT_LT(std::abs(a), 0.004);
     std::fill(residuals.begin(), residuals.end(), BlendResidual{1, 0});
     leaf[0].surfel.polynomial = {};
-    EXPECT_EQ(refit_to_blend(tree, residuals, leaf), 0u) << "nothing is left over";
+    EXPECT_EQ(refit_to_blend(tree, residuals, alone), 0u) << "nothing is left over";
 }
 
 }  // namespace
